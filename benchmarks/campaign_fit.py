@@ -12,11 +12,11 @@ from benchmarks._lines import Line
 from benchmarks._timing import race
 from dampyr.errors import DampyrWarning
 from dampyr.identification import fit
-from dampyr.identification.fit import prepared
-from dampyr.identification.fit_data import Piece, piece
-from dampyr.identification.initial_guess import begin
-from dampyr.identification.normal_equations import modelled_force
-from dampyr.identification.problem import Point, Problem
+from dampyr.identification.fits.fit import prepared
+from dampyr.identification.search.fit_data import Piece, piece
+from dampyr.identification.search.initial_guess import begin
+from dampyr.identification.search.normal_equations import modelled_force
+from dampyr.identification.search.problem import Point, Problem
 from dampyr.models import compose
 from dampyr.models.path_integration import along
 from dampyr.records import Record, read_campaign

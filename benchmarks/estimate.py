@@ -12,9 +12,9 @@ from benchmarks._lines import Line
 from benchmarks._timing import race
 from benchmarks.bouc_wen_force import compiled
 from dampyr.identification import fit
-from dampyr.identification.fit import prepared
-from dampyr.identification.problem import Point, Problem
-from dampyr.identification.variable_projection import search
+from dampyr.identification.fits.fit import prepared
+from dampyr.identification.search.problem import Point, Problem
+from dampyr.identification.search.variable_projection import search
 from dampyr.models import Damper
 from dampyr.records import Record
 

@@ -22,7 +22,7 @@ from dampyr import registry
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning
 from dampyr.models import Constant, Damper, Polynomial, available_parts, part
-from dampyr.records.column_table import WORDS
+from dampyr.records.files.column_table import WORDS
 from dampyr.records.record import CHANNELS
 from dampyr.structures import available_control_laws, control_law
 

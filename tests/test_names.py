@@ -41,6 +41,21 @@ def check(root: Path) -> subprocess.CompletedProcess[str]:
             },
             "import circle: dampyr.models.a <-> dampyr.models.b",
         ),
+        (
+            {
+                "src/dampyr/models/__init__.py": "from dampyr.models.cycles import cycles\n",
+                "src/dampyr/models/cycles.py": "def cycles() -> None: ...\n",
+            },
+            "src/dampyr/models/__init__.py:1: 'cycles' hides the module dampyr.models.cycles",
+        ),
+        (
+            {
+                "src/dampyr/models/__init__.py": "from dampyr.records.b import score\n",
+                "src/dampyr/models/score/__init__.py": "",
+                "src/dampyr/records/b.py": "def score() -> None: ...\n",
+            },
+            "'score' hides the module dampyr.models.score",
+        ),
     ],
 )
 def test_a_planted_offence_is_refused(tmp_path: Path, files: dict[str, str], sentence: str) -> None:
@@ -48,6 +63,7 @@ def test_a_planted_offence_is_refused(tmp_path: Path, files: dict[str, str], sen
         (tmp_path / folder).mkdir(parents=True)
     assert check(tmp_path).returncode == 0
     for name, text in files.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text)
     run = check(tmp_path)
     assert run.returncode == 1

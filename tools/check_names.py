@@ -1,4 +1,4 @@
-"""Names that must not come back: old words as identifiers, modules that share a name, import circles.
+"""Names that must not come back: old words as identifiers, modules that share a name or are hidden, import circles.
 
 ::
 
@@ -11,12 +11,15 @@
   the exceptions, each with its reason.
 - No two modules of ``src`` have the same name, except in the folders of `REGISTRIES`, whose files are named after what a
   user types or chooses: there the same name in two folders means the same thing.
+- No name that a package imports is that of one of its own modules or sub-packages: ``dampyr.records.cycles`` would be the
+  function, and the module of that name could be reached by ``from`` alone.
 - No modules import one another in a circle, neither when they are loaded nor inside of functions nor for types alone.
 """
 
 from __future__ import annotations
 
 import argparse
+import ast
 import sys
 import tokenize
 from collections import defaultdict
@@ -45,16 +48,17 @@ PARTS = ("driver.py", "simulated.py")  # of every folder of rig/instruments
 
 def main() -> int:
     """Print every offence; 1 where there is one."""
-    parser = argparse.ArgumentParser(description="Old words, repeated module names and import circles.")
+    parser = argparse.ArgumentParser(description="Old words, repeated or hidden module names, import circles.")
     parser.add_argument("--root", type=Path, default=CHECKOUT, metavar="DIR", help="the checkout to check")
     root = parser.parse_args().root.resolve()
     sources = list(read_modules(root / "src"))
     offences = [
         *(line for folder in FOLDERS for module in read_modules(root / folder) for line in old_words(module, root)),
         *repeated_modules(sources, root / "src" / "dampyr"),
+        *hidden_modules(sources, root),
         *circle_lines(sources),
     ]
-    print("\n".join(offences) or "No old words, no repeated module names, no import circles.")
+    print("\n".join(offences) or "No old words, no repeated or hidden module names, no import circles.")
     return 1 if offences else 0
 
 
@@ -79,6 +83,19 @@ def repeated_modules(modules: list[Module], package: Path) -> Iterator[str]:
     for name, paths in sorted(places.items()):
         if len(paths) > 1:
             yield f"{len(paths)} modules are called {name!r}: {', '.join(paths)}; give each its own name"
+
+
+def hidden_modules(modules: list[Module], root: Path) -> Iterator[str]:
+    """One line for each name that a package takes from elsewhere and that one of its own modules or sub-packages has."""
+    names = {module.name for module in modules}
+    for package in (module for module in modules if module.is_package):
+        for node in package.tree.body:
+            if not isinstance(node, ast.ImportFrom) or node.module == package.name:
+                continue
+            for name in (alias.asname or alias.name for alias in node.names):
+                if f"{package.name}.{name}" in names:
+                    place = package.path.relative_to(root).as_posix()
+                    yield f"{place}:{node.lineno}: {name!r} hides the module {package.name}.{name}; rename the module"
 
 
 def circle_lines(modules: list[Module]) -> Iterator[str]:

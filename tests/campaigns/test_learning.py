@@ -31,7 +31,7 @@ from dampyr.campaigns.learning import (
     next_set_points,
     tracking,
 )
-from dampyr.campaigns.plan import WAYS
+from dampyr.campaigns.planned_tests import WAYS
 from dampyr.campaigns.steps.sine import Sine
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning, InputError, RigFault

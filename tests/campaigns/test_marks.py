@@ -24,9 +24,9 @@ from dampyr.campaigns.marks import (
 from dampyr.cli import cli
 from dampyr.errors import RigFault
 from dampyr.identification import identify
-from dampyr.identification.identify import IdentifyOptions
+from dampyr.identification.fits.identify import IdentifyOptions
 from dampyr.records import Record
-from dampyr.records.cycles import similar_cycles
+from dampyr.records.cycle_analysis.cycles import similar_cycles
 from dampyr.records.formats import h5
 from dampyr.rig import RigSettings, simulated
 from dampyr.rig.uncertainty_budget import Evidence

@@ -24,8 +24,8 @@ from dampyr import campaigns, records
 from dampyr.campaigns import Control, Progress, Stopped, perform, read_journal
 from dampyr.campaigns.record_test import groups_of
 from dampyr.errors import DampyrWarning, FileError, InputError, RigFault
+from dampyr.records.files.recording import Recording
 from dampyr.records.formats import h5
-from dampyr.records.recording import Recording
 from dampyr.rig import Rig, RigSettings, load_settings, simulated
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
@@ -245,7 +245,7 @@ CROWDED = textwrap.dedent("""
     from dampyr.cli import cli
     from dampyr.records import read
     from dampyr.records.formats import h5
-    from dampyr.records.recording import Recording
+    from dampyr.records.files.recording import Recording
     from dampyr.rig import simulated
 
     way, reserved, campaign, folder = sys.argv[1:5]
@@ -367,7 +367,7 @@ def test_a_cell_wired_backwards_is_seen_before_the_first_test(two: Path, tmp_pat
 HOST = textwrap.dedent("""
     import sys
     from dampyr.campaigns import perform
-    from dampyr.records.recording import Recording
+    from dampyr.records.files.recording import Recording
     from dampyr.rig import RigSettings, simulated
 
     campaign, folder, box = sys.argv[1:4]
@@ -450,7 +450,7 @@ def test_a_killed_host_leaves_a_rig_at_rest_and_its_samples(two: Path, tmp_path:
 FORKING = textwrap.dedent("""
     import os, signal, sys, time
     from dampyr.campaigns import perform
-    from dampyr.records.recording import Recording
+    from dampyr.records.files.recording import Recording
     from dampyr.rig import simulated
 
     append = Recording.append

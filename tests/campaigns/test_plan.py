@@ -9,7 +9,7 @@ import pytest
 
 from dampyr import campaigns
 from dampyr.campaigns import available_steps, kind, perform, plan, planned
-from dampyr.campaigns.plan import WAYS
+from dampyr.campaigns.planned_tests import WAYS
 from dampyr.errors import FileError, InputError, MissingData
 from dampyr.rig import RigSettings, simulated
 from dampyr.studies import raminelli_2020

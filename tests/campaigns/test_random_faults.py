@@ -39,7 +39,7 @@ from tests.rig_truth import errors, stated, true_channels, unsafe
 
 from dampyr import campaigns, records
 from dampyr.campaigns import perform, read_journal
-from dampyr.campaigns.plan import PlannedTest, plan
+from dampyr.campaigns.planned_tests import PlannedTest, plan
 from dampyr.errors import DampyrWarning, RigFault
 from dampyr.records import Record
 from dampyr.records.formats import h5

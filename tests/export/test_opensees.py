@@ -21,7 +21,7 @@ import dampyr as dp
 from dampyr.errors import InputError
 from dampyr.export import export, opensees_server
 from dampyr.models import Damper, Interpolation
-from dampyr.structures.simulate import law_of
+from dampyr.structures.time_history.simulate import law_of
 from dampyr.studies import raminelli_2020
 
 SCRIPT = Path(__file__).with_name("opensees_model.py")

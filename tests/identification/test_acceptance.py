@@ -8,7 +8,7 @@ import pytest
 
 from dampyr.errors import ExtrapolationWarning, InputError
 from dampyr.identification import Tolerance, accept, fit
-from dampyr.identification.acceptance import band
+from dampyr.identification.acceptance_tests.acceptance import band
 from dampyr.models import Constant, Damper, published
 from dampyr.records import Record, read_campaign
 from dampyr.studies import load_damper

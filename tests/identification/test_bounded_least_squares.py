@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.optimize import lsq_linear
 
-from dampyr.identification.bounded_least_squares import solve_bounded, solve_by_cholesky, solve_by_eigenvalues
+from dampyr.identification.search.bounded_least_squares import solve_bounded, solve_by_cholesky, solve_by_eigenvalues
 from dampyr.models.codegen.kernels import compile_cached
 
 FREE = np.ones(6, dtype=bool)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from dampyr.errors import InputError
-from dampyr.identification import contradictions, fit
-from dampyr.identification.data_sheet import peak_to_peak
+from dampyr.identification import fit
+from dampyr.identification.fits.data_sheet import contradictions, peak_to_peak
 from dampyr.models import Constant, Damper, Interpolation
 from dampyr.records import Record
 

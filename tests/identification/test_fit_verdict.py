@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from dampyr.identification.fit_verdict import DESCRIBES, MISSES, fit_verdict
+from dampyr.identification.fits.fit_verdict import DESCRIBES, MISSES, fit_verdict
 
 
 def verdict_of(*l1, converged=True, reason="converged"):

@@ -11,8 +11,9 @@ from scipy.signal import butter, sosfiltfilt
 from tests.identification.synthetic import sine
 from tests.stories import laboratory
 
-from dampyr.identification import Fit, fit, variable_projection
-from dampyr.identification.normal_equations import linearise
+from dampyr.identification import Fit, fit
+from dampyr.identification.search import variable_projection
+from dampyr.identification.search.normal_equations import linearise
 from dampyr.models import Damper
 from dampyr.records import Record, read_campaign
 

@@ -9,8 +9,8 @@ from tests.identification.test_profile_likelihood import DAMPER, noisy_records
 
 import dampyr as dp
 from dampyr.identification import Fit, Identified, Inseparable, fit, identifiability
-from dampyr.identification.candidate_motions import Envelope, candidate_motions, envelope_of
-from dampyr.identification.fit_data import piece
+from dampyr.identification.parameter_uncertainty.candidate_motions import Envelope, candidate_motions, envelope_of
+from dampyr.identification.search.fit_data import piece
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
 from dampyr.report import write_fit_page

@@ -28,13 +28,18 @@ from dampyr.identification import (
     fit,
     identify,
     leaderboard,
-    parallel,
-    screening,
 )
-from dampyr.identification.identify import reasons_of_choice
-from dampyr.identification.leaderboard import Cut, choice_in_words, enough_records, optimism, standard_error
-from dampyr.identification.scoring_window import Window
-from dampyr.identification.screening import CUT, NOT_BEGUN, Trial, screen_all, screening_set, shortened
+from dampyr.identification.fits.identify import reasons_of_choice
+from dampyr.identification.model_choice import parallel, screening
+from dampyr.identification.model_choice.leaderboard import (
+    Cut,
+    choice_in_words,
+    enough_records,
+    optimism,
+    standard_error,
+)
+from dampyr.identification.model_choice.screening import CUT, NOT_BEGUN, Trial, screen_all, screening_set, shortened
+from dampyr.identification.scoring.scoring_window import Window
 from dampyr.models import Damper, Interpolation, available_parts, compose
 from dampyr.records import Record, read_campaign, with_velocity
 from dampyr.to_json import plain
@@ -226,7 +231,7 @@ def test_a_bandwidth_that_a_record_does_not_carry_is_refused_before_any_fit(
     def search(*args: object, **options: object) -> None:
         raise AssertionError("a search began")
 
-    monkeypatch.setattr(importlib.import_module("dampyr.identification.fit"), "search", search)
+    monkeypatch.setattr(importlib.import_module("dampyr.identification.fits.fit"), "search", search)
     records = without_velocity()
     records[4] = records[4].thinned(4)
     with pytest.raises(
@@ -315,8 +320,8 @@ def test_of_models_that_the_records_cannot_part_the_one_with_the_fewest_numbers_
 
 
 def test_a_finalist_that_may_stand_in_a_building_is_always_among_them() -> None:
-    from dampyr.identification.leaderboard import _finalists
-    from dampyr.identification.screening import Screened
+    from dampyr.identification.model_choice.leaderboard import _finalists
+    from dampyr.identification.model_choice.screening import Screened
 
     errors = {"sigmoid": 0.05, "hysteretic_biviscous": 0.06, "dahl": 0.09, "bouc_wen": 0.10}
     screened = [Screened(model, (Trial(model, error, 1.0),)) for model, error in errors.items()]
@@ -403,7 +408,10 @@ class Busy:
     """Keeps a core busy and makes every evaluation slower by a random time, as a busy neighbour does."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, seed: int) -> None:
-        rng, module = np.random.default_rng(seed), importlib.import_module("dampyr.identification.variable_projection")
+        rng, module = (
+            np.random.default_rng(seed),
+            importlib.import_module("dampyr.identification.search.variable_projection"),
+        )
         plain = module.linearise
 
         def slow(*given):
@@ -501,8 +509,8 @@ def test_no_job_begins_after_the_deadline(workers: int) -> None:
 
 
 def test_every_part_of_the_catalogue_has_a_cost_and_work_counts_evaluations_times_samples() -> None:
-    from dampyr.identification.fit import prepared
-    from dampyr.identification.work import COSTS, EVALUATION, Work
+    from dampyr.identification.fits.fit import prepared
+    from dampyr.identification.search.work import COSTS, EVALUATION, Work
 
     assert sorted(COSTS) == sorted(available_parts())
     problem, work = prepared("dahl + spring", campaign(1)), Work()

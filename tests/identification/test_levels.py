@@ -12,7 +12,7 @@ from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
 from dampyr.identification import Fit, ValidateOptions, fit, prediction_band, score, validate
-from dampyr.identification.levels import PRIOR_SESSION, _spread
+from dampyr.identification.parameter_uncertainty.levels import PRIOR_SESSION, _spread
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record, read_campaign
 

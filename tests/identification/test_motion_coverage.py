@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dampyr.identification.motion_coverage import beyond_the_fitted, reversals
+from dampyr.identification.fits.motion_coverage import beyond_the_fitted, reversals
 from dampyr.records import Record, read_campaign
 
 DT = 0.002

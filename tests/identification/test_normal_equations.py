@@ -7,9 +7,9 @@ import pytest
 from scipy.optimize import least_squares
 from tests.identification.synthetic import sine
 
-from dampyr.identification.fit import fit, prepared
-from dampyr.identification.initial_guess import begin
-from dampyr.identification.normal_equations import (
+from dampyr.identification.fits.fit import fit, prepared
+from dampyr.identification.search.initial_guess import begin
+from dampyr.identification.search.normal_equations import (
     NormalEquations,
     Step,
     eliminated,
@@ -18,8 +18,8 @@ from dampyr.identification.normal_equations import (
     products,
     step_point,
 )
-from dampyr.identification.problem import Point, Problem, independent_blocks
-from dampyr.identification.variable_projection import levenberg_marquardt, search
+from dampyr.identification.search.problem import Point, Problem, independent_blocks
+from dampyr.identification.search.variable_projection import levenberg_marquardt, search
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
 

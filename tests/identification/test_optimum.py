@@ -9,10 +9,11 @@ import pytest
 from tests.identification.synthetic import sine
 from tests.identification.test_fit import VOLTS, campaign
 
-from dampyr.identification import Fit, fit, identifiability, optimum, profile
-from dampyr.identification import normal_equations as equations
-from dampyr.identification.normal_equations import linearise, modelled_force
-from dampyr.identification.problem import Point
+from dampyr.identification import Fit, fit, identifiability, profile
+from dampyr.identification.search import normal_equations as equations
+from dampyr.identification.search import optimum
+from dampyr.identification.search.normal_equations import linearise, modelled_force
+from dampyr.identification.search.problem import Point
 from dampyr.models import Damper, Interpolation
 from dampyr.report import write_fit_page
 
@@ -49,7 +50,7 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, list[int]]:
 
     for name in seen:
         function = getattr(equations, name)
-        for module in (equations, optimum, sys.modules["dampyr.identification.identifiability"]):
+        for module in (equations, optimum, sys.modules["dampyr.identification.parameter_uncertainty.identifiability"]):
             if hasattr(module, name):
                 monkeypatch.setattr(module, name, counted(name, function))
     return seen

@@ -14,7 +14,7 @@ from tests.identification.test_coverage import TESTED, as_measured
 
 from dampyr.errors import InputError
 from dampyr.identification import Fit, ValidateOptions, fit, prediction_band, validate
-from dampyr.identification.score import score
+from dampyr.identification.scoring.score import score
 from dampyr.models import Damper
 from dampyr.records import Record, read_campaign
 

@@ -13,7 +13,7 @@ from tests.identification.synthetic import sine
 import dampyr as dp
 from dampyr.errors import InputError
 from dampyr.identification import Fit, fit, profile
-from dampyr.identification import profile_likelihood as module
+from dampyr.identification.parameter_uncertainty import profile_likelihood as module
 from dampyr.models import Damper
 from dampyr.records import Record
 

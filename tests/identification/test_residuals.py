@@ -9,8 +9,9 @@ from scipy.stats import spearmanr
 from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
-from dampyr.identification import Residuals, Trace, analyse, findings, fit, trends, warnings_of
-from dampyr.identification.residuals import SIDES, autocorrelation, correlation_intervals, motion, noise_of
+from dampyr.identification import Residuals, Trace, analyse, fit
+from dampyr.identification.fits.diagnostics import findings, trends, warnings_of
+from dampyr.identification.fits.residuals import SIDES, autocorrelation, correlation_intervals, motion, noise_of
 from dampyr.models import Damper
 
 DT, F = 0.005, 1.25

@@ -5,8 +5,9 @@ import pytest
 from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
-from dampyr.identification import compare, score
-from dampyr.identification.scoring_window import scorable, scoring_window
+from dampyr.identification import score
+from dampyr.identification.scoring.score import compare
+from dampyr.identification.scoring.scoring_window import scorable, scoring_window
 from dampyr.models import Constant, Damper
 from dampyr.records import Record, motion_start
 

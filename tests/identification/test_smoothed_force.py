@@ -9,11 +9,11 @@ from tests.identification.synthetic import sine
 from tests.identification.test_normal_equations import DAHL, LAWS, VOLTS, numeric, somewhere
 
 from dampyr.identification import accept, cross_validate, fit, score, validate
-from dampyr.identification.fit import prepared
-from dampyr.identification.fit_data import piece, thinned, weighted
-from dampyr.identification.normal_equations import products
-from dampyr.identification.score import prediction
-from dampyr.identification.scoring_window import too_short
+from dampyr.identification.fits.fit import prepared
+from dampyr.identification.scoring.score import prediction
+from dampyr.identification.scoring.scoring_window import too_short
+from dampyr.identification.search.fit_data import piece, thinned, weighted
+from dampyr.identification.search.normal_equations import products
 from dampyr.models import Constant, Damper, WithTemperature
 from dampyr.records import Declaration, MovingAverage, Record, cut, motion_start, with_smoothing
 
@@ -225,7 +225,7 @@ def test_parts_of_a_smoothed_record_hold_whole_windows() -> None:
 
 def test_ordinary_records_take_the_compiled_sums(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing is stored for them, whatever else is fitted with them."""
-    from dampyr.identification import normal_equations
+    from dampyr.identification.search import normal_equations
 
     stored = []
     original = normal_equations._products_of_stored

@@ -15,7 +15,7 @@ import dampyr as dp
 from dampyr.cli import cli
 from dampyr.errors import InputError
 from dampyr.identification import Specimens, fit_specimens, score
-from dampyr.identification.random_effects import random_effects
+from dampyr.identification.parameter_uncertainty.random_effects import random_effects
 from dampyr.models import Damper
 from dampyr.records import Record, write
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from tests.identification.synthetic import sine
 
-from dampyr.identification import variable_projection
-from dampyr.identification.fit import prepared
-from dampyr.identification.fit_data import first_part
-from dampyr.identification.initial_guess import begin
-from dampyr.identification.normal_equations import linearise
-from dampyr.identification.problem import Problem
-from dampyr.identification.variable_projection import Outcome, levenberg_marquardt, more_damping, search
+from dampyr.identification.fits.fit import prepared
+from dampyr.identification.search import variable_projection
+from dampyr.identification.search.fit_data import first_part
+from dampyr.identification.search.initial_guess import begin
+from dampyr.identification.search.normal_equations import linearise
+from dampyr.identification.search.problem import Problem
+from dampyr.identification.search.variable_projection import Outcome, levenberg_marquardt, more_damping, search
 from dampyr.models import Damper
 
 DAHL = Damper("dahl", {"dahl.kx": 800.0, "dahl.kw": 55.0, "dahl.rho": 2500.0})

@@ -8,10 +8,10 @@ import pytest
 
 from dampyr.errors import InputError, RangeError
 from dampyr.identification import cross_validate, fit, score
-from dampyr.identification.fit import prepared
+from dampyr.identification.fits.fit import prepared
 from dampyr.models import Constant, Damper, Polynomial
 from dampyr.records import Record
-from dampyr.records.nominal_input import commanded_input, without_noise_beyond
+from dampyr.records.conditioning.nominal_input import commanded_input, without_noise_beyond
 
 NOISE = 0.1  # V rms, of the channel of the voltage
 STEP = 0.005  # s

@@ -25,10 +25,10 @@ from dampyr.errors import DampyrWarning, InputError
 from dampyr.figures import laws as law_figures
 from dampyr.figures import style
 from dampyr.figures.fragility import Fragile
-from dampyr.identification.residuals import motion
+from dampyr.identification.fits.residuals import motion
 from dampyr.representation import MAX_LETTERS, MAX_LINES, Representation, as_html, as_text, rounded
 from dampyr.rig.calibration import calibration_of
-from dampyr.structures.ensemble_run import synthetic_motions
+from dampyr.structures.ensembles.ensemble_run import synthetic_motions
 from dampyr.studies.raminelli_2020.study import Study
 from dampyr.studies.raminelli_2020.study_part import Part
 from tests.identification.synthetic import sine

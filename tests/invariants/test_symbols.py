@@ -18,7 +18,7 @@ import pytest
 from numba.core.dispatcher import Dispatcher
 
 from dampyr.ground_motions import oscillator
-from dampyr.identification import bounded_least_squares, normal_equations
+from dampyr.identification.search import bounded_least_squares, normal_equations
 from dampyr.models import available_parts, part, path_integration
 from dampyr.models.codegen.composition import compose
 from dampyr.models.codegen.kernels import bind, compile_cached
@@ -26,7 +26,7 @@ from dampyr.rig.simulation import plant
 from dampyr.structures import two_storey
 from dampyr.structures.batch.engine import engine
 from dampyr.structures.batch.run_blocks import compiled
-from dampyr.structures.time_stepping import integrate as coupled
+from dampyr.structures.time_history.time_stepping import integrate as coupled
 
 PROBE = """
 import sys

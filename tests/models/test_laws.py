@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from dampyr.errors import InputError
-from dampyr.identification.parametrisation import Column
+from dampyr.identification.search.parametrisation import Column
 from dampyr.models import Constant, Damper, Interpolation, Polynomial, WithTemperature
 from dampyr.models.damper import Law
 from dampyr.models.laws import from_card, look_up, polynomial_table

@@ -15,8 +15,8 @@ from dampyr import records
 from dampyr.cli import cli
 from dampyr.errors import FileError, InputError
 from dampyr.records import Record
-from dampyr.records.channel_uncertainty import Uncertainty
-from dampyr.records.checksums import NAME
+from dampyr.records.checks.channel_uncertainty import Uncertainty
+from dampyr.records.files.checksums import NAME
 from dampyr.report.uncertainty_section import uncertainty_section
 
 TIME = np.arange(4000) / 1000.0

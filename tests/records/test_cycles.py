@@ -14,12 +14,12 @@ from dampyr.records import (
     cycle_table,
     cycles,
     describe,
-    legs,
     measure,
     read,
     read_campaign,
     turning_points,
 )
+from dampyr.records.cycle_analysis.cycles import legs
 
 FREQUENCY = 0.9
 

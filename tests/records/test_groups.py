@@ -26,8 +26,8 @@ from dampyr.records import (
     with_velocity,
     write,
 )
+from dampyr.records.files.recording import Recording
 from dampyr.records.formats import h5
-from dampyr.records.recording import Recording
 
 GROUPS = {"measurement_session": "2026-03-01, no. 7", "specimen": "no. 7 µ"}
 

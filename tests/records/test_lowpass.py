@@ -6,8 +6,8 @@ from tests.stories.laboratory import earthquake, sine
 
 from dampyr.errors import InputError
 from dampyr.records import Record, displacement_noise, read_campaign, with_lowpass
-from dampyr.records.lowpass import multiple_or_hz
-from dampyr.records.velocity import response
+from dampyr.records.conditioning.lowpass import multiple_or_hz
+from dampyr.records.conditioning.velocity import response
 
 T = 0.005 * np.arange(2401)
 

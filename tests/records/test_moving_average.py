@@ -5,7 +5,7 @@ import pytest
 
 from dampyr.errors import InputError
 from dampyr.records import Declaration, MovingAverage
-from dampyr.records.moving_average import averaged, reach_of, whole_windows
+from dampyr.records.conditioning.moving_average import averaged, reach_of, whole_windows
 
 
 @pytest.mark.parametrize(("samples", "trailing", "reach"), [(5, False, (2, 2)), (6, False, (3, 2)), (5, True, (4, 0))])

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 
-from dampyr.records.new_file import _Output, new_file
+from dampyr.records.files.new_file import _Output, new_file
 
 
 def written(path: Path, reserve: int = 0, n: int = 100_000) -> None:
@@ -47,7 +47,7 @@ def test_whichever_write_is_refused_it_is_raised_when_the_library_has_let_go(
     class Output(_Output, Disk):
         """Whose writes go to that disk."""
 
-    monkeypatch.setattr("dampyr.records.new_file._Output", Output)
+    monkeypatch.setattr("dampyr.records.files.new_file._Output", Output)
     written(tmp_path / "a.h5")
     needed = count
     assert needed > 10

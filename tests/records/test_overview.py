@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from dampyr.errors import FileError
-from dampyr.records import Record, creates_energy, disagreements, overview, read_campaign, write_comparison
+from dampyr.records import Record, disagreements, overview, read_campaign, write_comparison
+from dampyr.records.checks.label_checks import creates_energy
 
 
 def chirp(sign: float = 1.0) -> Record:

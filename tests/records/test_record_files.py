@@ -6,7 +6,7 @@ import pytest
 from dampyr import registry
 from dampyr.errors import FileError, InputError, MissingData
 from dampyr.records import read, with_velocity, write
-from dampyr.records.record_files import REGISTRY
+from dampyr.records.files.record_files import REGISTRY
 
 
 def test_the_shelf_is_found_by_file_name():

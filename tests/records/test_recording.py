@@ -16,8 +16,8 @@ from tests.endurance import Endurance
 from dampyr.campaigns.record_test import margin, refined
 from dampyr.errors import FileError, InputError
 from dampyr.records import read
+from dampyr.records.files.recording import Header, RawChannel, Recording
 from dampyr.records.formats import h5
-from dampyr.records.recording import Header, RawChannel, Recording
 from dampyr.rig import RigSettings
 
 HEADER = Header(
@@ -83,7 +83,7 @@ def test_a_long_record_is_finished_piece_by_piece_like_a_short_one(
 
     for name in ("whole", "pieces"):
         if name == "pieces":
-            monkeypatch.setattr("dampyr.records.recording.PIECE", 256)
+            monkeypatch.setattr("dampyr.records.files.recording.PIECE", 256)
             monkeypatch.setattr("dampyr.records.formats.h5.PIECE", 100)
         delayed = {"position": replace(HEADER.raw["position"], delay=settings.force_delay)}
         recording = Recording(tmp_path / f"{name}.h5", 3000, replace(HEADER, raw=dict(HEADER.raw) | delayed))
@@ -103,7 +103,7 @@ def test_a_long_record_is_finished_piece_by_piece_like_a_short_one(
 
 
 def test_a_clock_that_goes_back_between_pieces_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dampyr.records.recording.PIECE", 40)
+    monkeypatch.setattr("dampyr.records.files.recording.PIECE", 40)
     recording = Recording(tmp_path / "t.h5", 100, HEADER)
     for _ in range(2):
         recording.append(block(0))
@@ -164,7 +164,7 @@ def test_a_copy_that_is_refused_leaves_the_samples_where_they_are(
     recording = Recording(tmp_path / "t.h5", 100_000, HEADER)
     for k in range(2000):
         recording.append(block(40 * k))
-    monkeypatch.setattr("dampyr.records.new_file.reserve", full)
+    monkeypatch.setattr("dampyr.records.files.new_file.reserve", full)
     with pytest.raises(FileError, match="cannot be finished: the disk is full; make room"):
         recording.finish({})
     assert read(tmp_path / "t.h5").n == 80_000
@@ -175,7 +175,7 @@ WRITER = textwrap.dedent("""
     import sys
     import numpy as np
     from tests.records.test_recording import HEADER, block
-    from dampyr.records.recording import Recording
+    from dampyr.records.files.recording import Recording
     recording, k = Recording(sys.argv[1], 400_000, HEADER), 0
     while True:
         rows = recording.append(block(40 * k))

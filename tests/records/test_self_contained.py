@@ -13,8 +13,8 @@ import pytest
 from dampyr import records
 from dampyr.errors import FileError
 from dampyr.records import read, read_campaign
+from dampyr.records.files.self_contained import check_contained
 from dampyr.records.formats import h5
-from dampyr.records.self_contained import check_contained
 
 N = 200
 SECRET = 777.25 + np.arange(N)  # looks like a force, and is nowhere in the files that are sent

@@ -9,8 +9,8 @@ from click.testing import CliRunner
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.records import MovingAverage, Record, read, read_campaign, with_smoothing, write
-from dampyr.records.moving_average import averaged, reach_of
-from dampyr.records.smoothing import comparable
+from dampyr.records.conditioning.moving_average import averaged, reach_of
+from dampyr.records.conditioning.smoothing import comparable
 
 DT = 0.004
 

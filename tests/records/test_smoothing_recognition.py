@@ -5,8 +5,8 @@ import pytest
 from tests.stories.laboratory import MOTIONS, earthquake, sine
 
 from dampyr.records import Record, measure, read_campaign, recognise_smoothing
-from dampyr.records.moving_average import Declaration, averaged, reach_of
-from dampyr.records.smoothing_recognition import Recognised, common_windows
+from dampyr.records.conditioning.moving_average import Declaration, averaged, reach_of
+from dampyr.records.conditioning.smoothing_recognition import Recognised, common_windows
 
 CHANNELS = ("displacement", "velocity", "force")
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from dampyr.errors import InputError
-from dampyr.records import default_bandwidth, differentiate, with_velocity
-from dampyr.records.velocity import response
+from dampyr.records import differentiate, with_velocity
+from dampyr.records.conditioning.velocity import default_bandwidth, response
 
 T = 0.005 * np.arange(1201)
 

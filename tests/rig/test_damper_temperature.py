@@ -111,7 +111,7 @@ def test_a_simulated_damper_is_a_new_one(tmp_path: Path) -> None:
 
 
 def test_a_killed_host_leaves_what_was_saved_while_it_ran(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys.modules["dampyr.campaigns.perform"], "SAVE_EVERY", 0.0)
+    monkeypatch.setattr(sys.modules["dampyr.campaigns.performing"], "SAVE_EVERY", 0.0)
     (tmp_path / "hot.toml").write_text(HOT)
     saved: list[float] = []
 

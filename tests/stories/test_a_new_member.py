@@ -77,7 +77,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.models.part import checked
+from dampyr.models.part_definition import checked
 from dampyr.structures.building import Building
 from dampyr.units import Quantity
 
@@ -112,7 +112,7 @@ import numpy as np
 from dampyr.atomic_write import write_whole
 from dampyr.errors import FileError
 from dampyr.records.record import Record
-from dampyr.records.record_files import Request
+from dampyr.records.files.record_files import Request
 
 CHANNELS = ("time", "displacement", "force")
 
@@ -235,7 +235,7 @@ from dampyr.cli._output import as_json_option, print_json
 def command(containing: str, as_json: bool) -> None:
     """List the parts of dampers."""
     from dampyr import registry
-    from dampyr.models.part import REGISTRY
+    from dampyr.models.part_definition import REGISTRY
 
     selected = [name for name in registry.names(REGISTRY) if containing in name]
     if as_json:

@@ -21,7 +21,7 @@ from dampyr.console import app, worker
 from dampyr.console.job_processes import Jobs
 from dampyr.ground_motions import el_centro
 from dampyr.models import Damper, Interpolation
-from dampyr.structures.ensemble_run import synthetic_motions
+from dampyr.structures.ensembles.ensemble_run import synthetic_motions
 from dampyr.to_json import plain
 from tests.identification.synthetic import sine
 

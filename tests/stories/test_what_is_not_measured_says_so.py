@@ -24,7 +24,7 @@ from dampyr.identification import fit
 from dampyr.models import Damper, published
 from dampyr.origin import NOTICES, ORIGIN_KINDS, SIMULATED, Origin, as_origin, combined, of_board
 from dampyr.records import Record, convert, read, read_campaign, write
-from dampyr.records.record_files import REGISTRY as FORMATS
+from dampyr.records.files.record_files import REGISTRY as FORMATS
 from dampyr.representation import Representation
 from dampyr.source_digest import full_version
 

@@ -16,7 +16,7 @@ from dampyr.structures import ensemble, two_storey
 @pytest.mark.filterwarnings("ignore")  # dask's own, of ports and of closing; errors of dampyr still raise
 def test_a_cluster_gives_the_same_numbers(cubics: Damper, monkeypatch: pytest.MonkeyPatch) -> None:
     distributed = pytest.importorskip("distributed", reason="dask is not installed: pip install dampyr[cluster]")
-    monkeypatch.setattr("dampyr.structures.ensemble_grid.CASES_PER_SHARD", 32)
+    monkeypatch.setattr("dampyr.structures.ensembles.ensemble_grid.CASES_PER_SHARD", 32)
     motions = [el_centro(), *(kanai_tajimi(6.0, 0.02, seed=k, pga=3.0) for k in range(3))]
     given = (two_storey(), motions, [None, cubics], [0.0, 1.98], np.linspace(0.2, 2.0, 10))
     with ThreadPoolExecutor(1) as one:

@@ -5,7 +5,7 @@ from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, el_centro
 from dampyr.models import Damper
 from dampyr.structures import Building, respond, shear_building, state_space
-from dampyr.structures.linear_response import peak_displacement
+from dampyr.structures.time_history.linear_response import peak_displacement
 
 MOTION = GroundMotion(np.asarray(el_centro().acceleration)[:201], 0.02, "start of El Centro")
 

@@ -11,10 +11,10 @@ from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError, Range
 from dampyr.ground_motions import GroundMotion, el_centro, kanai_tajimi, resampled
 from dampyr.models import Damper
 from dampyr.structures import Building, available_control_laws, control_law, respond, two_storey
-from dampyr.structures.kernel_run import runner
-from dampyr.structures.response import Decisions, Run, output
 from dampyr.structures.sites import make_sites
-from dampyr.structures.step_size import halve_under_laws
+from dampyr.structures.time_history.kernel_run import runner
+from dampyr.structures.time_history.response import Decisions, Run, output
+from dampyr.structures.time_history.step_size import halve_under_laws
 from dampyr.studies import raminelli_2020
 
 HIGH = 3.212
@@ -126,7 +126,7 @@ def test_equals_scipy(damper, name, chosen, period, lag):
 
 @pytest.mark.prove  # the reference takes long
 def test_optimal_control_equals_scipy(damper):
-    from dampyr.structures.control_law import gains as sensed
+    from dampyr.structures.control_laws import gains as sensed
 
     law = control_law("clipped_optimal", high=HIGH, period=0.01)
     weights = sensed(law, two_storey(), two_storey().connection(1))
@@ -359,7 +359,7 @@ def test_a_delay_that_changes_with_the_input_is_refused(damper):
 def test_accuracy_that_is_not_reached_is_said(damper, monkeypatch):
     import sys
 
-    monkeypatch.setattr(sys.modules["dampyr.structures.step_size"], "MAX_STEP_COUNT", 2000)
+    monkeypatch.setattr(sys.modules["dampyr.structures.time_history.step_size"], "MAX_STEP_COUNT", 2000)
     with pytest.warns(DampyrWarning, match="not to its accuracy"):
         response = respond(
             two_storey(), short(2.0), {1: damper}, voltage=control_law("on_off", high=HIGH), accuracy=1e-12

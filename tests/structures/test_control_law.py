@@ -8,7 +8,7 @@ import pytest
 from dampyr.errors import InputError
 from dampyr.structures import available_control_laws, control_law
 from dampyr.structures.control.on_off import OnOff
-from dampyr.structures.control_law import describe_law, is_control_law, parts, source, spelled
+from dampyr.structures.control_laws import describe_law, is_control_law, parts, source, spelled
 
 
 def test_a_law_is_a_file():

@@ -31,11 +31,11 @@ from dampyr.structures import (
 )
 from dampyr.structures.batch.engine import engine
 from dampyr.structures.batch.modal import classical_modes
-from dampyr.structures.ensemble import run
-from dampyr.structures.ensemble_batches import run_shard
-from dampyr.structures.ensemble_grid import cases
+from dampyr.structures.ensembles.ensemble import run
+from dampyr.structures.ensembles.ensemble_batches import run_shard
+from dampyr.structures.ensembles.ensemble_grid import cases
+from dampyr.structures.ensembles.store import progress_of
 from dampyr.structures.sites import connections
-from dampyr.structures.store import progress_of
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*was calibrated:dampyr.errors.DampyrWarning")
 
@@ -150,7 +150,7 @@ def test_modal_and_dense_agree(monkeypatch: pytest.MonkeyPatch, cubics: Damper, 
 
 
 def test_a_killed_run_goes_on(cubics: Damper, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("dampyr.structures.ensemble_grid.CASES_PER_SHARD", 8)
+    monkeypatch.setattr("dampyr.structures.ensembles.ensemble_grid.CASES_PER_SHARD", 8)
     given = (two_storey(), el_centro(), cubics, [0.0, 0.5, 1.0, 1.5], np.linspace(0.5, 2.0, 8))
     calls: list[tuple[int, int]] = []
 
@@ -164,10 +164,14 @@ def test_a_killed_run_goes_on(cubics: Damper, tmp_path: Path, monkeypatch: pytes
             ensemble(*given, pool, out=tmp_path / "e.h5", progress=killed)
         assert calls == [(8, 32), (16, 32)]
         again: list[tuple[int, int]] = []
-        monkeypatch.setattr("dampyr.structures.ensemble_grid.CASES_PER_SHARD", 16)  # the file goes on as it was begun
+        monkeypatch.setattr(
+            "dampyr.structures.ensembles.ensemble_grid.CASES_PER_SHARD", 16
+        )  # the file goes on as it was begun
         dataset = ensemble(*given, pool, out=tmp_path / "e.h5", progress=lambda *now: again.append(now))
     assert again == [(24, 32), (32, 32)]
-    monkeypatch.setattr("dampyr.structures.ensemble_grid.CASES_PER_SHARD", 8)  # the error is measured in every shard
+    monkeypatch.setattr(
+        "dampyr.structures.ensembles.ensemble_grid.CASES_PER_SHARD", 8
+    )  # the error is measured in every shard
     assert dataset.identical(ensemble(*given))
     with pytest.raises(FileError, match="holds another ensemble"):
         ensemble(*given[:3], [0.0], out=tmp_path / "e.h5")
@@ -178,7 +182,8 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from dampyr.ground_motions import kanai_tajimi
-from dampyr.structures import ensemble, ensemble_grid, two_storey
+from dampyr.structures import ensemble, two_storey
+from dampyr.structures.ensembles import ensemble_grid
 ensemble_grid.CASES_PER_SHARD = 16
 print("ready", flush=True)
 found = ensemble(
@@ -214,7 +219,7 @@ def test_large_results_stay_in_their_file(
 ) -> None:
     given = (two_storey(), motions, [cubics, None], [0.0, 1.0], [0.5, 2.0])
     small = ensemble(*given, out=tmp_path / "small.h5")
-    monkeypatch.setattr("dampyr.structures.store.MAPPED", 0)
+    monkeypatch.setattr("dampyr.structures.ensembles.store.MAPPED", 0)
     large, again = ensemble(*given, out=tmp_path / "large.h5"), read_ensemble(tmp_path / "small.h5")
     for dataset in (large, again):
         assert dataset.identical(small)

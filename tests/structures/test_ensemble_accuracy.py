@@ -9,9 +9,9 @@ from dampyr.ground_motions import GroundMotion, el_centro, kanai_tajimi
 from dampyr.models import Damper
 from dampyr.structures import ensemble, respond, two_storey
 from dampyr.structures.batch.engine import engine
-from dampyr.structures.ensemble_grid import STEPS, cases
+from dampyr.structures.ensembles.ensemble_grid import STEPS, cases
 from dampyr.structures.sites import connections
-from dampyr.structures.step_size import difference_slopes, largest_step
+from dampyr.structures.time_history.step_size import difference_slopes, largest_step
 
 Array = np.ndarray
 LIMIT = 1e-3  # of the peak

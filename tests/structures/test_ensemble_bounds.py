@@ -12,9 +12,9 @@ from dampyr.errors import DampyrWarning
 from dampyr.ground_motions import GroundMotion, kanai_tajimi
 from dampyr.models import Damper
 from dampyr.structures import Building, ensemble, respond, shear_building, two_storey
-from dampyr.structures.ensemble_accuracy import BOUNDS
-from dampyr.structures.ensemble_grid import STEPS
-from dampyr.structures.ensemble_run import EnsembleResult
+from dampyr.structures.ensembles.ensemble_accuracy import BOUNDS
+from dampyr.structures.ensembles.ensemble_grid import STEPS
+from dampyr.structures.ensembles.ensemble_run import EnsembleResult
 from dampyr.studies import raminelli_2020
 
 Array = np.ndarray

@@ -25,7 +25,7 @@ from dampyr.structures import (
     two_storey,
     write_part,
 )
-from dampyr.structures.store import Labels
+from dampyr.structures.ensembles.store import Labels
 
 HIGH = 3.212
 
@@ -91,7 +91,7 @@ def test_one_law_need_not_be_a_list(cubics: Damper, motions: list, law: object) 
 def test_bit_identical_whoever_runs_it(
     cubics: Damper, motions: list, law: object, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("dampyr.structures.ensemble_grid.CASES_PER_SHARD", 4)
+    monkeypatch.setattr("dampyr.structures.ensembles.ensemble_grid.CASES_PER_SHARD", 4)
     given = (two_storey(), motions, cubics, [law, 0.5], [0.5, 1.0, 1.5])
     with ThreadPoolExecutor(1) as one, ProcessPoolExecutor(2, mp_context=get_context("spawn")) as processes:
         assert ensemble(*given, processes).identical(ensemble(*given, one))
@@ -100,7 +100,7 @@ def test_bit_identical_whoever_runs_it(
 def test_a_killed_run_goes_on(
     cubics: Damper, motions: list, law: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("dampyr.structures.ensemble_grid.CASES_PER_SHARD", 2)
+    monkeypatch.setattr("dampyr.structures.ensembles.ensemble_grid.CASES_PER_SHARD", 2)
     given = (two_storey(), motions, cubics, [law, 0.5], [0.5, 1.0])
     path = tmp_path / "e.h5"
 
@@ -158,7 +158,7 @@ def test_labels_of_files_from_before_are_read(cubics: Damper, motions: list) -> 
 def test_what_is_wrong_is_said_before_anything_runs(
     cubics: Damper, motions: list, inputs: list, more: dict, message: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sys.modules["dampyr.structures.ensemble"], "run", lambda *_: pytest.fail("it ran"))
+    monkeypatch.setattr(sys.modules["dampyr.structures.ensembles.ensemble"], "run", lambda *_: pytest.fail("it ran"))
     with pytest.raises(ValueError, match=message):
         ensemble(two_storey(), motions, cubics, inputs, **more)
 
@@ -171,7 +171,7 @@ def test_a_law_of_current_is_refused_where_the_damper_takes_a_voltage(cubics: Da
 def test_cases_that_do_not_converge_are_counted_and_said(
     cubics: Damper, law: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("dampyr.structures.step_size.MAX_STEP_COUNT", 1000)
+    monkeypatch.setattr("dampyr.structures.time_history.step_size.MAX_STEP_COUNT", 1000)
     motion = kanai_tajimi(3.0, dt=0.02, seed=3, pga=3.0)
     with pytest.warns(DampyrWarning, match="2 cases under control laws are not to their accuracy"):
         dataset = ensemble(two_storey(), motion, cubics, [law, 1.0], [0.5, 1.0], out=tmp_path / "e.h5")

@@ -12,8 +12,8 @@ from tests.endurance import Endurance
 
 from dampyr.errors import InputError
 from dampyr.structures import fragility, incremental, summary
-from dampyr.structures.lognormal import by_capacity, fit_binomial
-from dampyr.structures.store import Labels
+from dampyr.structures.ensembles.lognormal import by_capacity, fit_binomial
+from dampyr.structures.ensembles.store import Labels
 
 SCALES = np.linspace(0.2, 4.0, 20)
 

@@ -13,9 +13,9 @@ from dampyr.errors import FileError, InputError
 from dampyr.ground_motions import el_centro, kanai_tajimi
 from dampyr.models import Damper
 from dampyr.structures import collect, ensemble, read_ensemble, shear_building, two_storey, write_part
-from dampyr.structures.ensemble_grid import Cases, cases
-from dampyr.structures.job_array import ranges
-from dampyr.structures.store import progress_of
+from dampyr.structures.ensembles.ensemble_grid import Cases, cases
+from dampyr.structures.ensembles.job_array import ranges
+from dampyr.structures.ensembles.store import progress_of
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*was calibrated:dampyr.errors.DampyrWarning")
 SCALES = np.linspace(0.3, 1.5, 5)
@@ -57,7 +57,7 @@ def test_parts_say_how_many_cases_leave_the_calibrated_displacement(cubics: Damp
 def test_small_shards_in_a_part_are_the_same(
     cubics: Damper, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("dampyr.structures.ensemble_grid.CASES_PER_SHARD", 4)
+    monkeypatch.setattr("dampyr.structures.ensembles.ensemble_grid.CASES_PER_SHARD", 4)
     calls: list[tuple[int, int]] = []
     path = write_part(what(cubics), 2, 5, tmp_path, progress=lambda *now: calls.append(now))
     assert calls[-1] == (10, 10)

@@ -11,7 +11,7 @@ from scipy.signal import lsim
 import dampyr as dp
 from dampyr import structures
 from dampyr.errors import FileError
-from dampyr.structures.modal_coordinates import ModalBuilding, modal_response
+from dampyr.structures.time_history.modal_coordinates import ModalBuilding, modal_response
 
 TALL = structures.shear_building([2e4] * 20, np.linspace(60e6, 20e6, 20), damping_ratio=0.02)
 FLOORS = list(range(2, 21, 2))

@@ -21,8 +21,8 @@ from dampyr.cli import cli
 from dampyr.errors import DampyrWarning
 from dampyr.report.ensemble_page import trust
 from dampyr.structures import Building
-from dampyr.structures.control_law import gains
-from dampyr.structures.modal_coordinates import modal_condensation, refinements
+from dampyr.structures.control_laws import gains
+from dampyr.structures.time_history.modal_coordinates import modal_condensation, refinements
 
 Array = np.ndarray
 EL_CENTRO = dp.ground_motions.el_centro()

@@ -353,7 +353,7 @@ def test_a_given_step_may_not_be_longer_than_a_delay(late):
 def test_accuracy_that_is_not_reached_is_said(cubics, monkeypatch):
     import sys
 
-    monkeypatch.setattr(sys.modules["dampyr.structures.step_size"], "MAX_STEP_COUNT", 2000)
+    monkeypatch.setattr(sys.modules["dampyr.structures.time_history.step_size"], "MAX_STEP_COUNT", 2000)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         response = respond(two_storey(), short(2.0), {1: cubics}, voltage=1.98, accuracy=1e-9)

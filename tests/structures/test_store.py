@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from dampyr.errors import FileError
-from dampyr.structures import job_array, read_ensemble, store
+from dampyr.structures import read_ensemble
+from dampyr.structures.ensembles import job_array, store
 
 
 @pytest.mark.parametrize("read", [read_ensemble, store.progress_of, job_array._opened])

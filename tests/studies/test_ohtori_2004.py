@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 import dampyr as dp
 from dampyr.cli import cli
-from dampyr.structures.modal_coordinates import ModalBuilding
+from dampyr.structures.time_history.modal_coordinates import ModalBuilding
 from dampyr.studies import ohtori_2004
 
 Array = np.ndarray

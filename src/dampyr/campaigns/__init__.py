@@ -15,8 +15,8 @@ from dampyr.campaigns.force_prediction import envelope, specimen
 from dampyr.campaigns.hybrid_campaign import hybrid_result, planned_hybrid
 from dampyr.campaigns.journal import Journal, read_journal
 from dampyr.campaigns.kinds import available_steps, kind
-from dampyr.campaigns.perform import perform
-from dampyr.campaigns.plan import Plan, PlannedTest, plan, planned
+from dampyr.campaigns.performing import perform
+from dampyr.campaigns.planned_tests import Plan, PlannedTest, plan, planned
 from dampyr.campaigns.run_control import Control, Progress, Skipped, Stopped, exit_status
 from dampyr.campaigns.step import Peaks, Step
 

@@ -12,7 +12,7 @@ import numpy as np
 from dampyr.campaigns.campaign import campaign_of
 from dampyr.campaigns.force_prediction import specimen
 from dampyr.campaigns.kinds import kind
-from dampyr.campaigns.plan import Plan, plan
+from dampyr.campaigns.planned_tests import Plan, plan
 from dampyr.config import fill
 from dampyr.errors import InputError
 from dampyr.findings import handed_on

@@ -31,13 +31,13 @@ from dampyr.campaigns.learning import (
     next_set_points,
     tracking,
 )
-from dampyr.campaigns.plan import Plan, PlannedTest
+from dampyr.campaigns.planned_tests import Plan, PlannedTest
 from dampyr.campaigns.record_test import take
 from dampyr.campaigns.step import Peaks
 from dampyr.errors import DampyrWarning, FileError, InputError
+from dampyr.records.files.record_files import Request
+from dampyr.records.files.recording import Recording
 from dampyr.records.formats import h5
-from dampyr.records.record_files import Request
-from dampyr.records.recording import Recording
 from dampyr.rig import Drive, RigSettings
 from dampyr.rig.interlock import Samples
 from dampyr.rig.session import Table

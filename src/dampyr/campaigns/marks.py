@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.records.cycles import similar_cycles
-from dampyr.records.quality import flat_levels, motion_start
+from dampyr.records.checks.quality import flat_levels, motion_start
+from dampyr.records.cycle_analysis.cycles import similar_cycles
 from dampyr.records.record import MIN_SAMPLES, Array, Record
 from dampyr.rig.interlock import RAIL
 from dampyr.rig.settings import RigSettings

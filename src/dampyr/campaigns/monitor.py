@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.campaigns.plan import Plan, PlannedTest
+from dampyr.campaigns.planned_tests import Plan, PlannedTest
 from dampyr.rig.interlock import Samples
 
 Array = NDArray[np.float64]

@@ -18,15 +18,15 @@ import numpy as np
 from dampyr.campaigns.campaign import Campaign
 from dampyr.campaigns.kinds import kind
 from dampyr.campaigns.marks import Mark, Measured, marks_of, zero_moved
-from dampyr.campaigns.plan import UNCHECKED, PlannedTest
+from dampyr.campaigns.planned_tests import UNCHECKED, PlannedTest
 from dampyr.campaigns.run_control import Stopped, exit_status
 from dampyr.errors import DampyrError, FileError, RigFault
 from dampyr.models.numerics.differentiation import differentiate, window
-from dampyr.records.channel_uncertainty import Uncertainty
+from dampyr.records.checks.channel_uncertainty import Uncertainty
+from dampyr.records.conditioning.nominal_input import MEASURED, SOURCE
+from dampyr.records.files.recording import Header, RawChannel, Recording, check_disk_space
 from dampyr.records.formats.h5 import PIECE
-from dampyr.records.nominal_input import MEASURED, SOURCE
 from dampyr.records.record import MIN_SAMPLES, Array, Label, as_group
-from dampyr.records.recording import Header, RawChannel, Recording, check_disk_space
 from dampyr.rig.calibration import Calibration
 from dampyr.rig.drive import Drive
 from dampyr.rig.interlock import Samples

@@ -11,10 +11,10 @@ from pathlib import Path
 from dampyr.campaigns.campaign import Test
 from dampyr.campaigns.differences import step_differences
 from dampyr.campaigns.journal import Entry, TestState
-from dampyr.campaigns.plan import Plan
+from dampyr.campaigns.planned_tests import Plan
 from dampyr.errors import FileError, InputError
+from dampyr.records.files.record_files import Request
 from dampyr.records.formats import h5
-from dampyr.records.record_files import Request
 
 INTERRUPTED = "interrupted: the host was killed or lost its power"
 BROKEN = ".broken"  # behind the name of a file that nobody can read, so that no reader takes it for a record

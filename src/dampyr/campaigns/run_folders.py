@@ -10,7 +10,7 @@ from typing import Literal
 from dampyr.campaigns.differences import campaign_differences
 from dampyr.campaigns.folder_lock import folder_lock
 from dampyr.campaigns.journal import NAME, Journal
-from dampyr.campaigns.plan import Plan
+from dampyr.campaigns.planned_tests import Plan
 from dampyr.campaigns.recorded_tests import entries_with_files, lost_words
 from dampyr.errors import DampyrError, FileError, InputError
 from dampyr.origin import NOT_STATED, Origin

@@ -91,7 +91,7 @@ class EnsembleRequest:
 
     def _motions(self) -> list[GroundMotion]:
         from dampyr import ground_motions
-        from dampyr.structures.ensemble_run import synthetic_motions
+        from dampyr.structures.ensembles.ensemble_run import synthetic_motions
 
         if not self.motions and (self.motion_unit is not None or self.dt is not None):
             raise InputError("--motion-unit and --dt belong to files that are given with --motion")

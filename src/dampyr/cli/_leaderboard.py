@@ -22,7 +22,7 @@ def cores() -> int:
 
 def print_leaderboard(board: Leaderboard) -> None:
     """The finalists, then what was screened."""
-    from dampyr.identification.leaderboard import choice_in_words
+    from dampyr.identification.model_choice.leaderboard import choice_in_words
 
     rows = [
         [k, e.model, *(100 * v for v in (e.error, e.standard_error, e.l1, e.relevelled, e.unseen_input, e.nrmse, e.pointwise,

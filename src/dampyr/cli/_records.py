@@ -74,7 +74,7 @@ def reading_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
     @wraps(command)
     def wrapped(*rest: Any, units: tuple[str, ...], columns: tuple[str, ...], cut: str | None, **options: Any) -> Any:
-        from dampyr.records.record_files import Layout
+        from dampyr.records.files.record_files import Layout
 
         said = {name: options.pop(name) for name in ("voltage", "current", *Layout.__annotations__)}
         said |= {"units": pairs(units), "columns": pairs(columns)}
@@ -158,9 +158,9 @@ def _joined(nominal: float, values: list[float], unit: str) -> str:
 
 def warn_of_signs(record_list: Sequence[Record]) -> None:
     """Warn of records whose loops create energy, in one line."""
-    from dampyr import records
+    from dampyr.records.checks.label_checks import creates_energy
 
-    wrong = [record.name for record in record_list if records.creates_energy(record)]
+    wrong = [record.name for record in record_list if creates_energy(record)]
     if wrong:
         names = ", ".join(wrong[:3]) + (f" and {len(wrong) - 3} more" if len(wrong) > 3 else "")
         warnings.warn(

@@ -79,7 +79,7 @@ def command(
     """
     from dampyr import units
     from dampyr.identification import AcceptOptions, accept_records
-    from dampyr.identification.accept_records import inputs_of
+    from dampyr.identification.acceptance_tests.accept_records import inputs_of
 
     zero = None if offset is None else units.parse(offset, "N")
     options = AcceptOptions(_tolerance(tolerance, slacks), judge or QUANTITIES, zero, allow_extrapolation, relevel)
@@ -135,7 +135,7 @@ def _reference(text: str, reading: Reading) -> Damper | list[Record]:
 
 
 def _print(result: Accepted) -> None:
-    from dampyr.identification.acceptance import BEYOND, in_short
+    from dampyr.identification.acceptance_tests.acceptance import BEYOND, in_short
 
     results = result.results
     title = f"{len(results)} {'record' if len(results) == 1 else 'records'}: {in_short(results)}"
@@ -176,7 +176,7 @@ def _percent(share: float | None) -> float | None:
 
 
 def _row(one: Acceptance) -> list[Any]:
-    from dampyr.identification.acceptance import percent
+    from dampyr.identification.acceptance_tests.acceptance import percent
 
     worst = one.worst
     largest = 1e3 * one.judged_stroke_m if one.judged else None

@@ -57,7 +57,7 @@ def command(
     Each value comes with its standard uncertainty. The result is calibration.toml beside the rig.toml, and every campaign with
     that rig uses it.
     """
-    from dampyr.rig.connect import open_rig
+    from dampyr.rig.connecting import open_rig
     from dampyr.rig.load_cell_calibration import Calibrating
 
     if load and shunt:

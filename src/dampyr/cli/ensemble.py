@@ -85,7 +85,7 @@ def command(
 
 def _write_part(request: EnsembleRequest, text: str, out: Path | None, workers: int | None, as_json: bool) -> None:
     from dampyr.structures import write_part
-    from dampyr.structures.ensemble_run import requested_cases
+    from dampyr.structures.ensembles.ensemble_run import requested_cases
 
     if out is None:
         raise InputError("--shard writes its part into a folder; name it with --out")
@@ -125,8 +125,8 @@ def _run(
     request: EnsembleRequest, limits: tuple[Limit, ...], intensity: str, out: Path | None, workers: int | None
 ) -> EnsembleResult:
     from dampyr.structures import run_ensemble
-    from dampyr.structures.ensemble_run import requested_cases
-    from dampyr.structures.store import progress_of
+    from dampyr.structures.ensembles.ensemble_run import requested_cases
+    from dampyr.structures.ensembles.store import progress_of
 
     models, options = request.models(), request.options(limits, intensity)
     done, shards = progress_of(out) if out is not None else (0, 0)

@@ -132,7 +132,7 @@ def _perform(plan: Plan, rig: Path | None, out: Path, how: dict[str, Any]) -> in
     from dampyr.campaigns import Control, perform
     from dampyr.cli._frame import say, with_notes
     from dampyr.cli._running import keys, shown, stopped_by_signals
-    from dampyr.rig.connect import open_rig
+    from dampyr.rig.connecting import open_rig
 
     for note in plan.tests[0].notes:
         say(note)

@@ -138,8 +138,8 @@ def command(
     mean, with the covariance of a new specimen.
     """
     from dampyr.identification import IdentifyOptions, identify
-    from dampyr.identification.identify import identify_by_specimen, identify_each
-    from dampyr.identification.leaderboard import Cut
+    from dampyr.identification.fits.identify import identify_by_specimen, identify_each
+    from dampyr.identification.model_choice.leaderboard import Cut
     from dampyr.origin import combined
 
     if each and (save or report or splits or model is None):
@@ -239,7 +239,7 @@ def _numbers(given: tuple[str, ...]) -> dict[str, float]:
 
 
 def _print(result: Identified, records: list[Record]) -> None:
-    from dampyr.identification.identifiability import SESSION_FINDING
+    from dampyr.identification.parameter_uncertainty.identifiability import SESSION_FINDING
 
     if result.board:
         print_leaderboard(result.board)

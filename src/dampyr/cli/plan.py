@@ -200,7 +200,7 @@ def _perform(
     """Run the rounds, and say how it went."""
     from dampyr import planning
     from dampyr.cli._running import stopped_by_signals
-    from dampyr.rig.connect import open_rig
+    from dampyr.rig.connecting import open_rig
 
     assert out is not None
     with stages() as show, stopped_by_signals(), open_rig(rig, in_process=in_process) as opened:

@@ -117,7 +117,7 @@ def command(
 def _without_file(folder: Path) -> list[dict[str, Any]]:
     """The rows of a campaign's table that have no file."""
     from dampyr import records
-    from dampyr.records.campaign_folder import TABLE
+    from dampyr.records.files.campaign_folder import TABLE
 
     rows = records.campaign_rows(folder) if (folder / TABLE).is_file() else []
     return [{"table": row.table, "row": row.row} for row in rows if row.file is None]
@@ -166,7 +166,7 @@ def _print_by_input(descriptions: list[dict[str, Any]]) -> None:
 
 def _print_smoothing(descriptions: list[dict[str, Any]]) -> None:
     """How many records show which moving average, and how to declare it."""
-    from dampyr.records.smoothing_recognition import common_windows
+    from dampyr.records.conditioning.smoothing_recognition import common_windows
 
     shown = common_windows({each["name"]: each["smoothing"][0] for each in descriptions if each["smoothing"]})
     if not shown:

@@ -103,10 +103,10 @@ def _perform(
 ) -> int:
     """Run it, and say how it ended; the exit code."""
     from dampyr.campaigns import Control, perform
-    from dampyr.campaigns.plan import UNCHECKED
+    from dampyr.campaigns.planned_tests import UNCHECKED
     from dampyr.cli._frame import say, with_notes
     from dampyr.cli._running import keys, shown, stopped_by_signals
-    from dampyr.rig.connect import open_rig
+    from dampyr.rig.connecting import open_rig
 
     control = Control()
     opened: Rig | None = None

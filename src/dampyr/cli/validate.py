@@ -131,7 +131,7 @@ def _print(result: Validated) -> None:
 
 def _print_bands(result: Validated) -> None:
     """The level of each record, its L1 with that, and how much its band holds of the force, the peak and the energy."""
-    from dampyr.identification.validate import bands_in_words
+    from dampyr.identification.scoring.validate import bands_in_words
 
     rows = []
     for r in result.records:

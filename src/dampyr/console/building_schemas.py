@@ -14,7 +14,7 @@ from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.ground_motions.motion_files import REGISTRY as FORMATS
 from dampyr.structures import EnsembleOptions, Limit, SimulateOptions
-from dampyr.structures.ensemble_run import SYNTHETIC_DURATION, SYNTHETIC_PGA, synthetic_motions
+from dampyr.structures.ensembles.ensemble_run import SYNTHETIC_DURATION, SYNTHETIC_PGA, synthetic_motions
 from dampyr.studies import THESIS, available_structures, load_structure
 
 MOTIONS, STRUCTURES = "motions", "structures"

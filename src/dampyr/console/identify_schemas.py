@@ -7,9 +7,9 @@ from typing import Annotated
 from pydantic import BaseModel, Field
 
 from dampyr.identification import IdentifyOptions, ValidateOptions
-from dampyr.identification.levels import PRIOR_SESSION
-from dampyr.identification.prediction_band import LEVEL
-from dampyr.identification.scoring_window import SETTLING
+from dampyr.identification.parameter_uncertainty.levels import PRIOR_SESSION
+from dampyr.identification.scoring.prediction_band import LEVEL
+from dampyr.identification.scoring.scoring_window import SETTLING
 
 Keys = Annotated[list[str], Field(min_length=1, max_length=200, description="Keys of records.")]
 Model = Annotated[str, Field(max_length=120, description="Such as dahl + spring.")]

@@ -20,7 +20,7 @@ from dampyr.console.limits import READING
 from dampyr.console.page_words import in_page_words
 from dampyr.console.state import Here
 from dampyr.identification import Acceptance, Accepted, AcceptOptions, Point, Tolerance, accept_records
-from dampyr.identification.acceptance import QUANTITIES, Quantity, band
+from dampyr.identification.acceptance_tests.acceptance import QUANTITIES, Quantity, band
 from dampyr.models import Damper
 from dampyr.records import Record
 from dampyr.report import made_by, write_acceptance_page

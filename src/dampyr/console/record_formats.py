@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import BaseModel, Field
 
 from dampyr import registry
-from dampyr.records.record_files import REGISTRY
+from dampyr.records.files.record_files import REGISTRY
 
 FORMATS = dict(registry.members(REGISTRY))
 SUFFIXES = tuple(f".{name}" for name in FORMATS)

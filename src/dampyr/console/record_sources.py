@@ -14,11 +14,11 @@ from dampyr.console import safe_paths
 from dampyr.console.record_formats import PLAIN_TEXT, SUFFIXES
 from dampyr.errors import DampyrError, InputError, MissingData
 from dampyr.records import Record
-from dampyr.records.campaign_folder import TABLE, campaign_rows
 from dampyr.records.datasets import available_data_sets, data_set
-from dampyr.records.folder import natural
-from dampyr.records.folder_metadata import reading_of
-from dampyr.records.text_columns import has_numbers
+from dampyr.records.files.campaign_folder import TABLE, campaign_rows, read_row
+from dampyr.records.files.folder import natural
+from dampyr.records.files.folder_metadata import reading_of
+from dampyr.records.files.text_columns import has_numbers
 
 OWN = "data"
 NOT_RECORDS = ("ensembles/", "motions/", "structures/")  # folders of the data folder that hold other files
@@ -123,7 +123,7 @@ def read(data: Path, key: str) -> Record:
         if (path.parent / TABLE).is_file():
             row = next((row for row in campaign_rows(path.parent) if row.file == path), None)
             if row is not None:
-                return records.read_row(row)
+                return read_row(row)
         return records.read(path)
 
 

@@ -23,9 +23,9 @@ from dampyr.console.record_formats import PLAIN_TEXT, SUFFIXES
 from dampyr.console.security import MAX_UPLOAD
 from dampyr.console.state import AppState, Here
 from dampyr.errors import FileError, InputError
-from dampyr.records.column_table import guess_channels
+from dampyr.records.files.column_table import guess_channels
+from dampyr.records.files.text_columns import read_table
 from dampyr.records.record import CHANNELS
-from dampyr.records.text_columns import read_table
 
 UPLOADS = "uploads"
 ORIGINALS = f"{safe_paths.OWN}/originals"

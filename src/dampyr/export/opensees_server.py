@@ -28,7 +28,7 @@ from dampyr.ground_motions import GroundMotion
 from dampyr.models import Damper
 from dampyr.models.codegen.kernels import bind
 from dampyr.structures import Building
-from dampyr.structures.control_law import gains, lag_of, settings, source, values_at
+from dampyr.structures.control_laws import gains, lag_of, settings, source, values_at
 from dampyr.structures.sites import connections, make_sites
 
 Array = NDArray[np.float64]

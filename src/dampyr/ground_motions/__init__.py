@@ -13,7 +13,7 @@ from dampyr.ground_motions.builtin import el_centro
 from dampyr.ground_motions.cutting import end_in_words, followed_by_rest, padded, trimmed
 from dampyr.ground_motions.envelopes import RisePlateauDecay, ShinozukaSato, stationary
 from dampyr.ground_motions.filters import filtered
-from dampyr.ground_motions.measures import (
+from dampyr.ground_motions.intensity_measures import (
     Measures,
     arias,
     cumulative_absolute_velocity,

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from dampyr.errors import InputError
-from dampyr.ground_motions.measures import reached
+from dampyr.ground_motions.intensity_measures import reached
 from dampyr.ground_motions.motion import GroundMotion
 
 

@@ -23,14 +23,14 @@ from dampyr.hybrid.compensators import (
     PhaseLeadCompensator,
     inverse_coefficients,
 )
+from dampyr.hybrid.criteria import CRITERIA, Criteria, tracking_criteria
 from dampyr.hybrid.delayed_actuator import run_delayed
 from dampyr.hybrid.delayed_hybrid import delayed_result
 from dampyr.hybrid.hybrid_result import HybridResult
-from dampyr.hybrid.loop_stability import LoopStability, loop_stability
 from dampyr.hybrid.random_plants import BatchResult, run_many
 from dampyr.hybrid.setup import HybridSetup, Sensors, Specimen, TransferSystem, Uncertainty
+from dampyr.hybrid.stability import LoopStability, loop_stability
 from dampyr.hybrid.substructure import Lag, Substructure, SubstructureRun, lag_of
-from dampyr.hybrid.tracking_criteria import CRITERIA, Criteria, tracking_criteria
 from dampyr.hybrid.virtual_test import VirtualRun, perform_virtual
 
 __all__ = [

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.hybrid.compensators import Compensator
-from dampyr.hybrid.loop_stability import largest_eigenvalue
+from dampyr.hybrid.criteria import CRITERIA, tracking_criteria, tracking_error
 from dampyr.hybrid.setup import HybridSetup, Uncertainty
-from dampyr.hybrid.tracking_criteria import CRITERIA, tracking_criteria, tracking_error
+from dampyr.hybrid.stability import largest_eigenvalue
 from dampyr.hybrid.virtual_test import compared_floor, ground_history, histories, reference_history
 from dampyr.representation import Representation, Summary, Table, data_frame
 

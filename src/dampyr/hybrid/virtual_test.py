@@ -13,10 +13,10 @@ from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.hybrid import loop_kernel
 from dampyr.hybrid.compensators import Compensator
+from dampyr.hybrid.criteria import Criteria, tracking_criteria
 from dampyr.hybrid.loop_kernel import ORDER, Memory, Numerical, Plant
-from dampyr.hybrid.loop_stability import LoopStability, loop_stability
 from dampyr.hybrid.setup import HybridSetup, building_step
-from dampyr.hybrid.tracking_criteria import Criteria, tracking_criteria
+from dampyr.hybrid.stability import LoopStability, loop_stability
 from dampyr.models.codegen.kernels import compile_cached
 from dampyr.origin import VIRTUAL, Origin
 from dampyr.representation import Representation, Summary, data_frame

@@ -17,7 +17,7 @@ coefficients with the logarithm of that session's level. Nobody can tell that fr
 measured in one session only: a prediction has the difference of two sessions' levels in it.
 
 A draw takes all of these: coefficients from their covariance and from the sessions' levels, the level of the record to
-come, its shape error and its noise. `dampyr.identification.levels` estimates the numbers.
+come, its shape error and its noise. `dampyr.identification.parameter_uncertainty.levels` estimates the numbers.
 
 A change :math:`\delta` that is drawn for a parameter p goes towards a limit of its allowed values as far as it can,
 

@@ -4,10 +4,10 @@
 `choose_records` chooses among records that exist, by their motion alone.
 """
 
-from dampyr.planning.choose_records import choose_records
 from dampyr.planning.goal import Peak
 from dampyr.planning.planner import Planned, Round, plan_and_perform
 from dampyr.planning.proposal import PlanOptions, Proposal, ProposedTest, propose
+from dampyr.planning.record_choice import choose_records
 
 __all__ = [
     "Peak",

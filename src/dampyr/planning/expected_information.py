@@ -8,9 +8,10 @@ start can take removed, and its weights,
    \mathrm{cov}(\hat\theta) = \Big(\sum A_g\Big)^{-1} \sum M_g \Big(\sum A_g\Big)^{-1}
 
 where D is the covariance of the deviations between records, and E says which parameter a coefficient belongs to: a record that
-is 3 % strong at one voltage would be so at another. This is what the sandwich of `dampyr.identification.uncertainty` estimates
-from the records once they are there, so its degrees of freedom are those of the fit, too. All is relative to the coefficients,
-and per sample: a long record informs no more through A, but less noise is left of it in M.
+is 3 % strong at one voltage would be so at another. This is what the sandwich of
+`dampyr.identification.parameter_uncertainty.uncertainty` estimates from the records once they are there, so its degrees of
+freedom are those of the fit, too. All is relative to the coefficients, and per sample: a long record informs no more through
+A, but less noise is left of it in M.
 
 `learned` estimates D and C from the residuals of a fit: C by the autocorrelation of what a record's own deviations leave, D
 by expectation and maximisation over the records' scores (a random-coefficient model, Swamy 1970). Without records
@@ -30,11 +31,11 @@ from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification import Fit
-from dampyr.identification.fit_data import Piece, piece
-from dampyr.identification.normal_equations import modelled_force
-from dampyr.identification.parametrisation import Column, columns, held_twins
-from dampyr.identification.problem import Point, Problem, checked_nuisances
-from dampyr.identification.uncertainty import MIN_RECORDS
+from dampyr.identification.parameter_uncertainty.uncertainty import MIN_RECORDS
+from dampyr.identification.search.fit_data import Piece, piece
+from dampyr.identification.search.normal_equations import modelled_force
+from dampyr.identification.search.parametrisation import Column, columns, held_twins
+from dampyr.identification.search.problem import Point, Problem, checked_nuisances
 from dampyr.models import Composition, Damper
 from dampyr.records import Record
 from dampyr.rig import Drive, RigSettings
@@ -441,8 +442,8 @@ def expected_from(
 
 
 def degrees_of_freedom(A: Array, B: Array, linear: Any) -> tuple[Array, Array, Array]:
-    """As in `dampyr.identification.uncertainty`: the degrees of freedom (G,) of the coefficients, the ones that inflate the
-    covariance, and how many records inform each."""
+    """As in `dampyr.identification.parameter_uncertainty.uncertainty`: the degrees of freedom (G,) of the coefficients, the
+    ones that inflate the covariance, and how many records inform each."""
     n, G = len(A), A.shape[1]
     if not n:
         return np.full(G, 0.5), np.full(G, 0.5), np.zeros(G)

@@ -20,7 +20,7 @@ import numpy as np
 from dampyr.atomic_write import write_whole
 from dampyr.campaigns.campaign import read
 from dampyr.campaigns.force_prediction import specimen
-from dampyr.campaigns.perform import Watcher, perform
+from dampyr.campaigns.performing import Watcher, perform
 from dampyr.campaigns.run_control import Control
 from dampyr.errors import InputError
 from dampyr.findings import Finding, as_dicts

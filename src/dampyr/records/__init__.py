@@ -6,33 +6,32 @@ conditioning step returns a new record whose history says what was done; each re
 :func:`displacement_noise`) changes nothing.
 """
 
-from dampyr.records.amplitude_spectrum import spectrum
-from dampyr.records.campaign_folder import CampaignRow, campaign_rows, read_campaign, read_row
-from dampyr.records.channel_noise import quantum
-from dampyr.records.comparison import write_comparison
-from dampyr.records.conversion import convert
-from dampyr.records.cut_record import cut
-from dampyr.records.cycle_table import Cycle, cycle_table
-from dampyr.records.cycles import Cut, CutCycle, Level, cut_cycles, cycle_average, cycles, legs, turning_points
+from dampyr.records.checks.label_checks import disagreements
+from dampyr.records.checks.overview import Overview, overview
+from dampyr.records.checks.quality import Quality, motion_start, quality
+from dampyr.records.conditioning.cut_record import cut
+from dampyr.records.conditioning.drift import drift, remove_drift
+from dampyr.records.conditioning.force_lag import Delay, correct_delay, estimate_delay
+from dampyr.records.conditioning.force_offset import mean_force, remove_offset
+from dampyr.records.conditioning.lowpass import DisplacementNoise, displacement_noise, with_lowpass
+from dampyr.records.conditioning.moving_average import Declaration, MovingAverage
+from dampyr.records.conditioning.nominal_input import nominal_inputs
+from dampyr.records.conditioning.smoothing import with_smoothing
+from dampyr.records.conditioning.smoothing_inverse import Undone, undo
+from dampyr.records.conditioning.smoothing_recognition import Recognised, recognise_smoothing
+from dampyr.records.conditioning.velocity import differentiate, with_velocity
+from dampyr.records.cycle_analysis.amplitude_spectrum import spectrum
+from dampyr.records.cycle_analysis.cycle_table import Cycle, cycle_table
+from dampyr.records.cycle_analysis.cycles import Cut, CutCycle, Level, cut_cycles, cycle_average, cycles, turning_points
+from dampyr.records.cycle_analysis.measure import Measured, amplitude_error, measure, total_harmonic_distortion
+from dampyr.records.cycle_analysis.waveform import waveform
 from dampyr.records.datasets import fetch, locate
 from dampyr.records.description import describe
-from dampyr.records.drift import drift, remove_drift
-from dampyr.records.force_lag import Delay, correct_delay, estimate_delay
-from dampyr.records.force_offset import mean_force, remove_offset
-from dampyr.records.label_checks import creates_energy, disagreements
-from dampyr.records.lowpass import DisplacementNoise, displacement_noise, with_lowpass
-from dampyr.records.measure import Measured, amplitude_error, cycle_energies, measure, total_harmonic_distortion
-from dampyr.records.moving_average import Declaration, MovingAverage
-from dampyr.records.nominal_input import nominal_inputs
-from dampyr.records.overview import Overview, overview
-from dampyr.records.quality import Quality, motion_start, quality
+from dampyr.records.files.campaign_folder import CampaignRow, campaign_rows, read_campaign
+from dampyr.records.files.comparison import write_comparison
+from dampyr.records.files.conversion import convert
+from dampyr.records.files.record_files import read, write
 from dampyr.records.record import Label, Record
-from dampyr.records.record_files import read, write
-from dampyr.records.smoothing import with_smoothing
-from dampyr.records.smoothing_inverse import Undone, undo
-from dampyr.records.smoothing_recognition import Recognised, recognise_smoothing
-from dampyr.records.velocity import check_bandwidth, default_bandwidth, differentiate, with_velocity
-from dampyr.records.waveform import waveform
 
 __all__ = [
     "Label",
@@ -45,13 +44,11 @@ __all__ = [
     "CampaignRow",
     "campaign_rows",
     "read_campaign",
-    "read_row",
     "nominal_inputs",
     "fetch",
     "locate",
     "motion_start",
     "turning_points",
-    "legs",
     "cycles",
     "Cut",
     "CutCycle",
@@ -59,8 +56,6 @@ __all__ = [
     "cut_cycles",
     "cycle_average",
     "differentiate",
-    "check_bandwidth",
-    "default_bandwidth",
     "with_velocity",
     "mean_force",
     "remove_offset",
@@ -73,15 +68,12 @@ __all__ = [
     "measure",
     "amplitude_error",
     "total_harmonic_distortion",
-    "cycle_energies",
     "Overview",
     "overview",
     "Quality",
     "quality",
-    "quantum",
     "disagreements",
     "waveform",
-    "creates_energy",
     "describe",
     "spectrum",
     "Recognised",

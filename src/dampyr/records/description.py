@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 
 from dampyr.findings import Finding, Severity, findings_of
-from dampyr.records.cycle_table import cycle_table
-from dampyr.records.cycles import cut_cycles
-from dampyr.records.integrated_displacement import is_integrated
-from dampyr.records.label_checks import creates_energy, disagreements
-from dampyr.records.lowpass import DisplacementNoise, displacement_noise
-from dampyr.records.measure import measure
-from dampyr.records.overview import Overview, overview
-from dampyr.records.quality import Quality, quality
+from dampyr.records.checks.label_checks import creates_energy, disagreements
+from dampyr.records.checks.overview import Overview, overview
+from dampyr.records.checks.quality import Quality, quality
+from dampyr.records.conditioning.integrated_displacement import is_integrated
+from dampyr.records.conditioning.lowpass import DisplacementNoise, displacement_noise
+from dampyr.records.conditioning.smoothing_recognition import Recognised, recognise_smoothing
+from dampyr.records.cycle_analysis.cycle_table import cycle_table
+from dampyr.records.cycle_analysis.cycles import cut_cycles
+from dampyr.records.cycle_analysis.measure import measure
 from dampyr.records.record import GROUPS, Record
 from dampyr.records.record_cache import cached_by_record
-from dampyr.records.smoothing_recognition import Recognised, recognise_smoothing
 
 SAME_WINDOW = 0.02  # of the window: as well as the zeros of a short record tell it
 FEW = 3  # notes of one kind that a record has one by one

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.findings import Finding, findings_of
 from dampyr.origin import DAY, NOT_STATED, Origin, PublishedData, as_origin
-from dampyr.records.channel_uncertainty import Uncertainty
-from dampyr.records.moving_average import MovingAverage
+from dampyr.records.checks.channel_uncertainty import Uncertainty
+from dampyr.records.conditioning.moving_average import MovingAverage
 from dampyr.representation import Representation, Summary, column_name, data_frame, extent
 from dampyr.source_file import SourceFile
 from dampyr.units import in_si
@@ -145,7 +145,7 @@ class Record(Representation):
     specimen
         Which damper was tested, such as its serial number, or None.
     smoothed
-        The moving average that some of its channels still hold (:mod:`dampyr.records.smoothing`), or None.
+        The moving average that some of its channels still hold (:mod:`dampyr.records.conditioning.smoothing`), or None.
     marks
         Faults that the recorder saw in the test, a sentence each, such as a force that stands still while the table moves.
     uncertainty

@@ -36,9 +36,9 @@ from dampyr.figures.scores import scores
 from dampyr.figures.style import save
 from dampyr.figures.theta import theta
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict
-from dampyr.report.figure_files import figure_files
 from dampyr.report.how_made import made_by
 from dampyr.report.html_page import page, write_page
+from dampyr.report.saved_figures import figure_files
 from dampyr.representation import sentence
 
 WRITERS = {

@@ -11,7 +11,14 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.figures.acceptance import band_used, peak_velocity_band
 from dampyr.identification import Acceptance, Accepted
-from dampyr.identification.acceptance import BEYOND, UNITS, forces_and_band, in_short, percent, used_of_band
+from dampyr.identification.acceptance_tests.acceptance import (
+    BEYOND,
+    UNITS,
+    forces_and_band,
+    in_short,
+    percent,
+    used_of_band,
+)
 from dampyr.report.blocks import Block, Cell, FigureBlock, Kind, Section, Table, Text, Verdict, to_look_at
 from dampyr.report.html_page import page, write_page
 from dampyr.representation import sentence

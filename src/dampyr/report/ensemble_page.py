@@ -16,8 +16,8 @@ from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text,
 from dampyr.report.fragility_section import fragility_section
 from dampyr.report.html_page import page, write_page
 from dampyr.structures import EnsembleResult, Fragility, Incremental, incremental, summary
-from dampyr.structures.ensemble_accuracy import BOUNDS, FLOOR, truncation_in_words
-from dampyr.structures.simulate import BARE
+from dampyr.structures.ensembles.ensemble_accuracy import BOUNDS, FLOOR, truncation_in_words
+from dampyr.structures.time_history.simulate import BARE
 
 SHOWN = {
     "drift": ("drift", "mm", 1e3),

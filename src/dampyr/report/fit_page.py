@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from dampyr.findings import Finding
-from dampyr.identification import Fit, Identified, Validation, findings, identifiability
+from dampyr.identification import Fit, Identified, Validation, identifiability
+from dampyr.identification.fits.diagnostics import findings
 from dampyr.report.best_and_worst import best_and_worst_sections, extremes
 from dampyr.report.blocks import Block, Cell, Section, Table, Text, Verdict, to_look_at
 from dampyr.report.fit_sections import correlation_blocks, fit_blocks, score_blocks

@@ -13,8 +13,8 @@ from dampyr.figures.laws import parameters_against_input
 from dampyr.figures.scores import scores as scores_by_input
 from dampyr.figures.style import CURRENT, VOLTAGE
 from dampyr.identification import Fit, Score
-from dampyr.identification.law_panels import law_panels
-from dampyr.identification.score import group_by_input
+from dampyr.identification.fits.law_panels import law_panels
+from dampyr.identification.scoring.score import group_by_input
 from dampyr.report.blocks import Block, Cell, FigureBlock, Table, Text
 
 PANELS = 6  # of laws in one figure: three rows of two, half of a printed page

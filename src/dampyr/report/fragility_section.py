@@ -10,7 +10,7 @@ from dampyr.figures.fragility import MAX_CURVES, axis_of, fragility_curves
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
 from dampyr.representation import sentence
 from dampyr.structures import Curve, Fragility
-from dampyr.structures.fragility import LEVEL, drawn_curves
+from dampyr.structures.ensembles.fragility import LEVEL, drawn_curves
 
 COLUMNS = ("case", "median", "from", "to", "beta", "direct median", "direct beta", "cases", "exceed", "without bound")
 FEW = " From fewer than 40 motions the band is too narrow away from the median."

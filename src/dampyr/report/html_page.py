@@ -19,8 +19,8 @@ from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text, Verdict
-from dampyr.report.figure_files import keep
 from dampyr.report.how_made import how_made, moment
+from dampyr.report.saved_figures import keep
 from dampyr.report.svg import inline_svg
 from dampyr.report.typography import as_html, raised, with_powers
 from dampyr.source_digest import full_version

@@ -6,7 +6,7 @@ import math
 
 from dampyr.figures.leaderboard import leaderboard_figure
 from dampyr.identification import Leaderboard
-from dampyr.identification.leaderboard import choice_in_words
+from dampyr.identification.model_choice.leaderboard import choice_in_words
 from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text
 from dampyr.representation import sentence
 

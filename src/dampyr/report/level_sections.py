@@ -6,7 +6,7 @@ import numpy as np
 
 from dampyr.figures.band import band as band_figure
 from dampyr.identification import Fit, Validated
-from dampyr.identification.validate import bands_in_words
+from dampyr.identification.scoring.validate import bands_in_words
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
 from dampyr.representation import percent, sentence
 

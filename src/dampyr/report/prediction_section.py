@@ -8,8 +8,8 @@ import numpy as np
 
 from dampyr.figures.scores import scores
 from dampyr.identification import Fit, Validation
-from dampyr.identification.identify import SPLIT_WORDS
-from dampyr.identification.score import group_by_input
+from dampyr.identification.fits.identify import SPLIT_WORDS
+from dampyr.identification.scoring.score import group_by_input
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
 
 

@@ -6,8 +6,9 @@ from dampyr.figures.autocorrelation import memory
 from dampyr.figures.residual_sizes import residual_sizes
 from dampyr.figures.residual_velocity import residual_velocity
 from dampyr.figures.style import CURRENT, VOLTAGE, case_colours
-from dampyr.identification import Residuals, findings
-from dampyr.identification.residuals import MISFIT_INTERVALS, MISFIT_NOISE, SIDES
+from dampyr.identification import Residuals
+from dampyr.identification.fits.diagnostics import findings
+from dampyr.identification.fits.residuals import MISFIT_INTERVALS, MISFIT_NOISE, SIDES
 from dampyr.report.blocks import Block, Cell, FigureBlock, Section, Table, Text
 from dampyr.representation import sentence
 

@@ -18,7 +18,7 @@ from dampyr.report.blocks import Cell, FigureBlock, Section, Table, Text, to_loo
 from dampyr.report.html_page import page, write_page
 from dampyr.representation import sentence
 from dampyr.structures import Response, Simulated
-from dampyr.structures.simulate import BARE
+from dampyr.structures.time_history.simulate import BARE
 
 Array = NDArray[np.float64]
 STROKE = Axis("stroke", "mm", 1e3)

@@ -14,8 +14,8 @@ from dampyr.errors import DampyrWarning, InputError
 from dampyr.figures.calibration_range import calibrated
 from dampyr.figures.scores import scores as scores_figure
 from dampyr.identification import Score, Validated, prediction
-from dampyr.identification.residuals import motion
-from dampyr.identification.score import group_by_input
+from dampyr.identification.fits.residuals import motion
+from dampyr.identification.scoring.score import group_by_input
 from dampyr.models import Damper
 from dampyr.origin import combined
 from dampyr.records import Record, with_velocity

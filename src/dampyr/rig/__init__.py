@@ -7,7 +7,7 @@
         table.go(0.005)
 """
 
-from dampyr.rig.connect import connect, simulated
+from dampyr.rig.connecting import connect, simulated
 from dampyr.rig.drive import Drive, Reversals
 from dampyr.rig.session import Rig, Table
 from dampyr.rig.settings import RigSettings, load_settings

@@ -12,7 +12,7 @@ import numpy as np
 from dampyr.errors import DampyrError, install_line
 from dampyr.rig.acquisition import fault_in_words
 from dampyr.rig.calibration import NAME, doubt, load_calibration
-from dampyr.rig.connect import open_rig
+from dampyr.rig.connecting import open_rig
 from dampyr.rig.firmware.protocol import HIGH_END, LOW_END, PRESSED, Fault, State
 from dampyr.rig.instruments.catalogue import OUTPUT, ROLES, part, with_absolute_folders
 from dampyr.rig.session import Rig

@@ -10,24 +10,30 @@ inputs, motions and scales, and returns the peaks; ``fragility`` and ``increment
 """
 
 from dampyr.structures.building import Building, Condensed, condense
-from dampyr.structures.control_law import available_control_laws, control_law
-from dampyr.structures.ensemble import ensemble
-from dampyr.structures.ensemble_grid import cases as ensemble_cases
-from dampyr.structures.ensemble_run import EnsembleOptions, EnsembleResult, Limit, evaluate_ensemble, run_ensemble
-from dampyr.structures.fragility import Curve, Fragility, fragility
-from dampyr.structures.incremental import Incremental, Sweep, incremental
-from dampyr.structures.job_array import collect, write_part
-from dampyr.structures.modal_coordinates import refined
-from dampyr.structures.quarter_car import quarter_car, road
+from dampyr.structures.control_laws import available_control_laws, control_law
+from dampyr.structures.ensembles.ensemble import ensemble
+from dampyr.structures.ensembles.ensemble_grid import cases as ensemble_cases
+from dampyr.structures.ensembles.ensemble_run import (
+    EnsembleOptions,
+    EnsembleResult,
+    Limit,
+    evaluate_ensemble,
+    run_ensemble,
+)
+from dampyr.structures.ensembles.fragility import Curve, Fragility, fragility
+from dampyr.structures.ensembles.incremental import Incremental, Sweep, incremental
+from dampyr.structures.ensembles.job_array import collect, write_part
+from dampyr.structures.ensembles.store import read_ensemble
+from dampyr.structures.ensembles.summary import summary
 from dampyr.structures.raminelli_2020_building import two_storey, two_storey_model
-from dampyr.structures.respond import respond
-from dampyr.structures.response import Energy, Response
 from dampyr.structures.shear import shear_building, single_mass
-from dampyr.structures.simulate import Simulated, SimulateOptions, simulate
-from dampyr.structures.state_space import StateSpace, state_space
-from dampyr.structures.store import read_ensemble
 from dampyr.structures.structure_file import load
-from dampyr.structures.summary import summary
+from dampyr.structures.time_history.modal_coordinates import refined
+from dampyr.structures.time_history.respond import respond
+from dampyr.structures.time_history.response import Energy, Response
+from dampyr.structures.time_history.simulate import Simulated, SimulateOptions, simulate
+from dampyr.structures.time_history.state_space import StateSpace, state_space
+from dampyr.structures.vehicle import quarter_car, road
 
 __all__ = [
     "Building",

@@ -21,7 +21,7 @@ The ground enters the floors that are kept with their own influence, 1, and the 
           \iota' = M'^{-1} T^T M \iota
 
 which is the static part of what is left out: it moves with the ground (the missing mass). Responses take more coordinates than
-the floors: see :mod:`dampyr.structures.modal_coordinates`.
+the floors: see :mod:`dampyr.structures.time_history.modal_coordinates`.
 
 Reference: R. J. Guyan, Reduction of stiffness and mass matrices, AIAA Journal 3 (1965).
 """

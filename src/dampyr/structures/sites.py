@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError
 from dampyr.models.damper import INPUTS
 from dampyr.structures.building import Building
-from dampyr.structures.control_law import is_control_law, values_at
+from dampyr.structures.control_laws import is_control_law, values_at
 from dampyr.units import in_si
 
 Array = NDArray[np.float64]

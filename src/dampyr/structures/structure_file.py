@@ -31,9 +31,9 @@ from dampyr.config import fill, load_toml, unknown
 from dampyr.errors import FileError, InputError
 from dampyr.structures.building import Building
 from dampyr.structures.damping import modal, rayleigh
-from dampyr.structures.modal_coordinates import modal_condensation
 from dampyr.structures.plane_frame import read_frame
 from dampyr.structures.shear import shear_building
+from dampyr.structures.time_history.modal_coordinates import modal_condensation
 from dampyr.units import Quantity, parse, to_si
 
 Array = NDArray[np.float64]
@@ -98,7 +98,7 @@ def load(path: str | Path) -> Building:
 
     A plane frame has two tables, ``nodes`` and ``elements`` (`dampyr.structures.plane_frame.read_frame`). It is taken to the
     displacements of its ``floors`` by modes, and so are matrices to the degrees of freedom ``keep``
-    (`dampyr.structures.modal_coordinates`).
+    (`dampyr.structures.time_history.modal_coordinates`).
 
     Raises
     ------

@@ -24,7 +24,7 @@ from dampyr import records
 from dampyr.console import app, record_uploads
 from dampyr.console.limits import READING
 from dampyr.console.page_words import in_page_words
-from dampyr.records.channel_uncertainty import Uncertainty
+from dampyr.records.checks.channel_uncertainty import Uncertainty
 from dampyr.to_json import plain
 
 KEY = "labcontrol/ensaio.A.1.mat"

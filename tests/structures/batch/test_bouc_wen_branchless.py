@@ -86,7 +86,7 @@ def test_peaks_are_those_of_the_exact_state(n, sigma):
             return ensemble(two_storey(), el_centro(), damper(n, sigma), [0.0], [0.05, 1.0], one, quantities=("drift",))
 
     dataset = peaks()
-    with patch("dampyr.structures.ensemble_batches.bouc_wen_branchless.is_vectorisable", lambda _: False):
+    with patch("dampyr.structures.ensembles.ensemble_batches.bouc_wen_branchless.is_vectorisable", lambda _: False):
         wanted = peaks()
     assert not dataset.identical(wanted)  # they did run differently
     np.testing.assert_allclose(dataset.drift, wanted.drift, rtol=2e-6)

@@ -19,8 +19,9 @@ from dampyr.console.jobs import CARD, CURVES, DATA, PAGE
 from dampyr.console.page_words import in_page_words
 from dampyr.console.safe_paths import data_of
 from dampyr.errors import InputError
-from dampyr.identification import Fit, Identified, findings, identify, prediction, score
-from dampyr.identification.leaderboard import choice_in_words
+from dampyr.identification import Fit, Identified, identify, prediction, score
+from dampyr.identification.fits.diagnostics import findings
+from dampyr.identification.model_choice.leaderboard import choice_in_words
 from dampyr.records import Record
 from dampyr.report import made_by, write_fit_page
 from dampyr.report.fit_sections import parameter_tables, score_table

@@ -18,7 +18,7 @@ from dampyr.console.jobs import CURVES, DATA, PAGE
 from dampyr.console.safe_paths import data_of
 from dampyr.report import made_by, write_response_page
 from dampyr.structures import Response, simulate
-from dampyr.structures.simulate import BARE
+from dampyr.structures.time_history.simulate import BARE
 from dampyr.to_json import plain
 
 FRAMES = 900  # of the animation: 30 a second for half a minute

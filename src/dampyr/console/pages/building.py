@@ -18,7 +18,7 @@ from dampyr.console.jobs import CURVES, PAGE
 from dampyr.console.limits import READING
 from dampyr.console.state import Here
 from dampyr.errors import MissingData
-from dampyr.structures.simulate import all_inputs
+from dampyr.structures.time_history.simulate import all_inputs
 from dampyr.studies import THESIS, available_structures
 
 TITLE, ORDER = "Building", 50

@@ -17,7 +17,7 @@ from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import CARD, CURVES, PAGE
 from dampyr.console.state import AppState, Here
 from dampyr.errors import InputError, MissingData
-from dampyr.identification.identify import choices
+from dampyr.identification.fits.identify import choices
 from dampyr.models import Damper
 
 TITLE, ORDER = "Identify", 40

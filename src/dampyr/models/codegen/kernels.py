@@ -34,7 +34,8 @@ from dampyr.source_digest import source_digest
 BOUND = tuple(SIGNATURES)
 KERNEL_SOURCES = (
     "models", "structures", "rig/simulation", "rig/firmware", "hybrid", "export",
-    "ground_motions/oscillator.py", "identification/bounded_least_squares.py", "identification/normal_equations.py",
+    "ground_motions/oscillator.py",
+    "identification/search/bounded_least_squares.py", "identification/search/normal_equations.py",
 )  # fmt: skip
 MORE = ("decide",)
 QUICK = ("quick_exp", "quick_tanh")

@@ -29,8 +29,8 @@ from urllib.parse import quote
 from dampyr.atomic_write import whole_file
 from dampyr.config import fill, load_toml
 from dampyr.errors import FileError, InputError, MissingData
-from dampyr.records.folder_metadata import NAME as READING
-from dampyr.records.folder_metadata import TABLE
+from dampyr.records.files.folder_metadata import NAME as READING
+from dampyr.records.files.folder_metadata import TABLE
 from dampyr.source_file import SourceFile
 
 __all__ = [

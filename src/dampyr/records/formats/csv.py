@@ -1,4 +1,4 @@
-"""Comma-separated columns, see :mod:`dampyr.records.text_columns`; semicolons and tabs are read too."""
+"""Comma-separated columns, see :mod:`dampyr.records.files.text_columns`; semicolons and tabs are read too."""
 
 import io
 from pathlib import Path
@@ -7,9 +7,9 @@ import numpy as np
 
 from dampyr.atomic_write import write_whole
 from dampyr.errors import FileError
-from dampyr.records import text_columns
+from dampyr.records.files import text_columns
+from dampyr.records.files.record_files import Request
 from dampyr.records.record import CHANNELS, Record, stated
-from dampyr.records.record_files import Request
 
 TITLE, MEDIA_TYPE = "CSV", "text/csv"
 PLAIN_TEXT = True

@@ -1,10 +1,10 @@
-"""Columns of plain text as testing machines write them, see :mod:`dampyr.records.text_columns`: as ``.txt``."""
+"""Columns of plain text as testing machines write them, see :mod:`dampyr.records.files.text_columns`: as ``.txt``."""
 
 from pathlib import Path
 
-from dampyr.records import text_columns
+from dampyr.records.files import text_columns
+from dampyr.records.files.record_files import Request
 from dampyr.records.record import Record
-from dampyr.records.record_files import Request
 
 TITLE = "text"
 PLAIN_TEXT = True

@@ -3,8 +3,8 @@
 Layout (schema 2)::
 
     /            format = "dampyr record", schema = 2, complete = 0 or 1, name, role, test, try, sha256 (of every dataset,
-                 `dampyr.records.checksums`), origin (`dampyr.origin`; dampyr up to 0.2.0 wrote none); measurement_session and
-                 specimen where they are known
+                 `dampyr.records.files.checksums`), origin (`dampyr.origin`; dampyr up to 0.2.0 wrote none);
+                 measurement_session and specimen where they are known
     /calibrated  time, displacement, force, ...: (n,) float64 in SI, each with the attribute unit
                  voltage or current as a number when it is constant; with the attributes uncertainty (one standard
                  uncertainty, in that unit) and uncertainty_parts (JSON) where it is stated
@@ -16,7 +16,7 @@ Layout (schema 2)::
     /provenance  one attribute per entry
     /history     one string per step
     /marks       one sentence per fault that the recorder saw in the test, where there is one (`dampyr.campaigns.marks`)
-    /rows        only while a test is recorded (`dampyr.records.recording`): how many samples are there; the
+    /rows        only while a test is recorded (`dampyr.records.files.recording`): how many samples are there; the
                  datasets are longer, and what lies beyond is nothing
 
 In MATLAB: ``h5read("test.h5", "/calibrated/force")`` and ``h5readatt("test.h5", "/calibrated/force",
@@ -37,13 +37,13 @@ import numpy as np
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
 from dampyr.origin import Origin, as_origin, of_board
-from dampyr.records.channel_uncertainty import Uncertainty
-from dampyr.records.checksums import REPAIR, Attributes, Checksums, Stored, attributes_of
-from dampyr.records.moving_average import Alignment, MovingAverage
-from dampyr.records.new_file import new_file
+from dampyr.records.checks.channel_uncertainty import Uncertainty
+from dampyr.records.conditioning.moving_average import Alignment, MovingAverage
+from dampyr.records.files.checksums import REPAIR, Attributes, Checksums, Stored, attributes_of
+from dampyr.records.files.new_file import new_file
+from dampyr.records.files.record_files import Request
+from dampyr.records.files.self_contained import check_contained
 from dampyr.records.record import CHANNELS, GROUPS, MIN_SAMPLES, Label, Record, as_role
-from dampyr.records.record_files import Request
-from dampyr.records.self_contained import check_contained
 from dampyr.source_digest import full_version
 from dampyr.units import to_si
 

@@ -21,10 +21,10 @@ import numpy as np
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
 from dampyr.origin import ORIGIN_KINDS
-from dampyr.records.column_table import Table, record_of
+from dampyr.records.files.column_table import Table, record_of
+from dampyr.records.files.record_files import Request
+from dampyr.records.files.self_contained import check_contained
 from dampyr.records.record import COMMENTS, GROUPS, Array, Record, stated
-from dampyr.records.record_files import Request
-from dampyr.records.self_contained import check_contained
 from dampyr.units import to_si
 
 TITLE = "MATLAB"

@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from dampyr.errors import FileError, InputError, install_line
-from dampyr.records.column_table import WORDS, Table, name_and_unit, record_of
+from dampyr.records.files.column_table import WORDS, Table, name_and_unit, record_of
+from dampyr.records.files.record_files import Request
 from dampyr.records.record import GROUPS, Record
-from dampyr.records.record_files import Request
 
 TITLE = "TDMS"
 UNIT, INTERVAL, START, OFFSET = "unit_string", "wf_increment", "wf_start_time", "wf_start_offset"

@@ -1,10 +1,10 @@
-"""Columns of plain text, see :mod:`dampyr.records.text_columns`: white space, tabs, commas or semicolons."""
+"""Columns of plain text, see :mod:`dampyr.records.files.text_columns`: white space, tabs, commas or semicolons."""
 
 from pathlib import Path
 
-from dampyr.records import text_columns
+from dampyr.records.files import text_columns
+from dampyr.records.files.record_files import Request
 from dampyr.records.record import Record
-from dampyr.records.record_files import Request
 
 TITLE = "text"
 PLAIN_TEXT = True

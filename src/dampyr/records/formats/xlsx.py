@@ -1,6 +1,6 @@
 """Excel workbooks: a sheet is read as columns of text are, ``variable`` names the sheet.
 
-What stands above the numbers is the header, as in `dampyr.records.text_columns`; ``header`` is its row. A cell with a
+What stands above the numbers is the header, as in `dampyr.records.files.text_columns`; ``header`` is its row. A cell with a
 formula gives the value that was saved with it. Read with openpyxl, the extra ``interop``.
 """
 
@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from dampyr.errors import FileError, InputError, install_line
-from dampyr.records.column_table import record_of
+from dampyr.records.files.column_table import record_of
+from dampyr.records.files.record_files import Request
+from dampyr.records.files.text_columns import is_by_number, table_of_text
 from dampyr.records.record import Record
-from dampyr.records.record_files import Request
-from dampyr.records.text_columns import is_by_number, table_of_text
 
 TITLE = "Excel"
 MAX_UNFOLDED = 200_000_000  # bytes of the archive's parts: a million rows of four channels, and some 20 s of reading

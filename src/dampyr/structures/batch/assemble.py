@@ -1,10 +1,10 @@
 r"""Source of a kernel: one step of a building with its dampers, for a block of histories at a time.
 
 In a step of h seconds the dampers' forces are the quadratics through their values at 0, h/2 and h (see
-`dampyr.structures.time_stepping`). Their first guess continues the last half step, the dampers' laws along the path of that
-guess give forces and slopes, and a Newton correction, written out, gives the forces of the step; the states follow by their
-tangents. Nothing branches. At the middle of the step a site is where the cubic through both ends has it. The error that
-remains is measured in every ensemble (see `dampyr.structures.ensemble`).
+`dampyr.structures.time_history.time_stepping`). Their first guess continues the last half step, the dampers' laws along the
+path of that guess give forces and slopes, and a Newton correction, written out, gives the forces of the step; the states
+follow by their tangents. Nothing branches. At the middle of the step a site is where the cubic through both ends has it. The
+error that remains is measured in every ensemble (see `dampyr.structures.ensemble`).
 
 Every history is a column of a block; `Rows` says which row holds what. A small building's sums are written out, without the
 terms whose coefficients are 0; a large one's run in loops over its modes. Either way the text depends on the building's

@@ -15,7 +15,7 @@ from dampyr.models.codegen.composition import Composition, namespace_of
 from dampyr.models.codegen.formula import read
 from dampyr.models.codegen.kernels import jit, named
 from dampyr.structures.batch import bouc_wen_branchless, branchless_math
-from dampyr.structures.kernel_math import quadratic
+from dampyr.structures.time_history.kernel_math import quadratic
 
 FAST = {"contract", "nsz", "arcp", "nnan", "ninf"}
 MATH = ("sqrt", "log", "log1p", "expm1", "sin", "cos", "tan", "atan")

@@ -11,17 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.identification import Fit, PlasticRegion, fit, plastic_region
-from dampyr.records import (
-    CampaignRow,
-    Measured,
-    Record,
-    campaign_rows,
-    cycles,
-    disagreements,
-    measure,
-    read_row,
-    turning_points,
-)
+from dampyr.records import CampaignRow, Measured, Record, campaign_rows, cycles, disagreements, measure, turning_points
+from dampyr.records.files.campaign_folder import read_row
 
 Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from dampyr.identification import compare, prediction
+from dampyr.identification import prediction
+from dampyr.identification.scoring.score import compare
 from dampyr.records import cycles
 from dampyr.report import Block, FigureBlock, Text
 from dampyr.report import history as history_figure

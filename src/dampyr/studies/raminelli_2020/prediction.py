@@ -7,9 +7,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.identification import compare, prediction, score
+from dampyr.identification import prediction, score
+from dampyr.identification.scoring.score import compare
 from dampyr.models import Constant, Damper
-from dampyr.records import Record, default_bandwidth, with_velocity
+from dampyr.records import Record, with_velocity
+from dampyr.records.conditioning.velocity import default_bandwidth
 from dampyr.report import Block, Cell, FigureBlock, Table, Text, scores
 from dampyr.studies.raminelli_2020.campaign_records import Campaign, Test
 from dampyr.studies.raminelli_2020.chapter_4_tables import FETCH

@@ -1,0 +1,457 @@
+"""Performance of a campaign: checked as a whole, then test by test, each in a file of its own, resumed where it stopped."""
+
+from __future__ import annotations
+
+import threading
+import time
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager, suppress
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+from dampyr.campaigns.campaign import Campaign, read
+from dampyr.campaigns.differences import campaign_differences, contents_of, settings_differences
+from dampyr.campaigns.folder_lock import folder_lock
+from dampyr.campaigns.force_prediction import specimen
+from dampyr.campaigns.journal import Journal
+from dampyr.campaigns.learn_drive import DriveLearning, Judged, Learned, Seen, percent
+from dampyr.campaigns.learning import TRIES
+from dampyr.campaigns.monitor import Watch, time_left
+from dampyr.campaigns.planned_tests import Plan, PlannedTest, plan
+from dampyr.campaigns.preliminary import preliminary_check
+from dampyr.campaigns.record_test import as_json, check_disk, groups_of, reason, take
+from dampyr.campaigns.recorded_tests import (
+    INTERRUPTED,
+    broken_tries,
+    entries_with_files,
+    file_of,
+    is_broken,
+    last_try,
+    lost_words,
+    recorded,
+    remove_parts,
+    set_aside,
+)
+from dampyr.campaigns.run_control import Control, Progress, Skipped, Stopped
+from dampyr.errors import DampyrWarning, FileError, InputError
+from dampyr.origin import as_origin, combined
+from dampyr.records.formats import h5
+from dampyr.rig.damper_temperature import SavedTemperature
+from dampyr.rig.interlock import Samples
+from dampyr.rig.session import Rig, Table
+
+Watcher = Callable[[Progress], None]
+SAVE_EVERY = 2.0  # s between two times that the damper's temperature is saved: at 300 W it rises by 1.3 K
+TEMPERATURE, TEMPERATURE_TIME = "temperature_degC", "temperature_time"
+
+
+def perform(
+    campaign: Plan | Campaign | str | Path,
+    rig: Rig,
+    folder: str | Path,
+    progress: Watcher | None = None,
+    control: Control | None = None,
+    again: Sequence[str] = (),
+) -> Path:
+    """Run a campaign on a connected rig; its folder holds a file per test and the journal.
+
+    Parameters
+    ----------
+    campaign
+        A plan, a campaign, or the path of its TOML file. Refused as a whole where the rig cannot do all of it.
+    folder
+        Where the records go. Tests that are complete there are not run again; one that was interrupted is run anew,
+        beside what it left. Where its journal is missing or empty the files say which tests are complete. While a campaign
+        runs, its folder is locked.
+    progress
+        Called with a :class:`Progress` for every block of samples.
+    control
+        The buttons: pause, resume, stop, abort.
+    again
+        Names of tests that are recorded again, each as a further try, although they are complete. A file of them that is
+        broken is renamed, so that it is not read as a record.
+
+    Warns of settings of the rig that differ from those that the campaign was begun with; the journal and each further record
+    say how.
+
+    Raises :class:`~dampyr.errors.InputError` before anything moves, :class:`~dampyr.errors.RigFault` where a safety layer
+    has acted, :class:`Stopped` where it was asked for, :class:`~dampyr.errors.FileError` where the disk is full. In every
+    case the table is at rest, the coil at 0 V, and the journal records the reason. A folder in which the file of a complete
+    test is gone or broken is not complete: what is left is run, after a warning, and then a FileError names these tests.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> step = {"kind": "sine", "amplitude": "8 mm", "frequency": "1 Hz", "voltage": "1.98 V", "cycles": 2}
+    >>> campaign = dp.campaigns.campaign_of({"name": "one", "operator": "me", "step": [step]})
+    >>> with dp.rig.simulated(in_process=True) as rig:
+    ...     folder = dp.campaigns.perform(campaign, rig, "one")
+    >>> [record.name for record in dp.records.read_campaign(folder)]
+    ['01-sine-8mm-1Hz-1.98V']
+    """
+    campaign_plan = _planned(campaign, rig)
+    campaign_plan.require()
+    names = [test.name for test in campaign_plan.tests]
+    for name in again:
+        if name not in names:
+            raise InputError(f"again = {name!r} is no test of this campaign; its tests are {_some(names)}")
+    folder = _made(Path(folder))
+    with folder_lock(folder):
+        remove_parts(folder, names)
+        moved = [set_aside(path) for name in again for path in broken_tries(folder, name)]
+        with closing(Journal(folder)) as journal:
+            _enter(campaign_plan, rig, journal, folder)
+            before = journal.said("origin")
+            origin = combined([rig.origin, *([as_origin(before)] if before else [])])
+            if origin.kind != before:  # a complete campaign on a disk that takes nothing is read as it is
+                journal.say({"origin": origin.kind})
+            _reconcile(journal, folder)
+            for path in moved:
+                journal.note("set aside", f"{path.name}: it cannot be read")
+            for name in again:
+                journal.repeat(name)
+            lost = lost_words(entries_with_files(journal.tests(), folder))
+            run = _Run(campaign_plan, rig, folder, journal, progress or (lambda _: None), control or Control())
+            if run.left():
+                if lost:
+                    warnings.warn(f"{folder}: {lost}", DampyrWarning, stacklevel=2)
+                run.begin_warm()
+                run.about = _tell_settings(journal, rig)
+                run.perform()
+            tests = entries_with_files(journal.tests(), folder)
+    if lost := lost_words(tests):
+        complete = sum(entry.state == "complete" for entry in tests)
+        raise FileError(folder, f"{complete} of {len(tests)} tests are complete: {lost}")
+    return folder
+
+
+def _some(names: Sequence[str]) -> str:
+    """A few names, and how many more there are."""
+    return ", ".join(names[:8]) + (f" and {len(names) - 8} more" if len(names) > 8 else "")
+
+
+def _planned(campaign: Plan | Campaign | str | Path, rig: Rig) -> Plan:
+    if isinstance(campaign, Plan):
+        return campaign
+    tests = campaign if isinstance(campaign, Campaign) else read(campaign)
+    return plan(tests, rig.settings, specimen(rig.settings, rig.folder))
+
+
+def _made(folder: Path) -> Path:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        raise FileError(folder, f"cannot be made ({problem.strerror}); choose another folder") from problem
+    return folder
+
+
+def _enter(campaign_plan: Plan, rig: Rig, journal: Journal, folder: Path) -> None:
+    """Enter the plan; where the journal holds none, with what the files in the folder say of its tests."""
+    campaign = campaign_plan.campaign
+    names, digest = [test.name for test in campaign_plan.tests], campaign.digest
+    if not journal.is_empty:
+        saved = journal.said("digest")
+        if (
+            saved == campaign.path_digest != digest
+        ):  # of before 2026-11-23, when what is in a motion's file did not count
+            journal.say({"digest": digest, "contents": contents_of(campaign)})
+        elif saved != digest:
+            entered = [entry.name for entry in journal.tests()]
+            journal.check(digest, campaign_differences(journal.said("contents"), entered, campaign))
+        return
+    journal.check(digest)
+    entries = recorded(folder, campaign_plan)
+    journal.plan(digest, names, _metadata(campaign_plan, rig, folder), entries)
+    if entries:
+        complete = sum(entry.state == "complete" for entry in entries)
+        words = f"from the files of {len(entries)} of its {len(names)} tests: "
+        words += f"{complete} complete, {len(entries) - complete} not"
+        journal.note("rebuilt", words)
+        warnings.warn(f"{journal.path} was missing or empty and is made anew {words}", DampyrWarning, stacklevel=3)
+
+
+def _tell_settings(journal: Journal, rig: Rig) -> dict[str, str]:
+    """Warn of settings that are not those that the campaign was begun with; what its further records say of it."""
+    begun = journal.said("rig")
+    difference = settings_differences(begun, rig.settings) if begun else ""
+    if not difference:
+        return {}
+    journal.note("settings changed", difference)
+    warnings.warn(
+        f"the rig's settings differ from those that the campaign was begun with: {difference}; the records say so",
+        DampyrWarning,
+        stacklevel=3,
+    )
+    return {"rig_changes": difference}
+
+
+def _metadata(campaign_plan: Plan, rig: Rig, folder: Path) -> dict[str, str]:
+    """What the journal says of a campaign; where records are there already, the rig is that of the first of them."""
+    head = campaign_plan.campaign.header
+    files = (h5.provenance(path) for path in folder.glob("[!.]*.h5"))
+    first = min(files, key=lambda each: each.get("started", "9"), default={})
+    return {
+        "name": head.name,
+        "operator": head.operator,
+        "note": head.note,
+        "source": campaign_plan.campaign.source,
+        "contents": contents_of(campaign_plan.campaign),
+        "rig": first.get("rig") or as_json(rig.settings),
+    }
+
+
+def _reconcile(journal: Journal, folder: Path) -> None:
+    """Make the journal agree with the files: the process that wrote it may have been killed."""
+    for entry in journal.tests():
+        if entry.state != "running":
+            continue
+        path = file_of(folder, entry.name, entry.attempt)
+        if path.is_file() and is_broken(path):
+            journal.end(
+                entry.name, "failed", f"{INTERRUPTED}, and its file cannot be read: it is {set_aside(path).name} now"
+            )
+        elif path.is_file() and h5.state(path).complete:
+            journal.end(entry.name, "complete", "found complete after an interruption")
+        else:
+            journal.end(entry.name, "failed", INTERRUPTED)
+
+
+@contextmanager
+def _noted(problem: BaseException) -> Iterator[None]:
+    """A failed entry in the journal does not hide ``problem``; the files are right without it."""
+    try:
+        yield
+    except FileError as trouble:
+        problem.add_note(str(trouble))
+
+
+@dataclass
+class _Run:
+    """One run over the tests that are left."""
+
+    plan: Plan
+    rig: Rig
+    folder: Path
+    journal: Journal
+    progress: Watcher
+    control: Control
+    groups: Mapping[str, str] = field(default_factory=dict)
+    """The session and the specimen of every test of this run."""
+    about: Mapping[str, str] = field(default_factory=dict)
+    """What its records say besides."""
+    _saved: float = field(default_factory=time.monotonic)
+    """When the damper's temperature was saved last, s of a monotonic clock."""
+    _saving: threading.Thread | None = None
+    _checked: bool = False
+
+    def left(self) -> list[PlannedTest]:
+        """The incomplete tests, in their order."""
+        done = {entry.name for entry in self.journal.tests() if entry.state == "complete"}
+        return [test for test in self.plan.tests if test.name not in done]
+
+    def begin_warm(self) -> None:
+        """Begin with the damper as warm as the journal's last host left it; :class:`InputError` where it has to cool first."""
+        rig, limit = self.rig, self.rig.settings.limits.temperature
+        self.journal.said_with_events = self._temperature
+        if rig.damper_persists:
+            with suppress(ValueError):  # none is saved, or by somebody else
+                saved = SavedTemperature.parse(self.journal.said(TEMPERATURE), self.journal.said(TEMPERATURE_TIME))
+                rig.warmth.estimate = max(rig.warmth.estimate, saved.cooled(rig.settings))
+        if rig.warmth.hottest >= limit:
+            raise InputError(
+                f"the damper is at {rig.warmth.hottest:.0f} degC as estimated, and limits.temperature = {limit:g} degC; "
+                "let it cool, and run the campaign again: it goes on"
+            )
+
+    def _temperature(self) -> dict[str, str]:
+        """The damper's temperature with its time, for the journal."""
+        if not self.rig.damper_persists:
+            return {}
+        now = datetime.now(UTC).isoformat(timespec="milliseconds")
+        return {TEMPERATURE: f"{self.rig.warmth.hottest:.3f}", TEMPERATURE_TIME: now}
+
+    def _save_temperature(self) -> None:
+        """Save it beside the rig's settings too, now and then; a disk that hesitates holds nothing up."""
+        if time.monotonic() - self._saved >= SAVE_EVERY and not (self._saving and self._saving.is_alive()):
+            self._saved = time.monotonic()
+            self._saving = threading.Thread(target=self.rig.save_temperature, name="temperature", daemon=True)
+            self._saving.start()
+
+    def perform(self) -> None:
+        left = self.left()
+        self.groups = groups_of(self.rig.settings, self.plan.campaign, datetime.now().astimezone())
+        check_disk(self.folder, self.rig, left, self.plan.campaign, self.groups)
+        self.journal.note(
+            "armed", f"{len(left)} of {len(self.plan.tests)} tests to run; {self.rig.identity}; {self.rig.origin.kind}"
+        )
+        try:
+            while left:  # a test that was skipped has cut the coil: the rig is armed again for the next one
+                with suppress(Skipped):
+                    self._armed(left)
+                left.extend(self._repeated())
+        except BaseException as problem:
+            with _noted(problem):
+                self.journal.note("ended early", reason(problem)["reason"])
+            raise
+        if missing := [test.name for test in self.left()]:
+            self.journal.note("ended", f"{len(missing)} of {len(self.plan.tests)} tests skipped")
+            raise Stopped(
+                f"skipped by the operator: {_some(missing)}; run the campaign again to record what is missing"
+            )
+        self.journal.note("complete", f"{len(self.plan.tests)} tests")
+
+    def _armed(self, left: list[PlannedTest]) -> None:
+        """Perform what is in ``left``, and take each test out of it as it begins."""
+        try:
+            with self.rig.armed() as table:
+                self.control.abort_now = table.abort
+                table.check = self.control.check
+                self.control.check()
+                self._prepare(table)
+                first = True
+                while left:
+                    self._between(table, left, first)
+                    first = False
+                    test = left.pop(0)
+                    if self.control.skips(test.name):
+                        self.journal.note("skipped", "by the operator", test.name)
+                    else:
+                        self._test(table, test, len(left) + 1)
+                    left.extend(self._repeated())
+        finally:
+            self.control.abort_now = None
+
+    def _repeated(self) -> list[PlannedTest]:
+        """The tests that the operator wants to have once more."""
+        names = self.control.repeats()
+        for name in names:
+            self.journal.repeat(name)
+        return [test for name in names for test in self.plan.tests if test.name == name]
+
+    def _prepare(self, table: Table) -> None:
+        if table.homed:
+            self._say("verifying the index")
+            if not table.pass_index():
+                self.journal.note("index moved", "since the table was homed; it is homed again")
+                words = (
+                    "the encoder's index was not where homing had put it, so counts were lost; the table is homed again"
+                )
+                warnings.warn(words, DampyrWarning, stacklevel=5)
+        if not table.homed:
+            self._say("homing")
+            table.home()
+            self.journal.note("homed")
+        if self.plan.preliminary is not None and not self._checked:
+            self._say("preliminary check")
+            table.go(float(self.plan.preliminary.displacement[0]))
+            self.journal.note("checked", preliminary_check(table, self.plan.preliminary))
+            self._checked = True
+        table.verify()
+
+    def _between(self, table: Table, left: list[PlannedTest], first: bool) -> None:
+        """Rest between two tests, and while the campaign is paused."""
+        self.control.check()
+        if not first:
+            self._say("rest", left[0].name, len(left))
+            table.rest(self.plan.campaign.header.rest_between)
+        if self.control.paused:
+            self.journal.note("paused")
+            while self.control.paused:
+                self.control.check()
+                self._say("paused", left[0].name, len(left))
+                table.rest(0.1)
+            self.journal.note("resumed")
+        self.control.check()
+
+    def _test(self, table: Table, test: PlannedTest, remaining: int) -> None:
+        attempt, held = self.journal.begin(test.name, last_try(self.folder, test.name)), self.rig.clock_held
+        if test.fitted:
+            self.journal.note("fitted", test.fitted, test.name, attempt)
+        try:
+            self.control.under_way = test.name
+            learned = self._learned(table, test, remaining, attempt) if test.test.learn else None
+            judge, about, drive, before = None, dict(self.about), test.drive, 0.0
+            if learned is not None:
+                judge, drive = Judged(test.drive), learned.drive
+                about, before = about | learned.about, TRIES * self.plan.try_time(test)
+            path = file_of(self.folder, test.name, attempt)
+            seen = self._seen(table, test, remaining, "testing", before)
+            played = replace(test, drive=drive)
+            marks = take(table, played, self.plan.campaign, path, attempt, self.groups, seen, about, judge)
+        except BaseException as problem:
+            outcome = reason(problem)
+            with _noted(problem):
+                self.journal.end(
+                    test.name, "failed" if outcome["exit_status"] == "failed" else "stopped", outcome["reason"]
+                )
+            raise
+        finally:
+            self.control.under_way = ""
+            self.control.skips(test.name)
+            if (held := self.rig.clock_held - held) > 0.0:
+                with suppress(FileError):
+                    self.journal.note("clock held back", f"{held:.3f} s: this machine was too busy", test.name, attempt)
+        if judge is not None and learned is not None:
+            achieved = "not known" if judge.result is None else percent(judge.result.error)
+            marks = (*marks, f"{achieved} off its wanted path, with a learned drive (tries: {learned.words})")
+        self.journal.end(test.name, "complete", "; ".join(marks))
+
+    def _learned(self, table: Table, test: PlannedTest, remaining: int, attempt: int) -> Learned:
+        """Learn a test's drive, try by try."""
+
+        def play(count: int, error: float | None) -> Seen:
+            phase = f"learning, try {count} of {TRIES}" + ("" if error is None else f", {percent(error)} so far:")
+            return self._seen(table, test, remaining, phase, (count - 1) * self.plan.try_time(test))
+
+        return DriveLearning(
+            table, self.plan, test, self.folder, attempt, self.journal, self.groups, self.about, play
+        ).learn()
+
+    def _seen(self, table: Table, test: PlannedTest, remaining: int, phase: str, before: float) -> Seen:
+        """What reports the samples of one play of a test; ``before`` s of what is planned for the test are over."""
+        watch = Watch(test, self.rig.settings.board.rate)
+        first: list[int] = []
+
+        def seen(samples: Samples) -> None:
+            watch.take(samples)
+            first[:] = first or [samples.first]
+            gone = (samples.first + samples.n - first[0]) / self.rig.settings.board.rate
+            self._show(table, test, watch, samples, remaining, gone, phase, before)
+
+        return seen
+
+    def _show(
+        self,
+        table: Table,
+        test: PlannedTest,
+        watch: Watch,
+        samples: Samples,
+        remaining: int,
+        gone: float,
+        phase: str,
+        before: float,
+    ) -> None:
+        self._save_temperature()
+        self.progress(
+            Progress(
+                max(0, len(self.plan.tests) - remaining),
+                len(self.plan.tests),
+                test.name,
+                phase,
+                min(1.0, gone / max(test.duration, 1e-9)),
+                max(0.0, time_left(self.plan, remaining, before + gone)),
+                watch.cycles,
+                watch.planned,
+                float(samples.force[-1]),
+                watch.stroke,
+                table.temperature,
+                samples,
+            )
+        )
+
+    def _say(self, phase: str, name: str = "", remaining: int | None = None) -> None:
+        count = len(self.left()) if remaining is None else remaining
+        left = time_left(self.plan, count)
+        self.progress(Progress(max(0, len(self.plan.tests) - count), len(self.plan.tests), name, phase, time_left=left))

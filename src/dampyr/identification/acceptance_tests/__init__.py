@@ -1,0 +1,1 @@
+"""Whether a record lies within a band about a reference damper."""

@@ -1,0 +1,617 @@
+r"""Acceptance of a tested damper: whether it lies within a band about a reference, as in production and device tests.
+
+Every whole cycle of every level (`dampyr.records.cut_cycles`) is judged by three quantities: the force at peak
+velocity in extension and in compression (the peak-velocity pick-up of a damper dynamometer,
+`dampyr.records.cycle_table`), and the energy that it dissipates; and so is the mean of each over the cycles of a
+level. With the reference's value :math:`e` the band is
+
+.. math:: e \pm (r |e| + a)
+
+with a relative share r and a slack a in N or J. One cycle outside is outside. What the record's own noise explains is
+allowed beyond the edge: z standard errors, :math:`z = \Phi^{-1}(1 - 0.05/N)` for N values, so that noise alone fails
+a damper within the band in at most 5 % of tests, however many cycles they have; but no more than a third of the half
+band, and the error of a level's mean falls with its cycles. A cycle without a reference value (another input, faster,
+a wider stroke) is not judged, and the reason is kept; nothing is extrapolated. Without every level judged there is no
+verdict but "failed".
+
+The band of 15 % that stands as the default is what a maker of friction dampers promises of each specimen, of its force and of
+the area of its loops [SteelDamper]_. Standards for seismic devices have bands of their own: state yours.
+
+References
+----------
+.. [SteelDamper] steeldamper.com, "SFD mechanical performance requirements": table of products, items 1 and 6.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from statistics import NormalDist
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from dampyr.argument_kinds import DAMPER, RECORD, Argument, check_kinds
+from dampyr.errors import InputError
+from dampyr.identification.acceptance_tests.reference_cycles import SAME, Expected, Reference, expected, groups
+from dampyr.models import Damper
+from dampyr.origin import NOT_STATED, Origin, combined
+from dampyr.records import Cut, Cycle, Level, Record, cut_cycles, cycle_table
+from dampyr.records.cycle_analysis.cycles import SAME_STROKE
+from dampyr.representation import Representation, Summary, Table, data_frame
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Quantity = Literal["extension", "compression", "energy"]
+Verdict = Literal["passed", "failed", "not judged"]
+QUANTITIES: tuple[Quantity, ...] = ("extension", "compression", "energy")
+UNITS = {"extension": "N", "compression": "N", "energy": "J"}
+SHARE = 0.5  # of a quantity's points of a level: with more of them open than judged the test is no test
+RISK = 0.05  # that noise alone fails a damper at the edge of its band
+NOISE_SHARE = 1 / 3  # of half the band: more is not allowed for noise
+BEYOND = 4 / 3  # of half the band: how far the damper is off whose chance to pass is stated, 20 % with a band of 15 %
+SUCCESSIVE = 8  # cycles of a level: from their differences its scatter is told
+NORMAL = NormalDist()
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Half the width of a band: ``relative`` (0.15 is 15 %) of the expected value, plus ``force`` in N or ``energy`` in J.
+
+    Raises :class:`~dampyr.errors.InputError` for a relative share outside 0 to 1, or a negative slack.
+    """
+
+    relative: float = 0.15
+    force: float = 0.0
+    energy: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.relative <= 1.0:
+            raise InputError(
+                f"relative = {self.relative:g} is not allowed; it is a share from 0 to 1, such as 0.15 for 15 %"
+            )
+        for name, unit in (("force", "N"), ("energy", "J")):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise InputError(f"{name} = {value:g} {unit} is not allowed; it must be finite and at least 0")
+
+    def __str__(self) -> str:
+        given = ((100 * self.relative, "%"), (self.force, "N"), (self.energy, "J"))
+        return "± " + " and ".join(f"{value:g} {unit}" for value, unit in given if value)
+
+    def half(self, quantity: str, value: float) -> float:
+        """Half the width of the band about ``value``, in N or J."""
+        return self.relative * abs(value) + (self.energy if quantity == "energy" else self.force)
+
+
+@dataclass(frozen=True)
+class Point:
+    """One quantity of one cycle, SI; forces in compression are negative.
+
+    ``cycle`` counts from 1, ``speed`` is the peak velocity in that direction (of ``energy``: the faster of the two)
+    and is positive. ``error`` is the standard error of ``measured``, None where the record does not tell it. The band
+    is ``low`` to ``high``; ``inside`` allows ``allowance`` beyond it for noise. Where the point was not judged,
+    ``expected``, ``low``, ``high`` and ``inside`` are None and ``reason`` says why.
+    """
+
+    cycle: int
+    quantity: Quantity
+    speed: float
+    stroke_m: float
+    measured: float
+    expected: float | None = None
+    low: float | None = None
+    high: float | None = None
+    inside: bool | None = None
+    reason: str = ""
+    level: int = 1
+    error: float | None = None
+    allowance: float = 0.0
+
+    @property
+    def deviation(self) -> float | None:
+        """Measured over expected less 1: above 0 stronger than the reference, in both directions; None where not judged."""
+        return None if self.expected is None or self.expected == 0.0 else self.measured / self.expected - 1.0
+
+    @property
+    def used(self) -> float | None:
+        """Distance from the expected value in halves of the band: the edges are at -1 and 1, above 0 is stronger."""
+        if self.expected is None or self.high is None:
+            return None
+        away = (self.measured - self.expected) * (-1.0 if self.quantity == "compression" else 1.0)
+        half = self.high - self.expected
+        return away / half if half > 0.0 else (0.0 if away == 0.0 else math.copysign(math.inf, away))
+
+
+@dataclass(frozen=True)
+class JudgedLevel:
+    """The cycles of one level together, SI.
+
+    ``cycles`` were run, from the cycle ``first`` on, ``judged`` of them by every quantity. ``deviation`` of each
+    quantity is the mean measured over the mean expected value less 1, ``inside`` whether that mean lies within the
+    band, both None where too few cycles were judged, and ``scatter`` the standard deviation of single values over the
+    mean expected one; ``reason`` says why.
+    """
+
+    number: int
+    stroke_m: float
+    frequency_hz: float
+    first: int
+    cycles: int
+    judged: int = 0
+    deviation: Mapping[str, float | None] = field(default_factory=dict)
+    scatter: Mapping[str, float | None] = field(default_factory=dict)
+    inside: Mapping[str, bool | None] = field(default_factory=dict)
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class AcceptancePlots:
+    """Each method draws one figure of these ``results`` and returns its matplotlib axes ``(k,)``."""
+
+    results: tuple[Acceptance, ...]
+
+    @property
+    def origin(self) -> Origin:
+        """That of all results."""
+        return combined(one.origin for one in self.results)
+
+    def forces(self) -> Any:
+        """The forces at the peak velocities of every cycle, and the band."""
+        from dampyr.figures import style
+        from dampyr.figures.acceptance import peak_velocity_band
+
+        return style.in_pyplot(peak_velocity_band, *forces_and_band(self.results), origin=self.origin)
+
+    def used(self) -> Any:
+        """How far each judged cycle lies from the reference, in halves of the band: its edges are at -1 and 1."""
+        from dampyr.figures import style
+        from dampyr.figures.acceptance import band_used
+
+        used, outside = used_of_band(self.results)
+        return style.in_pyplot(band_used, used, outside=outside, origin=self.origin)
+
+
+@dataclass(frozen=True, repr=False)
+class Acceptance(Representation):
+    """The judgement of one record. ``reason`` says why it is not judged as a whole, "" where it is.
+
+    ``offset`` is what was taken from the measured forces, N; None: the mean over whole cycles of each record. ``level`` is the
+    factor that the measured forces were divided by, 1 unless `relevelled` took one from the first cycles.
+
+    ``run`` cycles were run, in halves, and ``cut`` are whole; ``stroke_m`` is the largest stroke of the motion and
+    ``judged_stroke_m`` that of the judged cycles, 0 without any. ``wrong_rejection`` is the chance that a damper just
+    like the reference fails at the record's own scatter, ``wrong_acceptance`` the chance that one passes whose one
+    quantity at one level lies beyond the edge of the band by a third of its half width (off by 20 % where 15 % are
+    allowed), at the level where that chance is largest; None where the record has too few cycles and samples to tell
+    its scatter.
+    ``origin`` is that of record and reference together.
+    """
+
+    record: str
+    input: str | None
+    input_value: float | None
+    tolerance: Tolerance
+    quantities: tuple[Quantity, ...]
+    offset: float | None
+    points: tuple[Point, ...]
+    reason: str = ""
+    level: float = 1.0
+    levels: tuple[JudgedLevel, ...] = ()
+    run: float = 0.0
+    cut: int = 0
+    stroke_m: float = 0.0
+    wrong_rejection: float | None = None
+    wrong_acceptance: float | None = None
+    origin: Origin = NOT_STATED
+
+    @property
+    def judged_cycles(self) -> int:
+        """How many cycles were judged by every quantity."""
+        return sum(each.judged for each in self.levels)
+
+    @property
+    def judged_stroke_m(self) -> float:
+        """The largest stroke of the judged cycles, m; 0 without any."""
+        return max((p.stroke_m for p in self.judged), default=0.0)
+
+    @property
+    def levels_outside(self) -> tuple[JudgedLevel, ...]:
+        """The levels of which a mean lies outside the band."""
+        return tuple(each for each in self.levels if False in each.inside.values())
+
+    @property
+    def plot(self) -> AcceptancePlots:
+        """Figures: ``acceptance.plot.forces()`` and ``.used()``, each giving matplotlib axes."""
+        return AcceptancePlots((self,))
+
+    def to_dataframe(self) -> Any:
+        """The points as a ``pandas.DataFrame``: SI units, forces in compression negative."""
+        names = {
+            "cycle": "cycle", "level": "level", "quantity": "quantity", "speed": "speed_m_per_s", "stroke_m": "stroke_m",
+            "measured": "measured", "error": "error", "expected": "expected", "low": "low", "high": "high", "inside": "inside",
+            "deviation": "deviation", "reason": "reason",
+        }  # fmt: skip
+        columns = {head: [getattr(p, name) for p in self.points] for name, head in names.items()}
+        return data_frame(columns | {"unit": [UNITS[p.quantity] for p in self.points]})
+
+    def _small_figure(self) -> Figure | None:
+        from dampyr.figures.acceptance import peak_velocity_band
+
+        return peak_velocity_band(*forces_and_band([self])) if self.points else None
+
+    def _summary(self) -> Summary:
+        given = "input not known" if self.input_value is None else f"{self.input_value:.4g} {self.input}"
+        rows = [
+            ("verdict", self.verdict),
+            ("input", given),
+            ("band", f"{self.tolerance} of the reference"),
+            (
+                "cycles",
+                f"{self.run:g} run, {self.cut} whole, {self.judged_cycles} judged at {len(self.levels)} level(s)",
+            ),
+            ("stroke", f"{1e3 * self.stroke_m:.4g} mm at most, judged to {1e3 * self.judged_stroke_m:.4g} mm"),
+            ("points", f"{len(self.points)}, {len(self.judged)} judged, {len(self.outside)} outside"),
+        ]
+        worst = self.worst
+        if worst is not None and worst.deviation is not None:
+            rows.append(("worst", f"{worst.quantity} of cycle {worst.cycle}, {100 * worst.deviation:+.3g} %"))
+        if self.wrong_rejection is not None and self.wrong_acceptance is not None:
+            rows.append(
+                (
+                    "risk",
+                    f"{percent(self.wrong_rejection)} wrong rejection, {percent(self.wrong_acceptance)} wrong acceptance",
+                )
+            )
+        if self.unjudged:
+            rows.append(("not judged", self.reason or next(iter(self.unjudged))))
+        return f"Acceptance of {self.record!r}", rows
+
+    def _table(self) -> Table:
+        heads = ("cycle", "quantity", "peak velocity [mm/s]", "measured", "expected", "from", "to", "unit", "inside")
+        rows = [
+            [p.cycle, p.quantity, 1e3 * p.speed, p.measured, p.expected, p.low, p.high, UNITS[p.quantity], p.inside]
+            for p in self.points
+        ]
+        return heads, rows
+
+    @property
+    def judged(self) -> tuple[Point, ...]:
+        """The points that have a reference value."""
+        return tuple(p for p in self.points if p.inside is not None)
+
+    @property
+    def outside(self) -> tuple[Point, ...]:
+        """The points outside the band, the worst first."""
+        points = [p for p in self.points if p.inside is False]
+        return tuple(sorted(points, key=lambda p: -abs(p.used or 0.0)))
+
+    @property
+    def worst(self) -> Point | None:
+        """The judged point that uses most of its band, inside or outside."""
+        return max(self.judged, key=lambda p: abs(p.used or 0.0), default=None)
+
+    @property
+    def passed(self) -> bool | None:
+        """True or False, or None where too little was judged.
+
+        False: a judged point, or the mean of a level, lies outside. True: none does, and at every level of the motion at least
+        half of the cycles were judged by every requested quantity. None: nothing lies outside, but somewhere fewer were judged.
+        """
+        if self.outside or self.levels_outside:
+            return False
+        return None if self.reason or not self.points else True
+
+    @property
+    def verdict(self) -> Verdict:
+        """``passed`` in words."""
+        if self.passed is None:
+            return "not judged"
+        return "passed" if self.passed else "failed"
+
+    @property
+    def reasons(self) -> dict[str, int]:
+        """Why points were not judged: the reason -> how many."""
+        return dict(Counter(p.reason for p in self.points if p.reason).most_common())
+
+    @property
+    def unjudged(self) -> dict[str, int]:
+        """`reasons`, and why the whole is not judged where that is none of them, with 0."""
+        return self.reasons if not self.reason or self.reason in self.reasons else self.reasons | {self.reason: 0}
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain numbers, for JSON."""
+        points = [asdict(p) | {"deviation": p.deviation, "used": p.used} for p in self.points]
+        worst = next((entry for entry, p in zip(points, self.points, strict=True) if p is self.worst), None)
+        return asdict(self) | {
+            "verdict": self.verdict,
+            "passed": self.passed,
+            "judged": len(self.judged),
+            "judged_cycles": self.judged_cycles,
+            "judged_stroke_m": self.judged_stroke_m,
+            "outside": len(self.outside),
+            "worst": worst,
+            "reasons": self.reasons,
+            "points": points,
+        }
+
+
+def accept(
+    record: Record,
+    reference: Reference,
+    tolerance: Tolerance | None = None,
+    quantities: Iterable[Quantity] = QUANTITIES,
+    offset: float | None = None,
+    allow_extrapolation: bool = False,
+) -> Acceptance:
+    """Judge every whole cycle of every level of ``record`` by a reference.
+
+    ``reference`` is a `Damper`, which runs freely along the record's own motion and input, both forces being read by the same
+    cycles; or one or more `Record` of a reference damper at the same input, whose points are interpolated over speed in each
+    direction, and whose energies are compared where the strokes agree to 10 % (the record itself among them is left out).
+
+    From the forces of every record, and of the damper's run, its own mean over the cycles of its levels is taken,
+    since a load cell's zero and the gas force are not the damper's work. A force that is larger in one direction only
+    moves that mean, so half of the excess shows in each direction; where the zero is known, give it: ``offset`` in N
+    is then taken from the measured forces, and a damper's force stays as it is. ``allow_extrapolation`` judges beyond
+    what a damper was calibrated on, with a warning.
+
+    Raises :class:`~dampyr.errors.InputError` for an argument that is wrong. What cannot be judged is a value with a reason.
+    """
+    check_kinds(
+        "accept",
+        Argument("record", record, (Record,), RECORD),
+        Argument("reference", reference, (Damper, Record), DAMPER, several=True),
+    )
+    band = tolerance or Tolerance()
+    requested = _checked_quantities(quantities, band)
+    if offset is not None and not math.isfinite(offset):
+        raise InputError(f"offset = {offset:g} N is not finite; give the load cell's zero, or leave it out")
+    made = cut_cycles(record)
+    table = [one for one in cycle_table(record, offset) if one.level] if made.cycles else []
+    expectations = expected(reference, record, table, offset, allow_extrapolation)
+    points = tuple(_point(q, cycle, expectations[q][k], band) for k, cycle in enumerate(table) for q in requested)
+    against = reference if isinstance(reference, Sequence) else [reference]
+    origin = combined(each.origin for each in (record, *against))
+    judged = Acceptance(
+        record.name, record.input, record.input_value, band, requested, offset, points,
+        levels=tuple(_as_run(each) for each in made.levels), run=made.run, cut=len(made.cycles), stroke_m=made.stroke_m,
+        origin=origin,
+    )  # fmt: skip
+    return _with_verdict(judged, _whole_reason(made))
+
+
+def relevelled(one: Acceptance, cycles: int) -> Acceptance:
+    """The judgement of the later cycles with the level of the first ``cycles`` taken out: the shape alone is judged.
+
+    The level is the mean of measured over expected, of all judged points of these cycles. One that cannot be told
+    (nothing of the first cycles was judged, or no later cycle is there) is a reason, and nothing is judged.
+    """
+    first = [p for p in one.judged if p.cycle <= cycles and p.expected]
+    later = tuple(p for p in one.points if p.cycle > cycles)
+    ratios = [p.measured / p.expected for p in first if p.expected]
+    level = float(np.mean(ratios)) if ratios else math.nan
+    if not (level > 0.0 and later):
+        reason = "no later cycle" if level > 0.0 else f"no level: nothing of the first {cycles} cycles was judged"
+        return replace(one, points=(), levels=(), reason=one.reason or reason)
+    points = tuple(
+        replace(p, measured=p.measured / level, error=None if p.error is None else p.error / level) for p in later
+    )
+    levels = tuple(
+        replace(each, first=max(each.first, cycles + 1), cycles=min(each.cycles, each.first + each.cycles - cycles - 1))
+        for each in one.levels
+        if each.first + each.cycles > cycles + 1
+    )
+    return _with_verdict(replace(one, points=points, levels=levels, level=level), "")
+
+
+def in_short(acceptances: Sequence[Acceptance]) -> str:
+    """How many records came out how, such as "2 passed, 1 failed"."""
+    counts = {each: sum(one.verdict == each for one in acceptances) for each in ("passed", "failed", "not judged")}
+    return ", ".join(f"{count} {each}" for each, count in counts.items() if count)
+
+
+def band(acceptances: Iterable[Acceptance], quantity: Quantity) -> list[tuple[float, float, float, float]]:
+    """The band along the speed, for a picture: (speed m/s, expected, low, high), means of points with the same speed to 2 %."""
+    points = [p for one in acceptances for p in one.judged if p.quantity == quantity]
+    rows = np.array([(p.speed, p.expected, p.low, p.high) for p in points], dtype=float).reshape(-1, 4)
+    return [(speed, middle, low, high) for speed, middle, low, high in groups(rows, SAME).tolist()]
+
+
+Drawn = dict[bool | None, tuple[list[float], list[float]]]
+
+
+def forces_and_band(acceptances: Sequence[Acceptance]) -> tuple[list[list[tuple[float, float, float, float]]], Drawn]:
+    """The bands of extension and compression, and peak speeds m/s and forces N of the points inside, outside and not judged."""
+    points: dict[bool | None, list[Point]] = {True: [], False: [], None: []}
+    for one in acceptances:
+        for p in one.points:
+            if p.quantity != "energy":
+                points[p.inside].append(p)
+    drawn = {state: ([p.speed for p in own], [p.measured for p in own]) for state, own in points.items()}
+    return [band(acceptances, "extension"), band(acceptances, "compression")], drawn
+
+
+def used_of_band(
+    acceptances: Sequence[Acceptance],
+) -> tuple[dict[str, dict[str, list[float]]], dict[str, dict[str, list[bool]]]]:
+    """Record -> quantity -> what each judged cycle uses of the band (see `Point.used`), and whether it lies outside."""
+    used: dict[str, dict[str, list[float]]] = {
+        one.record: {q: [p.used or 0.0 for p in one.judged if p.quantity == q] for q in one.quantities}
+        for one in acceptances
+    }
+    outside: dict[str, dict[str, list[bool]]] = {
+        one.record: {q: [p.inside is False for p in one.judged if p.quantity == q] for q in one.quantities}
+        for one in acceptances
+    }
+    return used, outside
+
+
+def _checked_quantities(quantities: Iterable[Quantity], band: Tolerance) -> tuple[Quantity, ...]:
+    given = tuple(dict.fromkeys([quantities] if isinstance(quantities, str) else quantities))
+    unknown = [q for q in given if q not in QUANTITIES]
+    if unknown or not given:
+        what = f"{unknown[0]!r} is not among the quantities" if unknown else "no quantity is given"
+        raise InputError(f"{what}; choose from {', '.join(QUANTITIES)}")
+    narrow = [q for q in given if band.half(q, 0.0) == 0.0 and band.relative == 0.0]
+    if narrow:
+        raise InputError(
+            f"the band of the {narrow[0]} has no width; give a relative tolerance, or one in {UNITS[narrow[0]]}"
+        )
+    return tuple(q for q in QUANTITIES if q in given)
+
+
+def _point(quantity: Quantity, cycle: Cycle, expectation: Expected, tolerance: Tolerance) -> Point:
+    measured = {"extension": cycle.force_out, "compression": cycle.force_in, "energy": cycle.energy}[quantity]
+    error = {"extension": cycle.error_out, "compression": cycle.error_in, "energy": cycle.energy_error}[quantity]
+    speeds = {"extension": cycle.speed_out, "compression": -cycle.speed_in}
+    speed = speeds.get(quantity, max(speeds.values()))
+    value, reason = expectation
+    made = Point(cycle.number, quantity, speed, cycle.stroke_m, measured, reason=reason, level=cycle.level, error=error)
+    if value is None:
+        return made
+    half = tolerance.half(quantity, value)
+    return replace(made, expected=value, low=value - half, high=value + half)
+
+
+def _as_run(level: Level) -> JudgedLevel:
+    return JudgedLevel(level.number, level.stroke_m, 1.0 / level.period_s, level.first, level.count)
+
+
+def _whole_reason(made: Cut) -> str:
+    """Why a motion is no test of levels; "" where it is one."""
+    if not made.cycles:
+        return "no whole cycle"
+    if not made.levels or (len(made.levels) > 1 and not made.repeats):
+        like = sum(each.count for each in made.levels if each.count > 1)
+        return f"the motion does not repeat itself: of {len(made.cycles)} whole cycles {like} are like their neighbours"
+    largest = max(each.stroke_m for each in made.cycles if each.level)
+    if made.stroke_m > (1.0 + SAME_STROKE) * largest:
+        return (
+            f"the largest stroke, {1e3 * made.stroke_m:.4g} mm, belongs to no whole cycle of a level; the largest of those is "
+            f"{1e3 * largest:.4g} mm"
+        )
+    return ""
+
+
+def _with_verdict(one: Acceptance, reason: str) -> Acceptance:
+    """What is inside, with the allowance for noise, of the points and of the levels; and the reason against a verdict."""
+    having = [p for p in one.points if p.expected is not None]
+    count = len(having) + len({(p.level, p.quantity) for p in having})
+    z = NORMAL.inv_cdf(1.0 - RISK / max(count, 1))
+    points = tuple(_placed(p, z) for p in one.points)
+    levels = tuple(
+        _level(each, [p for p in points if p.level == each.number], one.quantities, z) for each in one.levels
+    )
+    rejection, acceptance = _risks(levels, points, z)
+    return replace(
+        one, points=points, levels=levels, reason=reason or _reason(levels, one.quantities), wrong_rejection=rejection,
+        wrong_acceptance=acceptance,
+    )  # fmt: skip
+
+
+def _half(points: Sequence[Point]) -> float:
+    """Half the width of the band about the mean of points that have a reference value."""
+    return float(np.mean([0.5 * (p.high - p.low) for p in points if p.low is not None and p.high is not None]))
+
+
+def _allowed(half: float, error: float, z: float) -> float:
+    return min(z * error, NOISE_SHARE * half)
+
+
+def _placed(p: Point, z: float) -> Point:
+    if p.low is None or p.high is None:
+        return p
+    allowance = _allowed(0.5 * (p.high - p.low), p.error or 0.0, z)
+    return replace(p, allowance=allowance, inside=p.low - allowance <= p.measured <= p.high + allowance)
+
+
+def _level(level: JudgedLevel, points: Sequence[Point], requested: Sequence[Quantity], z: float) -> JudgedLevel:
+    """A level with what its points say together."""
+    cycles = {p.cycle for p in points}
+    judged = sum(all(p.inside is not None for p in points if p.cycle == k) for k in cycles)
+    deviation: dict[str, float | None] = {}
+    scatter: dict[str, float | None] = {}
+    inside: dict[str, bool | None] = {}
+    reasons: dict[str, list[str]] = {}
+    for quantity in requested:
+        own = [p for p in points if p.quantity == quantity]
+        having = [p for p in own if p.expected is not None]
+        if len(own) - len(having) > SHARE * len(own):
+            why = Counter(p.reason for p in own if p.expected is None).most_common(1)[0][0]
+            reasons.setdefault(why, []).append(quantity)
+        if not having:
+            deviation[quantity] = scatter[quantity] = inside[quantity] = None
+            continue
+        value = float(np.mean([p.expected for p in having if p.expected is not None]))
+        away = float(np.mean([p.measured for p in having])) - value
+        half = _half(having)
+        error = float(np.linalg.norm([p.error or 0.0 for p in having])) / len(having)
+        spread = _scatter(having)
+        deviation[quantity] = away / value if value else None
+        scatter[quantity] = spread / abs(value) if spread is not None and value else None
+        inside[quantity] = abs(away) <= half * (1.0 + 1e-12) + _allowed(half, error, z)
+    why = "; ".join(w if len(names) == len(requested) else f"{', '.join(names)}: {w}" for w, names in reasons.items())
+    return replace(level, judged=judged, deviation=deviation, scatter=scatter, inside=inside, reason=why)
+
+
+def _scatter(points: Sequence[Point]) -> float | None:
+    """The standard deviation of single values, N or J: by their errors, or by successive cycles where these differ more.
+
+    Differences of successive cycles hold no drift, and their median no single cycle that is off.
+    """
+    errors = [p.error for p in points if p.error is not None]
+    by_error = float(np.sqrt(np.mean(np.square(errors)))) if errors else None
+    if len(points) < SUCCESSIVE:
+        return by_error
+    off = np.array([p.measured - p.expected for p in points if p.expected is not None])
+    by_cycles = float(np.median(np.abs(np.diff(off)))) / (NORMAL.inv_cdf(0.75) * math.sqrt(2.0))
+    return max(by_cycles, by_error or 0.0)
+
+
+def _risks(levels: Sequence[JudgedLevel], points: Sequence[Point], z: float) -> tuple[float | None, float | None]:
+    """The chances of a wrong rejection and of a wrong acceptance, see `Acceptance`; None where a scatter is not known."""
+    right, wrong = 0.0, 0.0  # logarithm of the chance that all pass; the largest chance to pass
+    judged = [(each, q) for each in levels for q, inside in each.inside.items() if inside is not None]
+    for level, quantity in judged:
+        own = [p for p in points if (p.level, p.quantity) == (level.number, quantity) and p.expected is not None]
+        spread, half = _scatter(own), _half(own)
+        if spread is None:
+            return None, None
+        error = float(np.linalg.norm([p.error or 0.0 for p in own])) / len(own)
+        limits = [(spread, half + p.allowance) for p in own]
+        mean = (spread / math.sqrt(len(own)), half + _allowed(half, error, z))
+        right += sum(math.log(max(_passes(0.0, *each), 1e-300)) for each in [*limits, mean])
+        off = BEYOND * half
+        all_pass = math.prod(_passes(off, *each) for each in limits)
+        wrong = max(wrong, min(all_pass, _passes(off, *mean)))  # the mean passes where the single values do: no product
+    return (max(0.0, -math.expm1(right)), wrong) if judged else (None, None)
+
+
+def _passes(off: float, spread: float, limit: float) -> float:
+    """The chance that a value which is ``off`` by so much and scatters with ``spread`` is within ``limit``."""
+    if spread <= 0.0:
+        return float(abs(off) <= limit)
+    return NORMAL.cdf((limit - off) / spread) - NORMAL.cdf((-limit - off) / spread)
+
+
+def percent(chance: float) -> str:
+    """A chance for a person: two digits, or a bound where it is next to nothing."""
+    return "below 0.01 %" if chance < 1e-4 else f"{100 * chance:.2g} %"
+
+
+def _reason(levels: Sequence[JudgedLevel], requested: Sequence[Quantity]) -> str:
+    """Why the whole cannot be judged; "" where at least half of the cycles of every level and quantity were."""
+    reasons = {each.number: each.reason for each in levels if each.reason}
+    if not reasons:
+        return ""
+    if len(reasons) == len(levels) and len(set(reasons.values())) == 1:
+        return next(iter(reasons.values()))
+    return "; ".join(
+        f"level {each.number} of {len(levels)}, {1e3 * each.stroke_m:.4g} mm: {each.reason}"
+        for each in levels
+        if each.reason
+    )

@@ -1,0 +1,227 @@
+r"""Reference values for the cycles of a record: of a damper's free run, or of tests of a reference specimen.
+
+Between tests the force at peak velocity is interpolated over speed, straight. The energy of a cycle is interpolated as
+:math:`E/s`, s being the stroke, since friction dissipates :math:`2 F_c s` and a dashpot :math:`(\pi/2)\, c\, \hat v\, s`: at
+one peak velocity both go with the stroke.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import DampyrWarning, InputError
+from dampyr.identification.scoring.score import prediction
+from dampyr.models import Damper
+from dampyr.models.damper import INPUTS
+from dampyr.records import Cycle, Record, cut_cycles, cycle_table
+from dampyr.records.conditioning.nominal_input import SMALLEST, TOLERANCE, is_steady
+from dampyr.records.conditioning.smoothing import force_average
+
+Array = NDArray[np.float64]
+Reference = Damper | Record | Sequence[Record]
+Expected = tuple[float | None, str]
+SAME = 0.02  # of a speed: within it two tests count as at one speed
+STROKE = 0.1  # of a stroke: within it the energy at one peak speed goes with the stroke
+OPEN = 0.05  # of a stroke: a cycle that ends farther from its start has an energy of its own
+WINDOW = 0.1  # of a moving average: within it two smoothed forces are compared
+_read: WeakKeyDictionary[Record, dict[float | None, list[Cycle]]] = WeakKeyDictionary()  # many records share references
+
+
+def expected(
+    reference: Reference,
+    record: Record,
+    table: Sequence[Cycle],
+    offset: float | None = None,
+    allow_extrapolation: bool = False,
+) -> dict[str, list[Expected]]:
+    """For each quantity and cycle the reference's value, or None and the reason.
+
+    Raises :class:`~dampyr.errors.InputError` for a reference that is none.
+    """
+    if isinstance(reference, Damper):
+        return _of_damper(reference, record, table, offset, allow_extrapolation)
+    tests = [reference] if isinstance(reference, Record) else reference
+    if not isinstance(tests, Sequence) or not tests or not all(isinstance(one, Record) for one in tests):
+        raise InputError("the reference is neither a damper nor records; give a Damper, a Record or a list of records")
+    return _of_records(tests, record, table, offset)
+
+
+def _of_damper(
+    damper: Damper, record: Record, table: Sequence[Cycle], offset: float | None, beyond: bool
+) -> dict[str, list[Expected]]:
+    if not table:
+        return _nothing(0, "")
+    if record.input != damper.input:
+        return _nothing(len(table), f"the reference is over the {INPUTS[damper.input]}; {_input(record)} here")
+    try:
+        with warnings.catch_warnings():
+            if not beyond:
+                warnings.simplefilter("ignore", DampyrWarning)  # what lies beyond is not judged, and says so
+            force = prediction(damper, record, beyond)
+    except InputError as problem:
+        return _nothing(len(table), str(problem).partition("; ")[0])
+    if not np.all(np.isfinite(force)):
+        return _nothing(len(table), "the reference's force is not finite along this motion")
+    zero = None if offset is None else 0.0
+    whole = cycle_table(record.replace(note="the force of a reference", force=force), zero)
+    ran = [one for one in whole if one.level]
+    reasons = ["" if beyond else _outside(damper, cycle) for cycle in table]
+
+    def with_reasons(values: Sequence[float]) -> list[Expected]:
+        return [(None, why) if why else (value, "") for value, why in zip(values, reasons, strict=True)]
+
+    return {
+        "extension": with_reasons([c.force_out for c in ran]),
+        "compression": with_reasons([c.force_in for c in ran]),
+        "energy": with_reasons([c.energy for c in ran]),
+    }
+
+
+def _outside(damper: Damper, cycle: Cycle) -> str:
+    """Why a cycle lies beyond what a damper was calibrated on; "" where it does not."""
+    for name, value, words, unit in (
+        ("velocity", max(cycle.speed_out, -cycle.speed_in), "faster than the reference was calibrated", "mm/s"),
+        (
+            "displacement",
+            0.5 * cycle.stroke_m,
+            "a wider stroke than the reference was calibrated on",
+            "mm of amplitude",
+        ),
+    ):
+        high = damper.ranges.get(name, (0.0, np.inf))[1]
+        if value > (1.0 + SAME) * high:
+            return f"{words} (up to {1e3 * high:.4g} {unit})"
+    return ""
+
+
+def _of_records(
+    tests: Sequence[Record], record: Record, table: Sequence[Cycle], offset: float | None
+) -> dict[str, list[Expected]]:
+    others = [one for one in tests if not _is_same(one, record)]
+    if not others:
+        return _nothing(len(table), "the reference is this record itself")
+    same = [one for one in others if _same_input(one, record)]
+    if not same:
+        return _nothing(len(table), _other_input(others, record))
+    here, same = force_average(record), [one for one in same if _same_smoothing(one, record)]
+    if not same:
+        words = "is not smoothed" if here is None else f"is smoothed over {here.window:.4g} s"
+        return _nothing(len(table), f"the force here {words}, that of the reference otherwise")
+    reference = [cycle for one in same for cycle in _cycles(one, offset) if cycle.level]
+    if not reference:
+        return _nothing(len(table), "the reference has no whole cycle")
+    out = Curve(np.array([(c.speed_out, c.force_out) for c in reference]))
+    back = Curve(np.array([(-c.speed_in, c.force_in) for c in reference]))
+    closed = [c for c in reference if c.open_m <= OPEN * c.stroke_m] or reference
+    loops = Curve(np.array([(_fastest(c), c.energy / c.stroke_m, c.stroke_m) for c in closed]))
+    return {
+        "extension": [out.at(c.speed_out) for c in table],
+        "compression": [back.at(-c.speed_in) for c in table],
+        "energy": [_energy(c, loops) for c in table],
+    }
+
+
+class Curve:
+    """Points of a reference (rows of speed and values) as a line, straight between groups of one speed; it has two ends."""
+
+    def __init__(self, points: Array) -> None:
+        self.low, self.high = float(points[:, 0].min()), float(points[:, 0].max())
+        self.rows = groups(points, SAME)
+
+    def at(self, speed: float) -> Expected:
+        """The first value at ``speed`` m/s, or why there is none."""
+        if speed > (1.0 + SAME) * self.high:
+            return None, f"faster than the reference (up to {1e3 * self.high:.4g} mm/s)"
+        if speed < (1.0 - SAME) * self.low:
+            return None, f"slower than the reference (from {1e3 * self.low:.4g} mm/s)"
+        return float(np.interp(speed, self.rows[:, 0], self.rows[:, 1])), ""
+
+    def adjacent_rows(self, speed: float) -> Array:
+        """The rows between which ``speed`` lies, one beyond the ends."""
+        after = int(np.searchsorted(self.rows[:, 0], speed))
+        return self.rows[max(after - 1, 0) : after + 1]
+
+
+def _energy(cycle: Cycle, loops: Curve) -> Expected:
+    if cycle.open_m > OPEN * cycle.stroke_m:
+        return None, f"the cycle ends {1e3 * cycle.open_m:.3g} mm from where it began"
+    value, reason = loops.at(_fastest(cycle))
+    if value is None:
+        return None, reason
+    strokes = loops.adjacent_rows(_fastest(cycle))[:, 2]
+    if np.any(np.abs(strokes / cycle.stroke_m - 1.0) > STROKE):
+        return None, f"the reference has another stroke at this speed ({_span(1e3 * strokes)} mm)"
+    return value * cycle.stroke_m, ""
+
+
+def groups(rows: Array, width: float) -> Array:
+    """Rows by their first column, rising; those within ``width`` of the first of their group as one mean row."""
+    ordered = rows[np.argsort(rows[:, 0], kind="stable")]
+    grouped: list[list[Array]] = []
+    for row in ordered:
+        if grouped and row[0] <= (1.0 + width) * grouped[-1][0][0]:
+            grouped[-1].append(row)
+        else:
+            grouped.append([row])
+    return np.array([np.mean(group, axis=0) for group in grouped]).reshape(-1, rows.shape[1])
+
+
+def _cycles(record: Record, offset: float | None) -> list[Cycle]:
+    tables = _read.setdefault(record, {})
+    if offset not in tables:
+        tables[offset] = cycle_table(record, offset) if cut_cycles(record).cycles else []
+    return tables[offset]
+
+
+def _fastest(cycle: Cycle) -> float:
+    return max(cycle.speed_out, -cycle.speed_in)
+
+
+def _is_same(one: Record, other: Record) -> bool:
+    channels = ("time", "displacement", "force")
+    same_input = (one.input, one.input_value) == (other.input, other.input_value)
+    return one is other or (same_input and all(np.array_equal(getattr(one, c), getattr(other, c)) for c in channels))
+
+
+def _same_input(one: Record, other: Record) -> bool:
+    """Whether both had the same constant input (`dampyr.records.nominal_inputs` has the tolerance), or neither any."""
+    if one.input != other.input:
+        return False
+    if one.input_value is None or other.input_value is None:
+        return True
+    largest = max(abs(one.input_value), abs(other.input_value), SMALLEST)
+    steady = is_steady(one, largest) and is_steady(other, largest)
+    return steady and abs(one.input_value - other.input_value) <= TOLERANCE * largest
+
+
+def _same_smoothing(one: Record, other: Record) -> bool:
+    """Whether the forces of both went through the same moving average, which is not undone, or through none."""
+    windows = [0.0 if average is None else average.window for average in map(force_average, (one, other))]
+    return abs(windows[0] - windows[1]) <= WINDOW * max(windows)
+
+
+def _other_input(others: Sequence[Record], record: Record) -> str:
+    had = sorted({_input(one) for one in others})
+    return f"no reference at this input: {_input(record)} here, {', '.join(had[:4])}{', …' if had[4:] else ''} there"
+
+
+def _input(record: Record) -> str:
+    value = record.input_value
+    if value is None:
+        return "no input known"
+    steady = is_steady(record, max(abs(value), SMALLEST))
+    return f"{value:.4g} {record.input}" if steady else f"a varying input in {record.input}"
+
+
+def _span(values: Array) -> str:
+    low, high = f"{values.min():.4g}", f"{values.max():.4g}"
+    return low if low == high else f"{low} to {high}"
+
+
+def _nothing(count: int, reason: str) -> dict[str, list[Expected]]:
+    return {name: [(None, reason)] * count for name in ("extension", "compression", "energy")}

@@ -1,0 +1,1 @@
+"""A fit, and what is to be said of it."""

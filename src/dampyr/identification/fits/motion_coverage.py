@@ -1,0 +1,69 @@
+"""Whether the fitted records hold the motion of what is to be predicted: stroke and speed per reversal.
+
+A motion is parted at its turning points. Each part, from one turning point to the next, has a stroke (m) and a mean speed
+(m/s). Friction and hysteresis at a stroke or a speed below all that was measured are extrapolated, which no score on full-size
+sines can see: an earthquake spends much of its time in small, slow reversals.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.records import Record, turning_points
+from dampyr.records.checks.channel_noise import rest_tolerance
+
+Array = NDArray[np.float64]
+SHARE = 0.1  # of the moving time: what is outside for less decides no peak and little energy
+SMALLEST = 0.005  # of the whole stroke: smaller reversals move a damper by less than its clevis gives way
+NOISE = 2.0  # times the displacement's noise: below it a reversal may be none
+MARGIN = 0.8  # of the smallest that was measured: records differ by as much from one another
+
+
+@dataclass(frozen=True)
+class Reversals:
+    """The parts of a motion between turning points: strokes in m, mean speeds in m/s and durations in s, each (k,)."""
+
+    stroke: Array
+    speed: Array
+    duration: Array
+
+
+def reversals(record: Record) -> Reversals:
+    """The parts of a record's motion between its turning points, but for those that noise may have made."""
+    x = record.displacement
+    threshold = max(NOISE * rest_tolerance(x), SMALLEST * float(np.ptp(x)))
+    points = turning_points(record, threshold) if threshold > 0.0 else np.empty(0, dtype=int)
+    stroke, duration = np.abs(np.diff(x[points])), np.diff(record.time[points])
+    return Reversals(stroke, stroke / duration, duration)
+
+
+def beyond_the_fitted(fitted: Sequence[Record], planned: Sequence[Record]) -> dict[str, str]:
+    """The planned motions that are smaller or slower than the fitted records for more than a tenth of their time, each with a
+    sentence that says how much, and what to record."""
+    measured = [one for one in map(reversals, fitted) if one.stroke.size]
+    if not measured:
+        return {}
+    least_stroke = min(float(np.median(one.stroke)) for one in measured)
+    least_speed = min(float(np.median(one.speed)) for one in measured)
+    notes = {}
+    for record in planned:
+        one = reversals(record)
+        if not one.stroke.size:
+            continue
+        small, slow = one.stroke < MARGIN * least_stroke, one.speed < MARGIN * least_speed
+        total = float(one.duration.sum())
+        shares = [float(one.duration[where].sum()) / total for where in (small, slow)]
+        if max(shares) <= SHARE:
+            continue
+        where = small if shares[0] > SHARE else slow
+        stroke, speed = (1e3 * float(np.median(each[where])) for each in (one.stroke, one.speed))
+        notes[record.name] = (
+            f"{record.name} moves for {100 * shares[0]:.0f} % of its time in reversals smaller than all that was fitted "
+            f"({1e3 * least_stroke:.3g} mm), for {100 * shares[1]:.0f} % slower ({1e3 * least_speed:.3g} mm/s): its force "
+            f"there is extrapolated; record sines of about {stroke:.2g} mm peak to peak at {speed:.2g} mm/s mean speed too"
+        )
+    return notes

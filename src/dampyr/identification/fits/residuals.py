@@ -1,0 +1,466 @@
+r"""Residual analysis: the measured less the modelled force of each record, by time, cycle and direction of motion.
+
+The residual is measured less modelled force, :math:`r = F - \hat F` in N, sample by sample of each record; fits and
+free runs are treated alike. Definitions, for one record of n samples at the median interval :math:`\Delta t`:
+
+- **directions**: out (the damper is pulled, v > 0) and in (it is pushed, v < 0), see below.
+- **autocorrelation** :math:`\rho_k = \sum_i r_i r_{i+k} / \sum_i r_i^2`, the record's mean taken off.
+- **correlation time** :math:`\tau = \Delta t\,(1 + 2\sum_{k \ge 1} \rho_k)`, the sum of pairs :math:`\rho_{2m} + \rho_{2m+1}`
+  ended where the first is not positive [Geyer1992]_, never below one interval. White noise has :math:`\tau = \Delta t`.
+- **effective samples** :math:`n \Delta t / \tau`: as many independent ones give the mean as well. An upper bound, as
+  what repeats from cycle to cycle returns after the sum has ended.
+- **repeats**: :math:`\rho` at one period of the motion, unbiased: the share of the residual's variance that comes again in
+  each cycle. Noise does not; a model's wrong shape does.
+- **noise**: :math:`\text{rms}(r_{i+1} - r_i)/\sqrt 2`, the size that a residual without memory would have [vonNeumann1941]_;
+  at most that, as a smooth residual has differences too.
+- **misfit**: the residual is not noise alone where :math:`\tau` exceeds `MISFIT_INTERVALS` intervals, or its rms exceeds
+  `MISFIT_NOISE` times the noise.
+
+Each way is halved where the motion passes the middle of its stroke: before it the damper speeds up, beyond it it slows down.
+The middle is a straight line through the displacement, so that a drift moves no boundary. Samples slower than `SLOW` of the
+record's greatest speed belong to no side.
+
+A model that is the same in both directions has a residual :math:`m(v)` that changes its sign with the mirrored motion. Its
+even part :math:`e(v) = (m(v) + m(-v))/2`, of the medians binned over velocity before and beyond the middle, less the mean
+that each record's offset takes, is what such a model cannot follow; **asymmetry** is its rms over the samples in N. By chance
+alone its share of the residual's variance is at most about b/n for b bins and n effective samples. The damper may be the
+cause, or a motion that is not alike in both directions. A friction that differs between the directions is an offset, and no
+analysis of these residuals can see it.
+
+References
+----------
+.. [Geyer1992] C. J. Geyer, "Practical Markov chain Monte Carlo", Statistical Science 7 (1992) 473-483.
+.. [vonNeumann1941] J. von Neumann, "Distribution of the ratio of the mean square successive difference to the variance",
+   Annals of Mathematical Statistics 12 (1941) 367-395.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dampyr.errors import InputError
+from dampyr.origin import NOT_STATED, Origin
+from dampyr.records import Record, cycles
+from dampyr.records.cycle_analysis.measure import peak_to_peak
+from dampyr.representation import Representation, Summary, Table, counted, data_frame, extent, percent
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+MISFIT_INTERVALS = 5.0  # white noise has 1
+MISFIT_NOISE = 2.0  # three quarters of the residual's variance are then more than noise
+MAX_LAG = 3.0  # s, of the autocorrelation that is returned
+MIN_TRACE = 8  # samples
+MIN_PERIODS = 3.0  # for the autocorrelation after one period
+SLOW = 0.02  # of the greatest speed: slower samples belong to no direction
+BINS = 24  # of velocity, even so that none straddles zero
+MIN_BIN_SAMPLES = 10  # for quartiles
+MAX_PANELS = 6  # inputs of a figure: more panels cannot be read
+BRANCHES = ("before the middle", "beyond the middle")
+SIDES = ("out", "in", *(f"{way}, {branch}" for way in ("out", "in") for branch in BRANCHES))
+
+
+@dataclass(frozen=True, repr=False)
+class Trace(Representation):
+    """One record as it is analysed: arrays (n,) in s, m, m/s, N, N; its mean input in V or A.
+
+    ``stroke`` is peak to peak in m, ``frequency`` in Hz or NaN where there is no whole cycle.
+    """
+
+    name: str
+    time: Array
+    displacement: Array
+    velocity: Array
+    force: Array
+    residual: Array
+    input_value: float
+    stroke: float
+    frequency: float
+
+    def __post_init__(self) -> None:
+        sizes = {np.shape(a) for a in (self.time, self.displacement, self.velocity, self.force, self.residual)}
+        if len(sizes) > 1 or self.time.ndim != 1 or self.time.size < MIN_TRACE:
+            raise InputError(
+                f"{self.name}: its channels have the shapes {sorted(sizes)}; give vectors of one length, 8 or more"
+            )
+        if not np.all(np.isfinite(self.residual)):
+            raise InputError(f"{self.name}: its residual holds a value that is not finite, so it cannot be analysed")
+
+    def _summary(self) -> Summary:
+        return f"Trace {self.name!r}", [
+            ("samples", f"{self.time.size}, every {1e3 * self.dt:.4g} ms, input {self.input_value:.4g} (V or A)"),
+            ("displacement", extent(self.displacement, "mm", 1e3)),
+            ("velocity", extent(self.velocity, "mm/s", 1e3)),
+            ("force", extent(self.force, "N")),
+            ("residual", extent(self.residual, "N")),
+            ("motion", f"{1e3 * self.stroke:.4g} mm peak to peak, {self.frequency:.4g} Hz"),
+        ]
+
+    @cached_property
+    def dt(self) -> float:
+        """The median interval in s."""
+        return float(np.median(np.diff(self.time)))
+
+    @property
+    def periods(self) -> float:
+        """How many periods of the motion it lasts; NaN without frequency."""
+        return self.time.size * self.dt * self.frequency
+
+
+@dataclass(frozen=True)
+class RecordResidual:
+    """The numbers of one record, see the head of this file. N, s, m, Hz; ``relative`` is rms over the force's standard
+    deviation; ``autocorrelation`` is by ``lags``; ``repeats`` NaN where there are fewer than three periods."""
+
+    name: str
+    input_value: float
+    stroke: float
+    frequency: float
+    samples: int
+    duration: float
+    rms: float
+    relative: float
+    noise: float
+    correlation_time: float
+    effective: float
+    repeats: float
+    misfit: bool
+    lags: Array = field(repr=False)
+    autocorrelation: Array = field(repr=False)
+
+
+@dataclass(frozen=True)
+class Side:
+    """The samples that move one way: how many, mean and rms of their residual in N (NaN without samples)."""
+
+    samples: int
+    mean: float
+    rms: float
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Median and quartiles of the residual in N over `BINS` bins of velocity (centres in m/s, alike on both sides of zero).
+
+    NaN in bins of fewer than `MIN_BIN_SAMPLES` samples; ``counts`` says how many there are.
+    """
+
+    velocity: Array
+    lower: Array
+    median: Array
+    upper: Array
+    counts: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Group:
+    """The records at one input, or all of them (``input_value`` None).
+
+    ``rms`` and ``asymmetry`` in N; ``chance`` is the share of the variance
+    that the latter may have by chance; ``sides``
+    by `SIDES`, ``curves`` by `BRANCHES`.
+    """
+
+    input_value: float | None
+    records: tuple[str, ...]
+    rms: float
+    sides: dict[str, Side]
+    curves: dict[str, Curve]
+    asymmetry: float
+    chance: float
+
+
+@dataclass(frozen=True)
+class ResidualPlots:
+    """Each method draws one figure and returns its matplotlib axes ``(k,)``."""
+
+    residuals: Residuals
+
+    def velocity(self) -> Any:
+        """The residual over the velocity, a panel an input: median and quartiles, before and beyond the stroke's middle."""
+        from dampyr.figures import style
+        from dampyr.figures.residual_velocity import residual_velocity
+
+        return style.in_pyplot(residual_velocity, self.residuals.velocity_bands(), origin=self.residuals.origin)
+
+    def memory(self) -> Any:
+        """The autocorrelation of each record's residual and their mean, with the correlation time."""
+        from dampyr.figures import style
+        from dampyr.figures.autocorrelation import memory
+
+        records = [(one.lags, one.autocorrelation) for one in self.residuals.records]
+        return style.in_pyplot(memory, records, self.residuals.correlation_time, origin=self.residuals.origin)
+
+    def sizes(self) -> Any:
+        """The residual's rms over the force's spread, over input, stroke and frequency; one point a record."""
+        from dampyr.figures import style
+        from dampyr.figures.residual_sizes import residual_sizes
+
+        axis = style.VOLTAGE if self.residuals.unit == "V" else style.CURRENT
+        return style.in_pyplot(residual_sizes, self.residuals.sizes_by_input(), axis, origin=self.residuals.origin)
+
+
+@dataclass(frozen=True, repr=False)
+class Residuals(Representation):
+    """The analysis of all records; ``unit`` is the input's, "V" or "A"."""
+
+    unit: str
+    records: tuple[RecordResidual, ...]
+    whole: Group
+    groups: tuple[Group, ...]
+    origin: Origin = NOT_STATED
+
+    @property
+    def plot(self) -> ResidualPlots:
+        """Figures: ``residuals.plot.velocity()``, ``.memory()`` and ``.sizes()``, each giving matplotlib axes."""
+        return ResidualPlots(self)
+
+    def to_dataframe(self) -> Any:
+        """The numbers of each record as a ``pandas.DataFrame``, SI units."""
+        names = {
+            "input_value": f"input_{self.unit}", "stroke": "stroke_m", "frequency": "frequency_Hz", "samples": "samples",
+            "rms": "rms_N", "relative": "relative", "noise": "noise_N", "correlation_time": "correlation_time_s",
+            "effective": "effective_samples", "repeats": "repeats", "misfit": "misfit",
+        }  # fmt: skip
+        columns = {head: [getattr(one, name) for one in self.records] for name, head in names.items()}
+        return data_frame(columns, [one.name for one in self.records], "record")
+
+    def _small_figure(self) -> Figure:
+        from dampyr.figures.residual_velocity import residual_velocity
+
+        return residual_velocity(self.velocity_bands())
+
+    def _summary(self) -> Summary:
+        relative = [one.relative for one in self.records]
+        return "Residuals", [
+            ("records", f"{len(self.records)}, {self.samples} samples, effective {self.effective:.4g}"),
+            ("rms", f"{self.whole.rms:.4g} N, of that {self.noise:.4g} N noise"),
+            ("relative", f"{percent(min(relative))} … {percent(max(relative))} of the force's standard deviation"),
+            ("correlation time", f"{self.correlation_time:.3g} s"),
+            ("asymmetry", f"{self.whole.asymmetry:.3g} N"),
+            ("misfit", f"{counted(len(self.misfits), 'record')} of {len(self.records)}: not noise alone"),
+        ]
+
+    def _table(self) -> Table:
+        heads = (
+            "record",
+            f"input [{self.unit}]",
+            "rms [N]",
+            "relative [%]",
+            "noise [N]",
+            "correlation time [s]",
+            "misfit",
+        )
+        rows = [
+            [r.name, r.input_value, r.rms, 100 * r.relative, r.noise, r.correlation_time, r.misfit]
+            for r in self.records
+        ]
+        return heads, rows
+
+    @property
+    def inputs(self) -> list[float]:
+        """The inputs of the records, in rising order."""
+        return [float(group.input_value) for group in self.groups if group.input_value is not None]
+
+    def groups_of_a_figure(self) -> dict[str, Group]:
+        """The groups by their input while a figure can show that many, else all records as one."""
+        if len(self.groups) > MAX_PANELS:
+            return {"all records": self.whole}
+        return {f"{group.input_value:.5g} {self.unit}": group for group in self.groups}
+
+    def velocity_bands(self) -> dict[str, dict[str, tuple[Array, Array, Array, Array]]]:
+        """For each group and branch: velocity m/s, lower quartile, median and upper quartile of the residual N."""
+        return {
+            name: {branch: (c.velocity, c.lower, c.median, c.upper) for branch, c in group.curves.items()}
+            for name, group in self.groups_of_a_figure().items()
+        }
+
+    def sizes_by_input(self) -> dict[str, tuple[Array, Array, Array, Array]]:
+        """For each input the records' inputs, strokes m, frequencies Hz and relative residuals."""
+        shown = {}
+        for group in self.groups:
+            members = [r for r in self.records if r.name in group.records]
+            input_value, stroke, frequency, relative = np.array(
+                [(r.input_value, r.stroke, r.frequency, r.relative) for r in members]
+            ).T
+            shown[f"{group.input_value:.5g} {self.unit}"] = input_value, stroke, frequency, relative
+        return shown
+
+    @property
+    def samples(self) -> int:
+        """Of all records."""
+        return sum(r.samples for r in self.records)
+
+    @property
+    def effective(self) -> float:
+        """Effective samples of all records."""
+        return float(sum(r.effective for r in self.records))
+
+    @property
+    def correlation_time(self) -> float:
+        """All records' duration over their effective samples, s."""
+        return float(sum(r.duration for r in self.records)) / self.effective
+
+    @property
+    def noise(self) -> float:
+        """The noise of all records in N, rms."""
+        return float(np.sqrt(np.average([r.noise**2 for r in self.records], weights=[r.samples for r in self.records])))
+
+    @property
+    def misfits(self) -> tuple[str, ...]:
+        """The records whose residual is not noise alone."""
+        return tuple(r.name for r in self.records if r.misfit)
+
+
+def motion(record: Record) -> tuple[float, float]:
+    """Stroke (peak to peak per cycle, m) and frequency (Hz) of a record; without whole cycles its range, and NaN."""
+    spans = cycles(record)
+    if not spans:
+        return float(np.ptp(record.displacement)), float("nan")
+    lasting = float(record.time[spans[-1][1]] - record.time[spans[0][0]])
+    return peak_to_peak(record, spans), len(spans) / lasting
+
+
+def analyse(traces: Sequence[Trace], unit: str = "V") -> Residuals:
+    """The analysis of any residuals. Raises :class:`~dampyr.errors.InputError` without traces, or for values not finite."""
+    if not traces:
+        raise InputError("there are no residuals to analyse; give one trace or more")
+    by_name = {one.name: _record(one) for one in traces}
+    if len(by_name) < len(traces):
+        raise InputError("two traces have the same name; rename one, so that results can be told apart")
+    inputs: dict[float, list[Trace]] = {}
+    for one in sorted(traces, key=lambda one: one.input_value):
+        inputs.setdefault(round(one.input_value, 9), []).append(one)
+
+    def of(some: Sequence[Trace], u: float | None) -> Group:
+        return group(some, sum(by_name[one.name].effective for one in some), u)
+
+    return Residuals(unit, tuple(by_name.values()), of(traces, None), tuple(of(some, u) for u, some in inputs.items()))
+
+
+def autocorrelation(residual: ArrayLike) -> Array:
+    """The autocorrelation (n,) by lags of 0 to n - 1 samples, the mean taken off; a constant has 1 and then 0."""
+    r = np.asarray(residual, dtype=float)
+    r = r - r.mean()
+    power = np.abs(np.fft.rfft(r, 2 * r.size)) ** 2
+    products = np.fft.irfft(power)[: r.size]
+    out = np.zeros(r.size)
+    out[0] = 1.0
+    return products / products[0] if products[0] > 0.0 else out
+
+
+def correlation_intervals(rho: Array) -> float:
+    """The correlation time in intervals, 1 or more, from the autocorrelation (n,)."""
+    pairs = rho[: 2 * (rho.size // 2)].reshape(-1, 2).sum(axis=1)
+    ends = np.flatnonzero(pairs <= 0.0)
+    positive = pairs[: ends[0]] if ends.size else pairs
+    return max(2.0 * float(np.sum(positive)) - 1.0, 1.0)
+
+
+def noise_of(residual: ArrayLike) -> float:
+    """The noise in N by successive differences: the standard deviation, if the samples are independent."""
+    return float(np.sqrt(0.5 * np.mean(np.diff(np.asarray(residual, dtype=float)) ** 2)))
+
+
+def _record(one: Trace) -> RecordResidual:
+    rho = autocorrelation(one.residual)
+    intervals = correlation_intervals(rho)
+    rms, noise = _rms(one.residual), noise_of(one.residual)
+    n_lags = min(one.time.size // 4, round(MAX_LAG / one.dt)) + 1
+    spread = float(np.std(one.force))
+    return RecordResidual(
+        name=one.name,
+        input_value=one.input_value,
+        stroke=one.stroke,
+        frequency=one.frequency,
+        samples=one.time.size,
+        duration=one.time.size * one.dt,
+        rms=rms,
+        relative=rms / spread if spread > 0.0 else float("nan"),
+        noise=noise,
+        correlation_time=intervals * one.dt,
+        effective=one.time.size / intervals,
+        repeats=_repeats(rho, one),
+        misfit=bool(intervals > MISFIT_INTERVALS or rms > MISFIT_NOISE * noise > 0.0),
+        lags=np.linspace(0.0, one.dt * (n_lags - 1), n_lags),
+        autocorrelation=rho[:n_lags],
+    )
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _repeats(rho: Array, one: Trace) -> float:
+    """The autocorrelation after one period, unbiased."""
+    if not one.periods >= MIN_PERIODS:
+        return float("nan")
+    lag = 1.0 / (one.frequency * one.dt)
+    unbiased = rho * rho.size / (rho.size - np.arange(rho.size))
+    return float(np.interp(lag, np.arange(rho.size), unbiased))
+
+
+def group(traces: Sequence[Trace], effective: float, input_value: float | None = None) -> Group:
+    """The residuals of some records by direction; ``effective`` is their effective sample size."""
+    r = np.concatenate([one.residual for one in traces])
+    v = np.concatenate([one.velocity for one in traces])
+    masks = [_masks(one) for one in traces]
+    joined = {name: np.concatenate([mask[name] for mask in masks]) for name in SIDES}
+    reach = float(np.max(np.abs(v)))
+    curves = {}
+    for branch in BRANCHES:
+        here = joined[f"out, {branch}"] | joined[f"in, {branch}"]
+        curves[branch] = _curve(v[here], r[here], reach)
+    return Group(
+        input_value=input_value,
+        records=tuple(one.name for one in traces),
+        rms=_rms(r),
+        sides={name: _side(r[mask]) for name, mask in joined.items()},
+        curves=curves,
+        asymmetry=_asymmetry(list(curves.values())),
+        chance=BINS / effective,
+    )
+
+
+def _masks(one: Trace) -> dict[str, Mask]:
+    """Which samples belong to each of `SIDES`."""
+    fast = np.abs(one.velocity) > SLOW * float(np.max(np.abs(one.velocity)))
+    t = one.time - one.time.mean()
+    middle = one.displacement.mean() + t * float(t @ one.displacement) / float(t @ t)
+    out, back, above = fast & (one.velocity > 0.0), fast & (one.velocity < 0.0), one.displacement > middle
+    return dict(zip(SIDES, (out, back, out & ~above, out & above, back & above, back & ~above), strict=True))
+
+
+def _side(r: Array) -> Side:
+    if r.size == 0:
+        return Side(0, float("nan"), float("nan"))
+    return Side(r.size, float(np.mean(r)), _rms(r))
+
+
+def _curve(v: Array, r: Array, reach: float) -> Curve:
+    edges = np.linspace(-reach, reach, BINS + 1)
+    number = np.clip(np.searchsorted(edges, v, side="right") - 1, 0, BINS - 1)
+    quartiles = np.full((3, BINS), np.nan)
+    counts = np.bincount(number, minlength=BINS)
+    for k in np.flatnonzero(counts >= MIN_BIN_SAMPLES):
+        quartiles[:, k] = np.quantile(r[number == k], (0.25, 0.5, 0.75))
+    return Curve(0.5 * (edges[1:] + edges[:-1]), quartiles[0], quartiles[1], quartiles[2], counts)
+
+
+def _asymmetry(curves: Sequence[Curve]) -> float:
+    """The rms of the medians' even part, weighted by the samples that both of its bins hold; 0 where there is none."""
+    even = np.concatenate([0.5 * (c.median + c.median[::-1]) for c in curves])
+    weights = np.concatenate([np.minimum(c.counts, c.counts[::-1]) for c in curves]).astype(float)
+    finite = np.isfinite(even)
+    if not np.any(weights[finite]):
+        return 0.0
+    even, weights = even[finite], weights[finite] / np.sum(weights[finite])
+    return float(np.sqrt(weights @ (even - weights @ even) ** 2))

@@ -1,0 +1,592 @@
+"""The result of a fit: its numbers, notes and residuals, built from the end of the search."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import FindingWarning, InputError
+from dampyr.findings import Finding, Findings, as_dicts, handed_on, worst_first
+from dampyr.identification.fits.data_sheet import SHEETS, contradictions
+from dampyr.identification.fits.diagnostics import no_interval, notes, residual_findings, trouble_of
+from dampyr.identification.fits.fit_verdict import FitVerdict, fit_verdict
+from dampyr.identification.fits.law_panels import law_panels
+from dampyr.identification.fits.residuals import Residuals, Trace, analyse, motion
+from dampyr.identification.parameter_uncertainty.levels import PRIOR_SESSION, Levels, levels_and_error
+from dampyr.identification.parameter_uncertainty.uncertainty import Uncertainty, uncertainty
+from dampyr.identification.scoring.score import Score, compare
+from dampyr.identification.scoring.scoring_window import SETTLING, too_short
+from dampyr.identification.search.fit_data import Piece
+from dampyr.identification.search.optimum import Optimum
+from dampyr.identification.search.problem import Problem
+from dampyr.identification.search.variable_projection import Outcome
+from dampyr.models import Damper
+from dampyr.models.sampling_error import sampling_error, sampling_words
+from dampyr.origin import Origin, combined
+from dampyr.records import Record, cycles, motion_start
+from dampyr.representation import Representation, Summary, Table, data_frame, extent, listing, percent, rounded
+from dampyr.units import for_people
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+SHOWN = 6  # parameters that a short text lists one by one
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """The random effects of a record: the offset of its force in N, the hysteretic states at the start of its motion, and the
+    factors of its load cell and of its viscosity where the fit has them."""
+
+    offset: float
+    states: dict[str, float]
+    gain: float = 1.0
+    temperature: float = 1.0
+
+
+@dataclass(frozen=True)
+class FitPlots:
+    """Each method draws one figure and returns its matplotlib axes ``(k,)``.
+
+    ``record`` is the name of one of the fitted records; without it that with the median L1 ratio is drawn.
+    """
+
+    fit: Fit
+
+    def loops(self, record: str | None = None) -> Any:
+        """Measured and fitted force over displacement and over velocity."""
+        from dampyr.figures import style
+        from dampyr.figures.loops import loops
+
+        one = self.fit.records[self._number(record)].origin
+        return style.in_pyplot(loops, *self.measured_and_fitted(record), record_origin=one, origin=self.fit.origin)
+
+    def history(self, record: str | None = None) -> Any:
+        """Measured and fitted force over time, and the residual below."""
+        from dampyr.figures import style
+        from dampyr.figures.history import history
+
+        k = self._number(record)
+        piece = self.fit.problem.pieces[k]
+        drawn, one = (piece.t, piece.force, self.fit.forces[k]), self.fit.records[k].origin
+        return style.in_pyplot(history, *drawn, name="fit", title=piece.name, record_origin=one, origin=self.fit.origin)
+
+    def residual(self) -> Any:
+        """The residual over the velocity, a panel an input: median and quartiles, before and beyond the stroke's middle."""
+        return self.fit.residuals.plot.velocity()
+
+    def laws(self) -> Any:
+        """Each parameter over the input: the law, the fitted values with 95 % intervals, the calibrated range."""
+        from dampyr.figures import style
+        from dampyr.figures.laws import parameters_against_input
+
+        fit, damper = self.fit, self.fit.damper
+        if damper is None:
+            raise InputError(f"this fit made no damper, so there are no laws to draw: {fit.reason}")
+        panels = law_panels(fit.optimum, fit.intervals(), damper)
+        axis = style.VOLTAGE if damper.input == "V" else style.CURRENT
+        return style.in_pyplot(parameters_against_input, panels, damper.range, axis, origin=fit.origin)
+
+    def measured_and_fitted(self, record: str | None = None) -> tuple[Array, Array, Array, dict[str, Array], str]:
+        """Displacement m, velocity m/s, measured force N, that of the fit by its name, and the record: what `loops` draws."""
+        k = self._number(record)
+        piece = self.fit.problem.pieces[k]
+        return piece.x, piece.v, piece.force, {"fit": self.fit.forces[k]}, piece.name
+
+    def _number(self, record: str | None) -> int:
+        names = [piece.name for piece in self.fit.problem.pieces]
+        if record is None:
+            errors = [one.l1 for one in self.fit.scores.values()]
+            return int(np.argsort(errors)[len(errors) // 2])
+        if record not in names:
+            raise InputError(f"{record!r} is not among the fitted records; choose from {listing(names, 8)}")
+        return names.index(record)
+
+
+@dataclass(frozen=True, repr=False)
+class Fit(Representation):
+    """The result of `fit`.
+
+    ``damper`` carries the laws, their covariance, the calibrated ranges and the findings, or is None where ``reason`` says why
+    the numbers make no damper; ``bare`` is the same without its findings. ``parameters``, ``stderr`` and ``naive_stderr`` are
+    in SI units, by labels such as ``dahl.kx @ 1.98 V``; an infinite error means that the records do not determine the number,
+    NaN that it is at its limit.
+    ``correlation`` (m, m) follows the same order. ``converged`` and ``reason`` say how the search ended;
+    ``findings`` what a reader should know besides, the worst first; ``remarks`` are those of them that neither the scores nor
+    the records tell. ``clusters`` are what the errors were clustered by ("record", "cycle", or
+    "record and cycle"), ``freedom`` the degrees of freedom of each error, one less than the effective number of clusters that
+    determine it. ``within_records`` holds the labels that only one or two records determine, and how many: their errors are by
+    cycle, hold within these records only and give no interval.
+    ``starts`` is the number of starts, and how many of them ended in the same optimum;
+    ``settling`` what ``scores`` leave out, s. ``levels`` says how records and measurement sessions differ
+    (`dampyr.identification.parameter_uncertainty.levels`), None where the numbers make no damper.
+    """
+
+    bare: Damper | None
+    parameters: dict[str, float]
+    stderr: dict[str, float]
+    naive_stderr: dict[str, float]
+    units: dict[str, str]
+    correlation: Array
+    converged: bool
+    reason: str
+    remarks: tuple[Finding, ...]
+    clusters: str
+    freedom: dict[str, float]
+    within_records: dict[str, int]
+    nuisances: dict[str, Nuisance]
+    iterations: int
+    outcome: Outcome = field(repr=False)
+    records: tuple[Record, ...] = field(repr=False)
+    starts: tuple[int, int] = (1, 1)
+    settling: float = SETTLING
+    levels: Levels | None = None
+
+    @cached_property
+    def damper(self) -> Damper | None:
+        """The damper with what remains true of it, which its card and what is made of it repeat."""
+        return None if self.bare is None else replace(self.bare, findings=Findings(lambda: self._of_damper))
+
+    @cached_property
+    def _of_damper(self) -> tuple[Finding, ...]:
+        """The findings without that on the level of sessions, which stands in the damper's prediction error."""
+        of_records, of_residuals = handed_on(self.records), residual_findings(self.residuals)
+        return worst_first(self.verdict.findings, of_records, of_residuals, self.remarks)
+
+    @cached_property
+    def findings(self) -> tuple[Finding, ...]:
+        """All that a reader should know of the fit and of its records, each once, the worst first."""
+        return worst_first(self._of_damper, [Finding("note", words) for words in _level_notes(self.levels)])
+
+    @property
+    def optimum(self) -> Optimum:
+        """The end of the search: the point, the forces and the linearised problem there."""
+        return self.outcome.optimum
+
+    @property
+    def problem(self) -> Problem:
+        """What was solved: the records as arrays, and the layout of the unknowns."""
+        return self.optimum.problem
+
+    @property
+    def verdict(self) -> FitVerdict:
+        """Whether the search converged and the model describes the records, in one sentence."""
+        return fit_verdict(self.scores, self.converged, self.reason)
+
+    @property
+    def origin(self) -> Origin:
+        """That of its records together (`dampyr.origin.combined`)."""
+        return combined(record.origin for record in self.records)
+
+    @property
+    def plot(self) -> FitPlots:
+        """Figures: ``fit.plot.loops()``, ``.history()``, ``.residual()`` and ``.laws()``, each giving matplotlib axes."""
+        return FitPlots(self)
+
+    def to_dataframe(self) -> Any:
+        """The fitted numbers as a ``pandas.DataFrame``, SI units: value, errors, 95 % interval, unit; a row a parameter."""
+        spans = self.intervals()
+        columns = {
+            "value": list(self.parameters.values()),
+            "standard_error": [self.stderr[label] for label in self.parameters],
+            "naive_error": [self.naive_stderr[label] for label in self.parameters],
+            "low_95": [spans[label][0] for label in self.parameters],
+            "high_95": [spans[label][1] for label in self.parameters],
+            "unit": [self.units[label] for label in self.parameters],
+        }
+        return data_frame(columns, list(self.parameters), "parameter")
+
+    def _small_figure(self) -> Figure:
+        from dampyr.figures.loops import loops
+
+        return loops(*self.plot.measured_and_fitted(), record_origin=self.origin)
+
+    def _summary(self) -> Summary:
+        scores = [one.l1 for one in self.scores.values()]
+        samples = sum(piece.t.size for piece in self.problem.pieces)
+        rows = [
+            ("records", f"{len(self.records)}, {samples} samples, {self._inputs()}"),
+            ("search", ("" if self.converged else "did not converge: ") + self.reason),
+            (
+                "L1",
+                f"{percent(float(np.mean(scores)))} on average, {percent(max(scores))} at worst, of the fitted records",
+            ),
+        ]
+        by_name: dict[str, list[str]] = {}
+        for label in self.parameters:
+            by_name.setdefault(label.partition(" @ ")[0], []).append(label)
+        for name, labels in list(by_name.items())[:SHOWN]:
+            unit, factor = for_people(self.units[labels[0]])
+            rows.append((name, extent([self.parameters[label] for label in labels], unit, factor)))
+        if len(by_name) > SHOWN:
+            rows.append(("", f"and {len(by_name) - SHOWN} more parameters"))
+        rows.append(("errors", f"clustered by {self.clusters}"))
+        return f"Fit {str(self.problem.composition)!r}", rows
+
+    def _inputs(self) -> str:
+        values, unit = self.residuals.inputs, self.residuals.unit
+        return f"at {listing([f'{u:.4g}' for u in values])} {unit}"
+
+    def _table(self) -> Table:
+        return self.by_input()
+
+    def by_input(self, errors: bool = False, between: str = "records") -> Table:
+        """One row a parameter, one column an input, in units that people read.
+
+        A cell is the value ± half of its 95 % interval (see `intervals` for ``between``), or says why there is none; with
+        ``errors`` the standard error, and in parentheses the naive one, which takes the samples for independent.
+        """
+        unit = self.problem.pieces[0].unit
+        free = [c for c in self.problem.columns if c.size]
+        knots = sorted({u for c in free if len(c.knots) > 1 for u in c.knots})
+        everywhere = not knots or any(len(c.knots) == 1 for c in free)
+        heads = ["parameter", "unit", *["all inputs"] * everywhere, *(f"{u:g} {unit}" for u in knots)]
+        cell, spans = (self._error_in_words if errors else self._value_in_words), self.intervals(between=between)
+        rows: list[list[Any]] = []
+        for column in free:
+            shown, factor = for_people(column.quantity.unit)
+            cells = [cell(label, spans, factor) for label in column.labels(unit)]
+            for k, temperature in enumerate(column.temperatures or (None,)):
+                name = column.name if temperature is None else f"{column.name}, {temperature:.4g} °C"
+                some = cells[k * len(column.knots) : (k + 1) * len(column.knots)]
+                at = dict(zip(column.knots, some, strict=True)) if len(some) > 1 else {}
+                alone = ["" if at else some[0]] * everywhere
+                rows.append([name, shown or "1", *alone, *(at.get(u, "") for u in knots)])
+        return heads, rows
+
+    def _value_in_words(self, label: str, spans: Mapping[str, tuple[float, float]], factor: float) -> str:
+        value, reach = factor * self.parameters[label], factor * (spans[label][1] - self.parameters[label])
+        if label in self.within_records:
+            return f"{rounded(value, 4)} (no interval)"
+        if math.isnan(reach):
+            return f"{rounded(value, 4)} (at its limit)"
+        if not math.isfinite(reach):
+            return f"{rounded(value, 4)} (not determined)"
+        return f"{rounded(value, 4)} ± {rounded(reach, 2)}"
+
+    def _error_in_words(self, label: str, spans: Mapping[str, tuple[float, float]], factor: float) -> str:
+        error, naive = self.stderr[label], self.naive_stderr[label]
+        if math.isnan(error):
+            return "at its limit"
+        if not math.isfinite(error):
+            return "not determined"
+        where = ", within these records only" if label in self.within_records else ""
+        return f"{rounded(factor * error, 2)} ({rounded(factor * naive, 2)}){where}"
+
+    @property
+    def nuisance_spread(self) -> dict[str, float]:
+        """The standard deviation across the records of each nuisance: N for the offset, factors, states without unit."""
+        each = list(self.nuisances.values())
+        table = {name: [getattr(one, name) for one in each] for name in ("offset", "gain", "temperature")}
+        table |= {name: [one.states[name] for one in each] for name in (each[0].states if each else {})}
+        return {name: float(np.std(values, ddof=1)) if len(values) > 1 else np.nan for name, values in table.items()}
+
+    def intervals(self, level: float = 0.95, between: str = "records") -> dict[str, tuple[float, float]]:
+        """Confidence intervals at ``level``, by label, in SI units.
+
+        ``between="sessions"`` adds what the levels of the fitted measurement sessions may have moved (`levels`): that
+        of another session's damper. It widens the numbers that a factor on the force changes, such as kx and kw of
+        Dahl, and not rho.
+
+        Estimate and standard error with Student's t of ``freedom``. They hold the truth where the model does; where it misses
+        the damper's behaviour they describe the fit. Infinite where the records do not determine the number, NaN where it
+        is at its limit and where one or two records alone determine it (``within_records``): how records differ is not
+        estimated from so few.
+        """
+        if not 0.0 < level < 1.0:
+            raise InputError(f"level = {level:g} is not allowed; it must be between 0 and 1, such as 0.95")
+        from scipy.stats import t
+
+        if between not in ("records", "sessions"):
+            raise InputError(f"between = {between!r} is not allowed; choose 'records' or 'sessions'")
+        intervals = {}
+        for k, (label, value) in enumerate(self.parameters.items()):
+            error, freedom = self.stderr[label], self.freedom[label]
+            if between == "sessions" and self.levels is not None and np.isfinite(error):
+                reach = self.levels.reach_between_sessions(k, error, freedom, level)
+            else:
+                reach = float(t.ppf(0.5 + 0.5 * level, freedom)) * error
+            reach = np.nan if label in self.within_records else reach
+            intervals[label] = (value - reach, value + reach)
+        return intervals
+
+    def error_holds(self, label: str) -> str:
+        """Between or within which records the standard error of a number holds, in words; empty where it has none."""
+        if label in self.within_records:
+            return "within these records only"
+        return "between records" if np.isfinite(self.stderr[label]) else ""
+
+    def why_no_interval(self, label: str) -> str:
+        """Why a number has no interval, in words; empty where it has one."""
+        return no_interval(self.within_records[label]) if label in self.within_records else ""
+
+    def save(self, path: str | Path) -> Path:
+        """Write the card of the fitted damper, as `Damper.save`; :class:`~dampyr.errors.InputError` where there is none."""
+        if self.damper is None:
+            raise InputError(f"the fit has no damper to save: {self.reason}")
+        return self.damper.save(path)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Parameters, errors, findings and scores by name, for `dampyr.to_json`; 95 % intervals, None where there is none."""
+        return {
+            "model": str(self.problem.composition),
+            "origin": self.origin.as_dict(),
+            "records": [record.name for record in self.records],
+            "converged": self.converged,
+            "reason": self.reason,
+            "verdict": {"kind": self.verdict.kind, "words": self.verdict.words},
+            "findings": as_dicts(self.findings),
+            "clusters": self.clusters,
+            "parameters": self.parameters,
+            "stderr": self.stderr,
+            "naive_stderr": self.naive_stderr,
+            "intervals_95": {
+                name: None if name in self.within_records else span for name, span in self.intervals().items()
+            },
+            "intervals_95_between_sessions": {
+                name: None if name in self.within_records else span
+                for name, span in self.intervals(between="sessions").items()
+            },
+            "within_records_only": {name: self.why_no_interval(name) for name in self.within_records},
+            "units": self.units,
+            "correlation": self.correlation,
+            "nuisances": self.nuisances,
+            "levels": None if self.levels is None else self.levels.as_dict(),
+            "scores": self.scores,
+        }
+
+    @property
+    def forces(self) -> list[Array]:
+        """The fitted force along each record from where its motion starts, with its own offset and initial states, N."""
+        return self.optimum.forces
+
+    @cached_property
+    def residuals(self) -> Residuals:
+        """The analysis of the residual over all samples that were fitted: see `dampyr.identification.residuals`."""
+        traces = [
+            Trace(p.name, p.t[c], p.x[c], p.v[c], p.force[c], residual[c], float(np.mean(p.u)), *motion(record))
+            for p, residual, record in zip(self.problem.pieces, self.optimum.residuals, self.records, strict=True)
+            for c in (p.comparable,)
+        ]
+        return replace(analyse(traces, self.problem.pieces[0].unit), origin=self.origin)
+
+    @cached_property
+    def scores(self) -> dict[str, Score]:
+        """How well the fit describes the records it was fitted to (which is no prediction), by record.
+
+        From ``settling`` s after the motion starts; a record that is too short for that is scored from the start of its motion,
+        the state of which was fitted, and ``findings`` say so. Of a force that holds a moving average only whole windows after
+        the start of the motion are scored.
+        """
+        scores = {}
+        for record, one, force in zip(self.records, self.problem.pieces, self.forces, strict=True):
+            whole = np.concatenate((np.full(record.n - force.size, force[0]), force))
+            settling, window = 0.0 if too_short(record, self.settling) else self.settling, None
+            if one.average is not None:
+                compared = one.t[one.comparable]
+                window = max(motion_start(record) + settling, float(compared[0])), float(compared[-1])
+            scores[record.name] = compare(record, whole, settling, window)
+        return scores
+
+
+def residuals(fit: Fit) -> Residuals:
+    """The analysis of a fit's residual, over all samples that were fitted."""
+    return fit.residuals
+
+
+def build_fit(
+    outcome: Outcome,
+    records: tuple[Record, ...],
+    bandwidth: float | None,
+    search_notes: tuple[str, ...] = (),
+    starts: tuple[int, int] = (1, 1),
+    settling: float = SETTLING,
+    session_prior: float = PRIOR_SESSION,
+) -> Fit:
+    """The fit at the end of a search; ``search_notes`` are of what came before, ``starts`` how many there were and agreed."""
+    optimum, problem = outcome.optimum, outcome.optimum.problem
+    uncertainties = uncertainty(optimum, outcome.at_limit)
+    labels = [label for c in problem.columns if c.size for label in c.labels(problem.pieces[0].unit)]
+    unit_of = [c.quantity.unit for c in problem.columns for _ in range(c.size)]
+    stderr = _errors(labels, uncertainties.covariance, outcome.at_limit)
+    few = zip(labels, uncertainties.within, uncertainties.records, strict=True)
+    within = {label: int(count) for label, cycles_only, count in few if cycles_only and np.isfinite(stderr[label])}
+    damper, trouble = _damper(optimum, uncertainties, records, bandwidth, tuple(within))
+    levels = None
+    if damper is not None and all(np.all(np.isfinite(force)) for force in optimum.forces):
+        levels, error = levels_and_error(optimum, uncertainties, records, session_prior)
+        damper = replace(damper, prediction_error=error)
+    trouble = trouble or trouble_of(outcome)
+    states = list(problem.composition.states)
+    return Fit(
+        bare=damper,
+        parameters=dict(zip(labels, map(float, optimum.point.theta), strict=True)),
+        stderr=stderr,
+        naive_stderr=_errors(labels, uncertainties.naive, outcome.at_limit),
+        units=dict(zip(labels, unit_of, strict=True)),
+        correlation=_correlation(uncertainties.covariance),
+        converged=outcome.converged and not trouble,
+        reason=trouble or outcome.reason,
+        remarks=(
+            *notes(outcome, uncertainties, labels, within),
+            *(Finding("note", words) for words in (*search_notes, *_short_notes(records, settling))),
+            *(
+                Finding("doubt", words)
+                for words in (*_data_sheet_notes(damper, records), *_sampling_notes(damper, problem))
+            ),
+        ),
+        clusters=_clusters([label in within for label in labels if np.isfinite(stderr[label])]),
+        freedom=dict(zip(labels, map(float, uncertainties.freedom), strict=True)),
+        within_records=within,
+        nuisances={
+            p.name: Nuisance(
+                optimum.point.nuisance(problem, r, "offset"),
+                {states[k]: float(optimum.point.states(problem, r)[k]) for k in problem.composition.free_at_start},
+                optimum.point.nuisance(problem, r, "gain"),
+                optimum.point.nuisance(problem, r, "temperature"),
+            )
+            for r, p in enumerate(problem.pieces)
+        },
+        iterations=outcome.iterations,
+        outcome=outcome,
+        records=records,
+        starts=starts,
+        settling=settling,
+        levels=levels,
+    )
+
+
+def _level_notes(levels: Levels | None) -> list[str]:
+    """What a lab must hear of the level between sessions."""
+    if levels is None:
+        return []
+    return [f"{levels.words}; to settle it, {levels.settles}" if levels.settles else levels.words]
+
+
+def _short_notes(records: tuple[Record, ...], settling: float) -> list[str]:
+    """The records that are scored from the start of their motion, because settling would leave next to nothing of them."""
+    short = [record.name for record in records if too_short(record, settling)]
+    if not short:
+        return []
+    return [
+        f"{listing(short, 3)}: too short for a settling of {settling:g} s, so scored from the start of the motion; a "
+        "prediction of such a record is not scored unless a shorter settling is given"
+    ]
+
+
+def _data_sheet_notes(damper: Damper | None, records: tuple[Record, ...]) -> list[str]:
+    """The contradictions of the fit with the data sheet, where the records name one."""
+    sheets = {record.provenance.get("data_sheet", "") for record in records} & set(SHEETS)
+    return [words for sheet in sorted(sheets) if damper for words in contradictions(damper, sheet)]
+
+
+def _sampling_notes(damper: Damper | None, problem: Problem) -> list[str]:
+    """What the records' samples make wrong in the force of this damper, of the worst record; warned of, too."""
+    if damper is None or not any(part.speed for part in damper.composition.parts):
+        return []
+    at = [damper if math.isnan(p.temperature) else damper.at_temperature(p.temperature, True) for p in problem.pieces]
+    given = ((p, one.values(p.u, allow_extrapolation=True)) for p, one in zip(problem.pieces, at, strict=True))
+    words = {sampling_error(damper.composition, p.t, p.x, p.v, u): (p, u) for p, u in given}
+    p, values = words[max(words)]
+    if not (text := sampling_words(damper.composition, p.t, p.x, p.v, values)):
+        return []
+    warnings.warn(f"{p.name}: {text}", FindingWarning, stacklevel=4)
+    return [f"{p.name}: {text}"]
+
+
+def _clusters(within: list[bool]) -> str:
+    if not any(within):
+        return "record"
+    return "cycle" if all(within) else "record and cycle"
+
+
+def _errors(labels: list[str], covariance: Array, at_limit: tuple[int, ...]) -> dict[str, float]:
+    errors = np.sqrt(np.diag(covariance))
+    errors[list(at_limit)] = np.nan
+    return dict(zip(labels, map(float, errors), strict=True))
+
+
+def _correlation(covariance: Array) -> Array:
+    spread = np.sqrt(np.diag(covariance))
+    with np.errstate(invalid="ignore", divide="ignore"):
+        out = covariance / np.outer(spread, spread)
+    out[~np.isfinite(out)] = np.nan
+    return np.asarray(out)
+
+
+def _damper(
+    optimum: Optimum,
+    uncertainty: Uncertainty,
+    records: tuple[Record, ...],
+    bandwidth: float | None,
+    within: tuple[str, ...],
+) -> tuple[Damper | None, str]:
+    """The damper that the coefficients make, or None and why they make none."""
+    problem = optimum.problem
+    inputs = np.concatenate([np.ravel(p.levels) for p in problem.pieces])
+    low, high = float(inputs.min()), float(inputs.max())
+    try:
+        damper = Damper(
+            parts=problem.composition.names,
+            laws={
+                c.name: problem.columns[k].law(theta, low, high)
+                for c, k, theta in zip(problem.columns, problem.owners, optimum.point.of(problem), strict=True)
+            },
+            input=problem.pieces[0].unit,
+            ranges=_ranges(records, problem.pieces),
+            covariance=_law_covariance(optimum.law_matrix, uncertainty.covariance),
+            bandwidth=bandwidth,
+            within_records=within,
+            provenance=_provenance(records),
+            origin=combined(record.origin for record in records),
+        )
+    except InputError as problem_:
+        between = any(c.size and c.kind == "polynomial" for c in problem.columns)
+        repair = (
+            "; between the inputs it is fitted at a polynomial may go anywhere: lower its degree" if between else ""
+        )
+        return None, f"the fitted numbers make no damper: {problem_}{repair}"
+    return damper, ""
+
+
+def _law_covariance(T: Array, covariance: Array) -> Array:
+    """The covariance of the laws' own coefficients, which ``T`` makes of the fitted ones; fixed parameters are known."""
+    finite = np.where(np.isfinite(covariance), covariance, 0.0)
+    out = T @ finite @ T.T
+    for place in np.flatnonzero(~np.isfinite(np.diag(covariance))):
+        out[T[:, place] != 0.0, T[:, place] != 0.0] = np.inf
+    return np.asarray(0.5 * (out + out.T))
+
+
+def _ranges(records: tuple[Record, ...], pieces: list[Piece]) -> dict[str, tuple[float, float]]:
+    strokes = [0.5 * float(np.ptp(p.x)) for p in pieces]
+    speeds = [float(np.max(np.abs(p.v))) for p in pieces]
+    frequencies = []
+    for record in records:
+        spans = cycles(record)
+        if spans:
+            frequencies.append(len(spans) / float(record.time[spans[-1][1]] - record.time[spans[0][0]]))
+    ranges = {"displacement": (0.0, max(strokes)), "velocity": (0.0, max(speeds))}
+    if frequencies:
+        ranges["frequency"] = (min(frequencies), max(frequencies))
+    return ranges
+
+
+def _provenance(records: tuple[Record, ...]) -> dict[str, str]:
+    names, origins = [r.name for r in records], Counter(r.origin.kind for r in records)
+    shown = ", ".join(names) if len(names) <= 50 else f"{len(names)} records"
+    return {
+        "method": "least squares over whole records (dampyr.identification.fit)",
+        "records": shown,
+        **({"origins": ", ".join(f"{count} {each}" for each, count in origins.items())} if len(origins) > 1 else {}),
+    }

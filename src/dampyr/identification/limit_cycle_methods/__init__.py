@@ -1,0 +1,1 @@
+"""The dissertation's two methods for the viscous Dahl model."""

@@ -1,0 +1,705 @@
+r"""Leaderboard of models: every model of the catalogue, bare and with add-ons, ranked by what it predicts unseen.
+
+First each model is *screened* on a few shortened records (`dampyr.identification.model_choice.screening`): bare, then with the
+add-on that lowers its error most, then with the next, as long as that lowers it by 2 % and the model is within 15 % of the
+best. Then the best few are fitted and validated on all records. The validation error is
+
+.. math:: E = \tfrac34 E_\text{record} + \tfrac14 E_\text{input}
+
+the mean L1 ratio of records that were left out, and of whole inputs that were left out (where there are three or more;
+else the first alone), every input counting the same: a damper is used between the inputs of its tests. Leaving an input out
+doubles the gap that a law must bridge, which makes a smooth law's error four times as large, hence the quarter.
+
+Of the models whose error is within one standard error of the lowest, the one with the fewest parameters is chosen (Breiman et
+al. 1984): between them the records do not decide, and what has fewer numbers is easier to check. The standard error is that of
+the mean over the records, each input by itself. Parts that are not for a building say so in their row; the best model without
+them is chosen in the same way and shown besides.
+
+The lowest of several errors is too low by chance. How much it is here is told by choosing again on four of the five parts and
+scoring that choice on the fifth: the ``optimism``. It repeats the choice among the finalists, not the screening; ``nested``
+repeats all, at five times the time.
+
+A search has a budget of work, which is counted (`dampyr.identification.search.work`) and not timed: the same records give the
+same ranking and the same card on the same version, on a busy machine too, whatever the number of workers. A limit in seconds
+can only end a search; what it cuts depends on the machine, so nothing is chosen then.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+import warnings
+from collections import Counter
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dampyr.argument_kinds import RECORDS, Argument, check_kinds
+from dampyr.errors import DampyrWarning, InputError
+from dampyr.identification.fits.fit import Fit, fit
+from dampyr.identification.model_choice import parallel
+from dampyr.identification.model_choice.screening import (
+    BETWEEN,
+    CUT,
+    PAIRS,
+    Screened,
+    chosen_bandwidth,
+    held_in,
+    screen_all,
+    screening_set,
+    validation_error,
+)
+from dampyr.identification.scoring.score import score
+from dampyr.identification.scoring.scoring_window import SETTLING, scorable, too_short
+from dampyr.identification.scoring.splits import split_tasks
+from dampyr.identification.scoring.validation import Fold, Validation, validation_jobs
+from dampyr.identification.search.work import OUT_OF_WORK
+from dampyr.models import available_parts, compose, part
+from dampyr.origin import NOT_STATED, Origin, check_one_kind, combined
+from dampyr.records import Record, cut
+from dampyr.records.conditioning.velocity import check_bandwidth
+from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing, percent
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+ADD_ONS = ("compliance", "spring", "delay", "lag")  # tried in this order: what matters most comes before work is short
+FINAL_STEPS = 300  # of a finalist's fits: more than the default, as no start is chosen by hand
+FINALISTS = 5  # each costs a fit and two cross-validations of all records
+PARTS = 5  # of the records, left out in turn
+BUDGET = 480.0  # counted s: two cores take four minutes for it, with what compiles and the last fits five
+SCREENING_SHARE = 0.85  # of the budget, after which no further add-on is tried
+# Of the budget for one fit of the screening: beyond it a model is too slow to be preferred anyway.
+TRIAL_SHARE = 1 / 120
+FINAL_SHARE = 1 / 16  # the same for a fit to all records
+LEAST_WORK = 5.0  # counted s that a fit to all records has however little is left
+
+#: what `Leaderboard.as_dict` says of an entry
+ENTRY_KEYS = (
+    "model", "error", "standard_error", "l1", "nrmse", "pointwise", "energy", "unseen_input", "relevelled", "parameters",
+    "seconds", "converged", "reason", "not_for_buildings",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, repr=False)
+class Entry(Representation):
+    """A finalist. ``error`` is what the ranking goes by; ``l1``, ``nrmse``, ``pointwise`` and ``energy`` (its size) are means
+    over records that were left out, ``unseen_input`` the mean L1 ratio over inputs that were left out (NaN where there are
+    fewer than three). ``standard_error`` is that of ``error``; ``not_for_buildings`` says why the model must not stand in for a
+    damper of a building, and is empty where it may. ``seconds`` is the time of the fit to all records. ``fit`` is None where it
+    made no damper."""
+
+    model: str
+    error: float
+    standard_error: float
+    l1: float
+    nrmse: float
+    pointwise: float
+    energy: float
+    unseen_input: float
+    parameters: int
+    seconds: float
+    converged: bool
+    reason: str
+    validations: tuple[Validation, ...] = field(repr=False)
+    fit: Fit | None = field(repr=False)
+    not_for_buildings: str = ""
+
+    @property
+    def work(self) -> float:
+        """What its fits have spent, counted s (`dampyr.identification.search.work`)."""
+        folds = sum(fold.work for one in self.validations for fold in one.folds)
+        return folds + (self.fit.outcome.work if self.fit is not None else 0.0)
+
+    @property
+    def relevelled(self) -> float:
+        """The mean L1 ratio of records that were left out, with the level of each one's first cycles."""
+        return next((one.relevelled for one in self.validations if one.split == "record"), float("nan"))
+
+    def _summary(self) -> Summary:
+        return f"Entry {self.model!r}", [
+            (
+                "error",
+                f"{percent(self.error)} ± {percent(self.standard_error)}, L1 {percent(self.l1)}, "
+                f"of unseen inputs {percent(self.unseen_input)}",
+            ),
+            ("NRMSE", f"{percent(self.nrmse)}, pointwise {percent(self.pointwise)}, energy {percent(self.energy)}"),
+            ("fit", f"{counted(self.parameters, 'parameter')}, {self.seconds:.3g} s; {self.reason}"),
+            *([("buildings", self.not_for_buildings)] if self.not_for_buildings else []),
+        ]
+
+
+@dataclass(frozen=True, repr=False)
+class Leaderboard(Representation):
+    """The finalists by rising validation error, what was screened before, and what was chosen for all.
+
+    ``optimism`` is by how much the lowest error is too low for having been chosen (a ratio, like the errors; NaN where it could
+    not be estimated), ``nested`` the mean L1 ratio of the records that a whole search without them predicts, where that was
+    asked for. ``left_out`` says what was not tried or stopped, and why. ``cut`` is empty, or says that a limit in seconds ended
+    the search: then the entries are the finalists that were finished, and none is chosen. ``work`` is what the trials and the
+    fits have spent, counted s (`dampyr.identification.search.work`).
+    """
+
+    entries: tuple[Entry, ...]
+    screened: tuple[Screened, ...]
+    bandwidth: float | None
+    left_out: tuple[str, ...]
+    seconds: float
+    optimism: float = float("nan")
+    nested: float = float("nan")
+    cut: str = ""
+    work: float = float("nan")
+    origin: Origin = NOT_STATED
+
+    def plot(self) -> Any:
+        """The validation error of every screened model, bare and with add-ons; the matplotlib axes ``(1,)``."""
+        from dampyr.figures import style
+        from dampyr.figures.leaderboard import leaderboard_figure
+
+        return style.in_pyplot(leaderboard_figure, *self.screened_errors(), origin=self.origin)
+
+    def to_dataframe(self) -> Any:
+        """The finalists as a ``pandas.DataFrame``, the best first; errors are ratios, ``seconds`` s."""
+        keys = [key for key in ENTRY_KEYS if key != "model"]
+        columns = {key: [getattr(entry, key) for entry in self.entries] for key in keys}
+        return data_frame(columns, [entry.model for entry in self.entries], "model")
+
+    def screened_errors(self) -> tuple[list[str], list[float], list[float]]:
+        """Each screened model with its add-ons in lines below it, its error bare, and its error with them."""
+        models = [
+            one.best.model.replace(one.base, one.base + "\n", 1).replace("\n + ", "\n+ ").rstrip("\n")
+            for one in self.screened
+        ]
+        return models, [one.bare.error for one in self.screened], [one.best.error for one in self.screened]
+
+    def _small_figure(self) -> Figure | None:
+        from dampyr.figures.leaderboard import leaderboard_figure
+
+        return leaderboard_figure(*self.screened_errors()) if self.screened else None
+
+    def _summary(self) -> Summary:
+        trials = sum(len(one.trials) for one in self.screened)
+        screened = f"{counted(len(self.screened), 'model')}, {counted(trials, 'composition')}, {self.seconds:.3g} s"
+        if self.cut:
+            return f"Leaderboard of {counted(len(self.entries), 'finalist')}, cut", [
+                ("chosen", f"nothing: {self.cut}"),
+                ("screened", screened),
+            ]
+        rows = [("chosen", f"{self.winner.model}, validation error {percent(self.winner.error)}")]
+        if self.winner is not self.best:
+            rows.append(
+                ("lowest", f"{self.best.model}, {percent(self.best.error)} ± {percent(self.best.standard_error)}")
+            )
+        if self.runner_up:
+            rows.append(("runner-up", f"{self.runner_up.model}, {percent(self.runner_up.error)}"))
+        rows.append(("for a building", self.for_building.model if self.for_building else "none of the finalists"))
+        if np.isfinite(self.optimism):
+            rows.append(("optimism", f"{percent(self.optimism)} of the lowest error, by choosing among the finalists"))
+        rows += [("screened", screened), ("velocity", self.velocity)]
+        if self.left_out:
+            rows.append(("left out", listing(self.left_out, 2)))
+        return f"Leaderboard of {counted(len(self.entries), 'finalist')}", rows
+
+    def _table(self) -> Table:
+        heads = (
+            "model",
+            "error [%]",
+            "± [%]",
+            "L1 [%]",
+            "unseen input [%]",
+            "NRMSE [%]",
+            "parameters",
+            "time [s]",
+            "building",
+        )
+        rows = [
+            [
+                e.model,
+                *(100 * v for v in (e.error, e.standard_error, e.l1, e.unseen_input, e.nrmse)),
+                e.parameters,
+                e.seconds,
+                "no" if e.not_for_buildings else "yes",
+            ]
+            for e in self.entries
+        ]
+        return heads, rows
+
+    @property
+    def velocity(self) -> str:
+        """Which velocity was used, in words."""
+        if self.bandwidth is not None:
+            return f"derived with {self.bandwidth:g} Hz"
+        fitted = next((one.fit.records for one in self.entries if one.fit), ())
+        derived = any(record.velocity is None for record in fitted)
+        return "as recorded, or derived with each record's own bandwidth" if derived else "as recorded"
+
+    @property
+    def best(self) -> Entry:
+        """The lowest validation error."""
+        return self.entries[0]
+
+    @property
+    def winner(self) -> Entry:
+        """The one that is chosen: of those within one standard error of the lowest error, the simplest.
+
+        Raises :class:`~dampyr.errors.InputError` where the search was cut.
+        """
+        if self.cut:
+            raise Cut(self)
+        return simplest(self.entries)
+
+    @property
+    def runner_up(self) -> Entry | None:
+        """The lowest error but for the winner."""
+        return next((one for one in self.entries if one is not self.winner), None)
+
+    @property
+    def for_building(self) -> Entry | None:
+        """The winner where it may stand in for a damper of a building, else the best that may, chosen in the same way."""
+        if not self.winner.not_for_buildings:
+            return self.winner
+        suited = [one for one in self.entries if not one.not_for_buildings and np.isfinite(one.error)]
+        return simplest(suited) if suited else None
+
+    def as_dict(self) -> dict[str, Any]:
+        """The ranking and the screening for `dampyr.to_json`, without the fits and validations of the entries."""
+        return {
+            "origin": self.origin.as_dict(),
+            "entries": [{key: getattr(entry, key) for key in ENTRY_KEYS} for entry in self.entries],
+            "screened": self.screened,
+            "chosen": None if self.cut else self.winner.model,
+            "for_building": self.for_building.model if not self.cut and self.for_building else None,
+            "cut": self.cut,
+            "work": self.work,
+            "optimism": self.optimism,
+            "nested": self.nested,
+            "bandwidth_hz": self.bandwidth,
+            "left_out": self.left_out,
+            "seconds": self.seconds,
+        }
+
+
+class Cut(InputError):
+    """A choice was asked of a search that a limit in seconds ended; ``board`` is what it had finished."""
+
+    def __init__(self, board: Leaderboard) -> None:
+        super().__init__(board.cut)
+        self.board = board
+
+
+def leaderboard(
+    records: Sequence[Record],
+    models: Sequence[str] | None = None,
+    add_ons: Sequence[str] = ADD_ONS,
+    finalists: int = FINALISTS,
+    seed: int = 0,
+    executor: Executor | None = None,
+    progress: Callable[[str, float], None] | None = None,
+    budget: float | None = BUDGET,
+    nested: bool = False,
+    seconds: float | None = None,
+    **options: Any,
+) -> Leaderboard:
+    """Rank models by what they predict of records that they were not fitted on.
+
+    Parameters
+    ----------
+    records
+        five or more, at one input or several; fewer are cut into five pieces or more, which ``left_out`` says: their errors are
+        those of more of the same tests.
+    models
+        compositions to begin from; None takes every model of the catalogue that is no add-on, and the pairs of `PAIRS`.
+    add_ons
+        tried in addition, greedily.
+    finalists
+        how many are validated on all records.
+    executor
+        runs the trials, such as ``ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn"))``; None runs them one
+        after the other. The result is the same to the last digit. Forked processes are refused: in trials they crashed after
+        compiled code had run in the process that they came from.
+    progress
+        called with what is being done and the fraction done, every few seconds where an executor runs the trials.
+    budget
+        work of the whole, about, counted s of one core (`dampyr.identification.search.work`): after 85 % of it no further
+        add-on is tried, no fit of a trial takes more than a 120th of it, and no fit to all records more than a 16th. What was
+        stopped says so; where it is stopped does not depend on the machine. None: no limit.
+    seconds
+        on the clock, after which no further trial or fit begins. What is cut then depends on the machine, so `cut` says it, the
+        entries are the finalists that were finished, and none is chosen. None: no limit.
+    nested
+        also repeat all, screening and choice, five times without a fifth of the records, and score what each choice predicts of
+        it: an estimate without the optimism of choosing.
+    options
+        of `dampyr.identification.fit`, for every fit. ``bandwidth`` is chosen by a probe where it is not given: as recorded, or
+        derived from the displacement with 15 times the highest test frequency (each record with its own where no bandwidth
+        serves all).
+
+    Raises :class:`~dampyr.errors.InputError` for records that are too short to be cut into five, or to be scored, or where no
+    model could be fitted.
+    """
+    parallel.refuse_forks(executor)
+    check_kinds("leaderboard", Argument("records", records, (Record,), RECORDS, several=True))
+    listed = [r for r in records if r.role != "validation"]
+    if not options.get("mixed_origins"):
+        check_one_kind(listed)
+    unknown = [r.name for r in listed if r.input is None]
+    if unknown:
+        raise InputError(f"{unknown[0]}: its voltage is not known; read it with voltage= (or current=)")
+    if budget is not None and not budget > 0:
+        raise InputError(f"budget = {budget:g} s is not allowed; give work above 0, or None for no limit")
+    if seconds is not None and not seconds > 0:
+        raise InputError(f"seconds = {seconds:g} is not allowed; give a time above 0, or None for no limit")
+    settling = options.get("settling", SETTLING)
+    whole = listed
+    listed, pieces = enough_records(whole, settling)
+    scorable(listed, settling)
+    begun = time.perf_counter()
+    deadline = math.inf if seconds is None else time.time() + seconds
+    limit = math.inf if budget is None else budget
+    report = progress or (lambda what, done: None)
+    given = bandwidth = options.pop("bandwidth", None)
+    if bandwidth is not None:
+        check_bandwidth(listed, bandwidth)
+    report("choosing the velocity", 0.0)
+    in_trials = options | ({} if budget is None else {"budget": TRIAL_SHARE * budget})
+    spent = 0.0
+    if bandwidth is None:
+        bandwidth, spent = chosen_bandwidth(
+            listed, in_trials, executor, lambda done: report("choosing the velocity", done)
+        )
+    small = screening_set(listed, bandwidth)  # with its velocity, so that no trial derives it from thinned samples
+    allowed, left_out = _allowed(add_ons, listed)
+    bases = list(models) if models else [*(name for name in available_parts() if not part(name).add_on), *PAIRS]
+    screened, unfinished = screen_all(
+        bases,
+        small,
+        allowed,
+        seed,
+        in_trials,
+        executor,
+        lambda done: report("screening models", done),
+        SCREENING_SHARE * limit - spent,
+        deadline,
+    )
+    spent += sum(trial.work for one in screened for trial in one.trials)
+    cut = any(trial.reason == CUT for one in screened for trial in one.trials)
+    chosen = [] if cut else _finalists(screened, finalists)
+    if not chosen and not cut:
+        raise InputError(f"no model could be fitted; the first failed: {screened[0].bare.reason}")
+    entries = _judged(
+        chosen,
+        listed,
+        whole,
+        seed,
+        options | {"bandwidth": bandwidth},
+        executor,
+        math.inf if budget is None else budget - spent,
+        budget,
+        lambda done: report("validating the best", done),
+        deadline,
+    )
+    ranked = sorted(entries, key=lambda one: (one.error, one.model))
+    notes = [*pieces, *left_out, *([] if cut else _stopped(screened, unfinished, ranked))]
+    missing = [model for model in chosen if model not in {one.model for one in entries}]
+    spent += sum(one.work for one in entries)
+    board = Leaderboard(
+        tuple(ranked),
+        tuple(screened),
+        bandwidth,
+        tuple(notes),
+        time.perf_counter() - begun,
+        optimism(ranked),
+        cut=_cut_words(screened, missing, seconds) if cut or missing else "",
+        work=spent,
+        origin=combined(r.origin for r in whole),
+    )
+    if not nested or board.cut:
+        return board
+    repeat = partial(
+        leaderboard,
+        models=models,
+        add_ons=add_ons,
+        finalists=finalists,
+        executor=executor,
+        budget=budget,
+        bandwidth=given,
+        **options,
+    )
+    error = _nested_error(repeat, listed, seed, settling, report, deadline)
+    return replace(board, nested=error, seconds=time.perf_counter() - begun)
+
+
+def enough_records(records: list[Record], settling: float) -> tuple[list[Record], tuple[str, ...]]:
+    """Five records or more: as they are, or cut into pieces of equal time, with a sentence that says so."""
+    if len(records) >= PARTS:
+        return records, ()
+    if not records:
+        raise InputError("there are no records to fit; give one or more")
+    count = -(-PARTS // len(records))
+    pieces = [piece for record in records for piece in cut(record, record.duration / count)]
+    short = next((piece for piece in pieces if too_short(piece, settling)), None)
+    if short is not None:
+        raise InputError(
+            f"a choice of models leaves five parts out in turn; {len(records)} record{'s' * (len(records) > 1)} would be cut "
+            f"into pieces, but {short.name} lasts {short.duration:.3g} s and settling takes {settling:g} s of it: give more or "
+            "longer records, a shorter settling, or name a model"
+        )
+    return pieces, (
+        f"{len(records)} record{'s were' if len(records) > 1 else ' was'} cut into {len(pieces)} pieces, so that parts can be "
+        "left out: the errors are of more of the same tests, not of other ones",
+    )
+
+
+def _allowed(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The add-ons that these records can identify, and why others are left out."""
+    varies = any(isinstance(r.voltage if r.input == "V" else r.current, np.ndarray) for r in records)
+    if "lag" in add_ons and not varies:
+        remaining = tuple(a for a in add_ons if a != "lag")
+        return remaining, ("lag was not tried: the input is constant in every record, so nothing lags",)
+    return tuple(add_ons), ()
+
+
+def _finalists(screened: Sequence[Screened], count: int) -> list[str]:
+    """The best models of the screening; one more where none of them may stand in for a damper of a building."""
+    ranked = sorted((s.best for s in screened if np.isfinite(s.best.error)), key=lambda one: one.error)
+    models = [one.model for one in ranked]
+    best = models[:count]
+    suited = [model for model in models if not compose(model).not_for_buildings]
+    return best + suited[:1] * (not any(model in suited for model in best))
+
+
+def _judged(
+    models: Sequence[str],
+    records: list[Record],
+    whole: list[Record],
+    seed: int,
+    options: dict[str, Any],
+    executor: Executor | None,
+    remaining: float,
+    budget: float | None,
+    report: Callable[[float], None],
+    deadline: float,
+) -> list[Entry]:
+    """Every finalist on all records, each fold and each fit to all records a job of its own, so that no core waits.
+
+    The fits are to the ``whole`` records, of which ``records`` may be pieces. ``remaining`` is counted work, s, of which the
+    fits have equal shares, twice over as most end before. Finalists that ``deadline`` cuts, of ``time.time``, are left out.
+    """
+    splits = ["record"] + ["input"] * (len({r.input_value for r in records}) > 2)
+    if budget is not None:
+        count = len(models) * (1 + sum(len(split_tasks(records, split, PARTS, seed)) for split in splits))
+        share = 2.0 * max(remaining, 0.0) / max(count, 1)
+        options = options | {"budget": max(LEAST_WORK, min(FINAL_SHARE * budget, share))}
+    jobs: list[tuple[str, Callable[[], Any]]] = []
+    planned = []
+    for model in models:
+        own = options | {"steps": FINAL_STEPS, "fixed": held_in(model) | dict(options.get("fixed") or {})}
+        parts = [validation_jobs(model, records, split, PARTS, seed, **own) for split in splits]
+        jobs += [(model, job) for some, _ in parts for job in some] + [(model, partial(_timed_fit, model, whole, own))]
+        planned.append((model, parts))
+    # The slowest first, so that no core waits for another at the end.
+    order = sorted(range(len(jobs)), key=lambda k: -len(compose(jobs[k][0]).parameters))
+    done = parallel.run_all([partial(_quiet, jobs[k][1]) for k in order], executor, report, deadline=deadline)
+    results = iter([result for _, result in sorted(zip(order, done, strict=True), key=lambda pair: pair[0])])
+    entries = []
+    for model, parts in planned:
+        folds, fitted = [[next(results) for _ in some] for some, _ in parts], next(results)
+        if fitted is not None and all(one is not None for each in folds for one in each):
+            validations = [assemble(each) for each, (_, assemble) in zip(folds, parts, strict=True)]
+            entries.append(_entry(model, validations, *fitted))
+    return entries
+
+
+def _quiet(job: Callable[[], Any]) -> Any:
+    """The job without its warnings: they are of fits that may never be shown."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DampyrWarning)
+        return job()
+
+
+def _timed_fit(model: str, records: list[Record], options: dict[str, Any]) -> tuple[Fit, float]:
+    begun = time.perf_counter()
+    return fit(model, records, **options), time.perf_counter() - begun
+
+
+def _entry(model: str, validations: list[Validation], fit_result: Fit, seconds: float) -> Entry:
+    scores = list(validations[0].scores.values())
+
+    def mean(key: str) -> float:
+        values = np.array([abs(getattr(one, key)) for one in scores])
+        return float(np.nanmean(values)) if np.any(np.isfinite(values)) else float("nan")
+
+    return Entry(
+        model=model,
+        error=validation_error(validations) if fit_result.bare is not None else float("inf"),
+        standard_error=standard_error(validations),
+        l1=validations[0].error,
+        nrmse=mean("nrmse"),
+        pointwise=mean("pointwise"),
+        energy=mean("energy"),
+        unseen_input=validations[1].error if len(validations) > 1 else float("nan"),
+        parameters=len(fit_result.parameters),
+        seconds=seconds,
+        converged=fit_result.converged,
+        reason=fit_result.reason,
+        validations=tuple(validations),
+        fit=fit_result,
+        not_for_buildings=compose(model).not_for_buildings,
+    )
+
+
+def standard_error(validations: Sequence[Validation]) -> float:
+    """Of `validation_error`: from the spread of its contributions among the records of each input, and where an input has one
+    record only, among all."""
+    weights = (1.0,) if len(validations) == 1 else (1.0 - BETWEEN, BETWEEN)
+    inputs = validations[0].inputs
+    parts = dict.fromkeys(validations[0].scores, 0.0)
+    for weight, one in zip(weights, validations, strict=True):
+        counts = Counter(inputs[name] for name in one.scores)
+        for name, each in one.scores.items():
+            parts[name] = parts.get(name, 0.0) + weight * each.l1 / (len(counts) * counts[inputs[name]])
+    groups: dict[float, list[float]] = {}
+    for name, value in parts.items():
+        groups.setdefault(inputs[name], []).append(value)
+    own = [len(values) * float(np.var(values, ddof=1)) for values in groups.values() if len(values) > 1]
+    if len(own) == len(groups) and own:
+        return math.sqrt(sum(own))
+    values = list(parts.values())
+    return math.sqrt(len(values) * float(np.var(values, ddof=1))) if len(values) > 1 else float("nan")
+
+
+def simplest(entries: Sequence[Entry]) -> Entry:
+    """Of the entries, by rising error, that within one standard error of the first which has the fewest parameters; among those
+    with equally many one that is for buildings, then the lowest error."""
+    first = entries[0]
+    limit = first.error + (first.standard_error if np.isfinite(first.standard_error) else 0.0)
+    near = [one for one in entries if one.error <= limit] or [first]
+    return min(near, key=lambda one: (one.parameters, bool(one.not_for_buildings), one.error))
+
+
+def choice_in_words(board: Leaderboard) -> list[str]:
+    """Which model was chosen and why, which may stand in a building, and how much the choice flatters, a sentence each; or why
+    none was chosen."""
+    if board.cut:
+        return [board.cut]
+    winner, best, suited = board.winner, board.best, board.for_building
+    words = [f"chosen: {winner.model}, the lowest error"]
+    if winner is not best:
+        words = [
+            f"chosen: {winner.model}, {counted(winner.parameters, 'number')} and an error of {percent(winner.error)}; of the "
+            f"models within one standard error of the lowest ({best.model}, {percent(best.error)} ± "
+            f"{percent(best.standard_error)}) it {_merit(board)}"
+        ]
+    if suited is None:
+        words.append("no finalist may stand in for a damper of a building; try dahl, bouc_wen or modified_bouc_wen")
+    else:
+        words.append(f"best model that may stand in a building: {suited.model}, {percent(suited.error)}")
+    if np.isfinite(board.optimism):
+        words.append(
+            f"choosing the lowest by four parts and scoring it on the fifth gives an L1 {percent(board.optimism)} higher than "
+            "the lowest: what the choice among the finalists flatters"
+        )
+    levels = winner.fit.levels if winner.fit is not None else None
+    if levels is not None and not levels.repeated:
+        words.append("no error here knows how another measurement session would differ; the notes of the fit say why")
+    if np.isfinite(board.nested):
+        words.append(
+            f"the whole search, repeated without a fifth of the records each time, predicts it to {percent(board.nested)}"
+        )
+    return words
+
+
+def _merit(board: Leaderboard) -> str:
+    """Why the winner goes before the lowest error, within one standard error of it."""
+    if board.winner.parameters < board.best.parameters:
+        return "has the fewest numbers"
+    if board.best.not_for_buildings and not board.winner.not_for_buildings:
+        return "has as few numbers as any, and may stand in for a damper of a building"
+    return "has as few numbers as any"
+
+
+def optimism(entries: Sequence[Entry]) -> float:
+    """By how much the lowest error is too low: the choice by four parts of the records scored on the fifth, less that by all
+    scored on all; NaN for a single finalist or parts without scores."""
+    ranked = [one for one in entries if np.isfinite(one.error)]
+    table = np.array([[_mean_l1(fold) for fold in one.validations[0].folds] for one in ranked])
+    if len(ranked) < 2 or not np.all(np.isfinite(table)):
+        return float("nan")
+    counts = np.array([len(fold.scores) for fold in ranked[0].validations[0].folds])
+    sums = table * counts
+    apart = [int(np.argmin(sums.sum(axis=1) - sums[:, k])) for k in range(len(counts))]
+    honest = sum(sums[m, k] for k, m in enumerate(apart)) / counts.sum()
+    return float(honest - np.min(sums.sum(axis=1)) / counts.sum())
+
+
+def _mean_l1(fold: Fold) -> float:
+    return float(np.mean([one.l1 for one in fold.scores.values()])) if fold.scores else float("nan")
+
+
+def _cut_words(screened: Sequence[Screened], missing: Sequence[str], seconds: float | None) -> str:
+    """What a limit in seconds has cut, and how to go on."""
+    trials = [trial for one in screened for trial in one.trials]
+    done = sum(trial.reason != CUT for trial in trials)
+    what = f"{counted(len(missing), 'finalist')} not validated" if missing else f"{done} of {len(trials)} trials done"
+    return (
+        f"the search was cut after {seconds:g} s, {what}, and what it finished until then depends on the machine, so no model "
+        "is chosen: search without a limit in seconds, give more of them, or name the model that you want"
+    )
+
+
+def _stopped(screened: Sequence[Screened], unfinished: Sequence[str], entries: Sequence[Entry]) -> list[str]:
+    """What the work did not suffice for."""
+    notes = []
+    trials = [trial.model for one in screened for trial in one.trials if OUT_OF_WORK in trial.reason]
+    if trials:
+        notes.append(
+            f"the trial fits of {listing(trials, 3)} were stopped by the budget of work: their errors may be lower"
+        )
+    if unfinished:
+        notes.append(f"no work was left to try more add-ons with {listing(unfinished, 3)}; give a larger budget")
+    slow = [
+        one.model
+        for one in entries
+        if OUT_OF_WORK in one.reason
+        or any(OUT_OF_WORK in fold.reason for each in one.validations for fold in each.folds)
+    ]
+    if slow:
+        notes.append(
+            f"fits of {listing(slow, 3)} to all records were stopped by the budget of work: their errors may be lower"
+        )
+    return notes
+
+
+def _nested_error(
+    repeat: Callable[..., Leaderboard],
+    records: list[Record],
+    seed: int,
+    settling: float,
+    report: Callable[[str, float], None],
+    deadline: float,
+) -> float:
+    """The mean L1 ratio of records that a whole search did not see, by the model that it chose; NaN after ``deadline``."""
+    tasks = split_tasks(records, "record", PARTS, seed)
+    values = []
+    for k, task in enumerate(tasks):
+        report("choosing again without a fifth of the records", k / len(tasks))
+        left = None if deadline == math.inf else deadline - time.time()
+        board = repeat(task.fitted, seed=seed, seconds=left) if left is None or left > 0 else None
+        if board is None or board.cut:
+            return float("nan")
+        damper = board.winner.fit.bare if board.winner.fit else None
+        if damper is None:
+            return float("nan")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DampyrWarning)
+            values += [
+                score(damper, target.record, settling, allow_extrapolation=True).l1
+                for target in task.predicted
+                if not too_short(target.record, settling)
+            ]
+    report("choosing again without a fifth of the records", 1.0)
+    return float(np.mean(values))

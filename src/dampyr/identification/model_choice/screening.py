@@ -1,0 +1,280 @@
+"""Screening: every model of a list on a few short records, bare and with add-ons, by what it predicts."""
+
+from __future__ import annotations
+
+import math
+import time
+import warnings
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from dampyr.errors import DampyrWarning, InputError
+from dampyr.identification.model_choice import parallel
+from dampyr.identification.scoring.validation import Validation, cross_validate
+from dampyr.identification.search.work import OUT_OF_TIME, OUT_OF_WORK
+from dampyr.models import compose
+from dampyr.records import Record, cycles, measure, motion_start, with_velocity
+from dampyr.records.conditioning.velocity import check_bandwidth, default_bandwidth
+from dampyr.representation import Representation, Summary, Table, counted, percent
+
+#: compositions that are tried like a model of the catalogue, and what one of the two parts leaves to the other
+PAIRS = {"dahl + hyperbolic_tangent": {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0}}
+BETWEEN = 0.25  # the weight of inputs left out: see `dampyr.identification.leaderboard`
+CONTENDING = 1.15  # times the lowest error: a model beyond it gets no further add-on
+WORTH = 0.02  # of the error: what an add-on must lower it by to stay
+NOT_BEGUN = "not tried: the work was used up"
+CUT = "not tried: the search was cut"
+STEPS = 15  # of each fit: enough to rank the models, not to converge
+PROBE = "hyperbolic_tangent + spring + compliance"  # friction and elasticity, quick to fit
+PER_INPUT = 4  # records of each input: from the smallest to the largest speed, two between
+MAX_SAMPLES = 600  # of a shortened record, where the bandwidth of its motion allows it
+SHORTEST = 5.0  # s
+MIN_CYCLES = 4  # or so many cycles of a slow record
+SAMPLES_PER_BANDWIDTH = 4.0  # twice the rate below which the motion would alias
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One model on the screening set: its validation error there; ``reason`` says why it is infinite, or what stopped a fit.
+
+    ``work`` is what its fits have spent, counted s (`dampyr.identification.search.work`).
+    """
+
+    model: str
+    error: float
+    seconds: float
+    reason: str = ""
+    work: float = 0.0
+
+
+@dataclass(frozen=True, repr=False)
+class Screened(Representation):
+    """One model of the catalogue: every trial, the bare one first; the best is `best`."""
+
+    base: str
+    trials: tuple[Trial, ...]
+
+    def _summary(self) -> Summary:
+        return f"Screened {self.base!r}", [
+            ("bare", percent(self.bare.error)),
+            ("best", f"{percent(self.best.error)}, {self.best.model}"),
+            ("tried", counted(len(self.trials), "composition")),
+        ]
+
+    def _table(self) -> Table:
+        rows = [[one.model, 100 * one.error, one.seconds, one.reason] for one in self.trials]
+        return ("model", "validation error [%]", "time [s]", "reason"), rows
+
+    @property
+    def bare(self) -> Trial:
+        """Without add-ons."""
+        return self.trials[0]
+
+    @property
+    def best(self) -> Trial:
+        """With the add-ons that were worth it."""
+        return min(self.trials, key=lambda one: one.error)
+
+
+def chosen_bandwidth(
+    records: list[Record],
+    options: dict[str, Any],
+    executor: Executor | None = None,
+    progress: Callable[[float], None] = lambda done: None,
+) -> tuple[float | None, float]:
+    """That of the derived velocity, or None for the velocity as recorded, whichever lets the probe predict better; and the
+    work of finding out.
+
+    Records without a velocity, sampled so differently that no bandwidth serves all of them, use their own bandwidths: None.
+    """
+    fastest = round(max(default_bandwidth(record) for record in records), 1)
+    derived: float | None = fastest
+    try:
+        check_bandwidth(records, fastest)
+    except InputError:
+        derived = None
+    if derived is None or any(record.velocity is None for record in records):
+        return derived, 0.0
+    jobs = [partial(trial, PROBE, screening_set(records, b), 0, options) for b in (None, derived)]
+    recorded, smooth = parallel.run_all(jobs, executor, progress)
+    return None if recorded.error < smooth.error else derived, recorded.work + smooth.work
+
+
+def screen_all(
+    bases: Sequence[str],
+    small: list[Record],
+    add_ons: Sequence[str],
+    seed: int,
+    options: dict[str, Any],
+    executor: Executor | None,
+    progress: Callable[[float], None],
+    limit: float = math.inf,
+    deadline: float = math.inf,
+) -> tuple[list[Screened], list[str]]:
+    """Every model bare and with each add-on; then, round by round, those in contention with one more.
+
+    Every bare model is tried. Of the others none counts after those that together, in their order, have spent ``limit``,
+    counted s; the models that would have been gone on with, or have trials that were not done, are returned too. No trial
+    begins after ``deadline``, a value of ``time.time`` in s: those that it cuts have the reason `CUT`.
+    """
+    trials: dict[str, list[Trial]] = {base: [] for base in bases}
+    ends = {base: base for base in bases}
+    going, rounds, tally = list(bases), max(len(add_ons), 1), _Tally(limit, len(bases))
+    for k in range(rounds):
+        if not going or tally.used_up:
+            break
+        plan = {base: _next_models(ends[base], add_ons, bare=k == 0) for base in going}
+        # Each add-on with all models before the next one, so that a lack of work is the same for all.
+        tried = range(max(map(len, plan.values())))
+        models = [model for n in tried for each in plan.values() for model in each[n : n + 1]]
+        tasks = [partial(trial, m, small, seed, options) for m in models]
+        results = parallel.run_all(
+            tasks,
+            executor,
+            lambda done, k=k: progress((k + done) / rounds),  # type: ignore[misc]
+            tally.add,
+            deadline,
+        )
+        why = NOT_BEGUN if tally.used_up else CUT
+        by_model = {m: one or Trial(m, math.inf, 0.0, why) for m, one in zip(models, results, strict=True)}
+        for base, each in plan.items():
+            trials[base] += [by_model[model] for model in each]
+        going = _still_going(going, trials, ends) if k + 1 < rounds else []
+    progress(1.0)
+    unfinished = [base for base in bases if any(one.reason in (NOT_BEGUN, CUT) for one in trials[base])]
+    return [Screened(base, tuple(trials[base])) for base in bases], [
+        *unfinished,
+        *(ends[base] for base in going if base not in unfinished),
+    ]
+
+
+@dataclass
+class _Tally:
+    """What trials have spent, in their order, of ``limit``, counted s; the first ``sure`` are tried whatever they take."""
+
+    limit: float
+    sure: int
+    spent: float = 0.0
+
+    def add(self, done: Trial) -> bool:
+        """Count one; whether no later one counts."""
+        self.spent, self.sure = self.spent + done.work, self.sure - 1
+        return self.used_up
+
+    @property
+    def used_up(self) -> bool:
+        """Whether the limit is reached and nothing is sure."""
+        return self.sure <= 0 and self.spent > self.limit
+
+
+def _next_models(model: str, add_ons: Sequence[str], bare: bool) -> list[str]:
+    """The model with one add-on more, whichever it does not hold yet; itself too where it is still bare."""
+    held = _held(model)
+    return [model] * bare + [f"{model} + {a}" for a in add_ons if a not in held]
+
+
+def _still_going(going: list[str], trials: dict[str, list[Trial]], ends: dict[str, str]) -> list[str]:
+    """The models that the last add-on was worth it for and that are not far behind the best; ``ends`` follows them."""
+    lead = min(one.error for tried in trials.values() for one in tried)
+    remaining = []
+    for base in going:
+        before = min((t.error for t in trials[base] if t.model == ends[base]), default=float("inf"))
+        best = min(trials[base], key=lambda one: one.error)
+        if best.model != ends[base] and best.error < (1.0 - WORTH) * before:
+            ends[base] = best.model
+            if best.error <= CONTENDING * lead:
+                remaining.append(base)
+    return remaining
+
+
+def _held(model: str) -> set[str]:
+    """The parts of a model, and the add-ons that they have inside."""
+    parts = compose(model).parts
+    return {p.name for p in parts} | {held for p in parts for held in p.holds}
+
+
+def held_in(model: str) -> dict[str, float]:
+    """The parameters that a pair within ``model`` holds, in SI units."""
+    parts = set(compose(model).names)
+    pairs = [held for pair, held in PAIRS.items() if set(compose(pair).names) <= parts]
+    return {name: value for held in pairs for name, value in held.items()}
+
+
+def trial(model: str, small: list[Record], seed: int, options: dict[str, Any]) -> Trial:
+    """The validation error of one model on the screening set; what cannot be fitted says why."""
+    begun = time.perf_counter()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DampyrWarning)  # of a model that may never be chosen
+            validations = validations_of(model, small, 2, seed, options | {"steps": STEPS})
+        reasons = [reason for one in validations for reason in one.failed.values()]
+        folds = [fold for one in validations for fold in one.folds]
+        reasons += [fold.reason for fold in folds if OUT_OF_WORK in fold.reason or OUT_OF_TIME in fold.reason]
+        work = sum(fold.work for fold in folds)
+        return Trial(model, validation_error(validations), time.perf_counter() - begun, "; ".join(reasons[:1]), work)
+    except (InputError, np.linalg.LinAlgError) as problem:
+        return Trial(model, float("inf"), time.perf_counter() - begun, str(problem))
+
+
+def validations_of(
+    model: str, records: list[Record], folds: int, seed: int, options: dict[str, Any]
+) -> list[Validation]:
+    """By record, and by input where there are three or more."""
+    options = options | {"fixed": held_in(model)}
+    validations = [cross_validate(model, records, "record", folds=folds, seed=seed, **options)]
+    if len({r.input_value for r in records}) > 2:
+        validations.append(cross_validate(model, records, "input", seed=seed, **options))
+    return validations
+
+
+def validation_error(validations: Sequence[Validation]) -> float:
+    """The splits' errors, weighted."""
+    if len(validations) == 1:
+        return validations[0].error
+    by_record, by_input = validations
+    return (1.0 - BETWEEN) * by_record.error + BETWEEN * by_input.error
+
+
+def screening_set(records: Sequence[Record], bandwidth: float | None = None) -> list[Record]:
+    """At most four records of each input, from the smallest to the largest peak speed, shortened and thinned.
+
+    Each has a velocity: as recorded, or derived with ``bandwidth`` Hz (its own by default where it has none) before samples are
+    left out, as the rest of a slow record would not carry the bandwidth of a fast one.
+    """
+    groups: dict[float, list[Record]] = {}
+    for record in records:
+        groups.setdefault(float(record.input_value or 0.0), []).append(record)
+    chosen: list[Record] = []
+    for _, some in sorted(groups.items()):
+        ranked = sorted(some, key=_speed)
+        places = np.unique(np.round(np.linspace(0, len(ranked) - 1, PER_INPUT)).astype(int))
+        chosen += [shortened(_moving(ranked[k], bandwidth)) for k in places]
+    return chosen
+
+
+def _moving(record: Record, bandwidth: float | None) -> Record:
+    return record if record.velocity is not None and bandwidth is None else with_velocity(record, bandwidth)
+
+
+def _speed(record: Record) -> float:
+    return float(np.sqrt(np.mean(np.gradient(record.displacement, record.time) ** 2)))
+
+
+def shortened(record: Record) -> Record:
+    """The first five seconds or four cycles of the motion, whichever is longer, with no more samples than the motion needs.
+
+    Samples are left out evenly, never averaged; the sampling rate stays four times the bandwidth of the motion.
+    """
+    start = motion_start(record)
+    wanted = SHORTEST
+    if cycles(record):
+        wanted = max(SHORTEST, MIN_CYCLES / measure(record).frequency_hz)
+    short = record.until(min(start + wanted, float(record.time[-1]))) if start + wanted > record.time[0] else record
+    rate = SAMPLES_PER_BANDWIDTH * default_bandwidth(record)
+    stride = max(1, min(short.n // MAX_SAMPLES, int(1.0 / (rate * record.dt))))
+    return short.thinned(stride)

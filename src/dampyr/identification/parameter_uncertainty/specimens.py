@@ -1,0 +1,617 @@
+r"""A damper type from several specimens: the mean and the spread of each parameter between them.
+
+Each specimen is fitted by itself. Then, for each number on its own, the specimens' estimates with their standard errors give
+the mean, the spread between specimens and their intervals (`dampyr.identification.parameter_uncertainty.random_effects`).
+Parameters that cannot be negative are treated in their logarithm: the mean is the geometric one, and the spread, the standard
+deviation of the logarithm, is relative: 0.1 is 10 %. Others are treated in their own unit.
+
+How records differ is known from a handful of records in each specimen, so one standard error may by chance be half of
+another, and the spread would follow it. With ``errors="pooled"`` the ratio of the clustered variance to that of the linear
+model (how much wider than independent samples of unit variance would leave it) is averaged over the specimens, weighted by
+degrees of freedom; what each specimen's own motions tell of a number stays its own. ``"own"`` takes each specimen's error as
+it is.
+
+How the numbers of one specimen go together (a strong damper is strong at every voltage) is estimated by moments: the
+covariance of the estimates less the mean of their own covariances, made positive semidefinite; it shapes new specimens only.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+from dampyr.findings import Finding, Findings, as_dicts, handed_on, worst_first
+from dampyr.identification.fits.fit import check_model_and_records, fit
+from dampyr.identification.fits.result import Fit
+from dampyr.identification.parameter_uncertainty.profile_likelihood import variance_ratios
+from dampyr.identification.parameter_uncertainty.random_effects import MIN_GROUPS, RandomEffects, random_effects
+from dampyr.models import Composition, Damper
+from dampyr.models.prediction_error import PredictionError, ShapeError
+from dampyr.origin import Origin, check_one_kind, combined
+from dampyr.records import Record
+from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing
+from dampyr.to_json import plain
+from dampyr.units import for_people
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+SHOWN = 6  # parameters that a short text lists, and panels of a figure
+ERRORS = ("pooled", "own")
+
+
+@dataclass(frozen=True, repr=False)
+class Spread(Representation):
+    """One number over the specimens, SI units.
+
+    ``mean`` (geometric where ``relative``), its ``mean_interval``, the ``spread`` between specimens with ``spread_interval``
+    (a part of the mean where ``relative``, else in the unit), and ``new_specimen``, the interval in which a further specimen
+    lies (how often it does: `dampyr.identification.parameter_uncertainty.random_effects`). ``estimates``, their standard
+    ``errors`` (pooled over the specimens unless asked otherwise) and ``shrunken`` (drawn towards the mean as far as their
+    errors ask) by specimen; ``left_out`` says which specimens are missing here, and why. ``level`` is that of all intervals."""
+
+    label: str
+    unit: str
+    relative: bool
+    level: float
+    mean: float
+    mean_interval: tuple[float, float]
+    spread: float
+    spread_interval: tuple[float, float]
+    new_specimen: tuple[float, float]
+    estimates: dict[str, float]
+    errors: dict[str, float]
+    shrunken: dict[str, float]
+    left_out: dict[str, str]
+
+    def _summary(self) -> Summary:
+        shown, factor = for_people(self.unit)
+        (low, high), (bottom, top) = (
+            tuple(factor * end for end in each) for each in (self.mean_interval, self.new_specimen)
+        )
+        spread, interval = self.spread_in_words()
+        rows = [
+            ("mean", f"{factor * self.mean:.4g} {shown}, {100 * self.level:g} % interval {low:.4g} … {high:.4g}"),
+            ("spread", f"{spread}, interval {interval}"),
+            ("new specimen", f"{bottom:.4g} … {top:.4g} {shown}".rstrip()),
+            ("specimens", listing(list(self.estimates), 6)),
+        ]
+        return f"Spread {self.label!r}", [*rows, *((f"without {name}", why) for name, why in self.left_out.items())]
+
+    def spread_in_words(self) -> tuple[str, str]:
+        """The spread and its interval: in percent where it is relative, else in the unit for people."""
+        shown, factor = ("%", 100.0) if self.relative else for_people(self.unit)
+        low, high = (factor * each for each in self.spread_interval)
+        return f"{factor * self.spread:.3g} {shown}".rstrip(), f"{low:.2g} … {high:.2g} {shown}".rstrip()
+
+
+@dataclass(frozen=True, repr=False)
+class Specimens(Representation):
+    """Mean and spread of each number over several specimens: result of `fit_specimens`.
+
+    ``spreads`` by label; ``fits`` by specimen; ``left_out`` names the specimens whose fit gave no damper, and
+    ``not_estimated`` the numbers that fewer than three specimens determine, with the reason.
+    """
+
+    spreads: dict[str, Spread]
+    fits: dict[str, Fit]
+    left_out: dict[str, str]
+    not_estimated: dict[str, str]
+    level: float
+    effects: dict[str, RandomEffects] = field(repr=False)
+
+    @property
+    def origin(self) -> Origin:
+        """That of all records together."""
+        return combined(one.origin for one in self.fits.values())
+
+    @property
+    def about_sessions(self) -> str:
+        """Whether the spread between specimens can be told from that between measurement sessions, and the test that would."""
+        levels = [one.levels for one in self.fits.values()]
+        if not all(one is not None and one.named for one in levels):
+            return (
+                "the records do not say in which measurement session each specimen was tested, so the spread between specimens "
+                "contains that of sessions; state the sessions (measurement_session), and test one specimen in those of others"
+            )
+        shared = self._shared_sessions
+        if shared:
+            return (
+                f"every specimen was tested in {listing(sorted(shared))}, so the spread between specimens contains none of "
+                "sessions"
+            )
+        return (
+            "specimens were tested in measurement sessions of their own, so the spread between specimens contains that of "
+            "sessions; test one specimen in the sessions of others to tell them apart"
+        )
+
+    @property
+    def _shared_sessions(self) -> set[str]:
+        """The sessions in which every specimen was tested, of those that the records name."""
+        levels = [one.levels for one in self.fits.values()]
+        each = [set(one.sessions) if one is not None and one.named else set() for one in levels]
+        return set.intersection(*each)
+
+    def _prediction_error(self) -> PredictionError | None:
+        """That of a record of a new specimen: how records differ, by all specimens together, and sessions where the spread
+        contains none of theirs; None where a card lacks it."""
+        dampers = [one.damper for one in self.fits.values()]
+        errors = [one.prediction_error for one in dampers if one is not None and one.prediction_error is not None]
+        if len(errors) < len(dampers):
+            return None
+        record_sd, record_freedom = _pooled([(one.record_sd, one.record_freedom) for one in errors])
+        apart = bool(self._shared_sessions)
+        widest = max(errors, key=lambda one: one.session_sd)
+        return PredictionError(
+            record_sd=record_sd,
+            record_freedom=record_freedom,
+            session_sd=widest.session_sd if apart else 0.0,
+            session_freedom=widest.session_freedom if apart else math.inf,
+            session_source=widest.session_source if apart else self.about_sessions,
+            freedom=float(len(self.fits) - 1),
+            sessions=(),
+            directions=np.zeros((0, self._damper_of_reference.coefficients.size)),
+            session_levels=(),
+            session_errors=(),
+            shapes=_pooled_shapes([shape for one in errors for shape in one.shapes]),
+        )
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What is wrong or in doubt in the fits and in their records, and which specimens and numbers are missing, and why."""
+        each = ((name, finding) for name, one in self.fits.items() for finding in handed_on([one]))
+        missing = [f"{name} is left out: {why}" for name, why in self.left_out.items()]
+        missing += [f"{label} has no spread: {why}" for label, why in self.not_estimated.items()]
+        for spread in self.spreads.values():
+            missing += [f"{spread.label}: {name} is left out: {why}" for name, why in spread.left_out.items()]
+        return worst_first(
+            (finding if finding.about else replace(finding, about=(name,)) for name, finding in each),
+            (Finding("note", words) for words in (*missing, self.about_sessions)),
+        )
+
+    def damper(self) -> Damper:
+        """The damper of the mean, with the covariance of a new specimen: its ``draws`` are specimens of this type.
+
+        Raises InputError where a number has no mean.
+        """
+        theta, scale = self._mean, self._scale
+        optimum = self._reference.optimum
+        T = optimum.law_matrix * scale
+        dampers = [one.damper for one in self.fits.values() if one.damper is not None]
+        made = self._damper_of_reference.with_coefficients(optimum.law_coefficients(theta))
+        return replace(
+            made,
+            covariance=T @ self._covariance @ T.T,
+            ranges=_widest([one.ranges for one in dampers]),
+            within_records=(),
+            prediction_error=self._prediction_error(),
+            findings=Findings(lambda: handed_on([self])),
+            provenance={
+                "method": "mean of specimens, random effects (dampyr.identification.fit_specimens)",
+                "specimens": ", ".join(self.fits),
+                "covariance": "of a new specimen",
+            },
+            origin=self.origin,
+        )
+
+    def new_specimens(self, n: int, seed: int = 0) -> list[Damper]:
+        """``n`` dampers of this type about the mean, as wide as the intervals ``new_specimen``, Student's t.
+
+        All are admissible, and go into `dampyr.structures.ensemble`. Raises InputError where a number has no mean, or where
+        fewer than 1 % of the draws are admissible.
+        """
+        if n < 1:
+            raise InputError(f"n = {n} is not allowed; give 1 or more")
+        mean, rng = self.damper(), np.random.default_rng(seed)
+        centre, freedom = self._to_coordinates(self._mean), len(self.fits) - 1
+        values, vectors = np.linalg.eigh(self._covariance)
+        root = vectors * np.sqrt(np.maximum(values, 0.0))
+        dampers: list[Damper] = []
+        for _ in range(100 * n):
+            width = math.sqrt(freedom / rng.chisquare(freedom))
+            drawn = centre + width * (root @ rng.standard_normal(centre.size))
+            one = self._reference.optimum.admissible_damper(mean, self._to_values(drawn))
+            if one is not None:
+                dampers.append(one)
+            if len(dampers) == n:
+                return dampers
+        raise InputError(f"only {len(dampers)} of {100 * n} draws were admissible; the spread is too wide to draw from")
+
+    @property
+    def _reference(self) -> Fit:
+        return next(iter(self.fits.values()))
+
+    @property
+    def _damper_of_reference(self) -> Damper:
+        damper = self._reference.damper
+        assert damper is not None  # fits without a damper are left out
+        return damper
+
+    @cached_property
+    def _mean(self) -> Array:
+        missing = [label for label in self._reference.parameters if label not in self.spreads]
+        if missing:
+            raise InputError(f"there is no mean of {listing(missing, 4)}: {self.not_estimated[missing[0]]}")
+        return np.array([self.spreads[label].mean for label in self._reference.parameters])
+
+    @property
+    def _relative(self) -> NDArray[np.bool_]:
+        return np.array([one.relative for one in self._in_order])
+
+    @property
+    def _in_order(self) -> list[Spread]:
+        return [self.spreads[label] for label in self._reference.parameters]
+
+    @property
+    def _scale(self) -> Array:
+        return np.where(self._relative, self._mean, 1.0)
+
+    def _to_coordinates(self, values: Array) -> Array:
+        return np.where(self._relative, np.log(np.where(self._relative, values, 1.0)), values)
+
+    def _to_values(self, coordinates: Array) -> Array:
+        return np.where(self._relative, np.exp(np.where(self._relative, coordinates, 0.0)), coordinates)
+
+    @cached_property
+    def _covariance(self) -> Array:
+        """Of a new specimen, in the coordinates: with Student's t its intervals are as wide as those of ``new_specimen``."""
+        from scipy.stats import t
+
+        _ = self._mean
+        labels = list(self._reference.parameters)
+        spans = [self.effects[label].prediction for label in labels]
+        widths = 0.5 * np.diff(spans)[:, 0] / float(t.ppf(0.5 + 0.5 * self.level, len(self.fits) - 1))
+        return np.asarray(self.between * np.outer(widths, widths))
+
+    @cached_property
+    def between(self) -> Array:
+        """The correlation (m, m) of the numbers between specimens, by moments, in the order of the first fit's parameters.
+
+        Of the specimens that determine all of them; independent where these are fewer than three.
+        """
+        labels = list(self._reference.parameters)
+        complete = [
+            n
+            for n in self.fits
+            if all(label in self.spreads and n in self.spreads[label].estimates for label in labels)
+        ]
+        if len(complete) < MIN_GROUPS:
+            return np.eye(len(labels))
+        relative = self._relative
+        table = np.array([[self.spreads[label].estimates[n] for label in labels] for n in complete])
+        table = np.where(relative, np.log(np.where(relative, table, 1.0)), table)
+        own = np.mean([_own_covariance(self.fits[n], relative) for n in complete], axis=0)
+        estimated = np.cov(table, rowvar=False).reshape(len(labels), len(labels))
+        scale = np.sqrt(np.diag(estimated))
+        unit = np.outer(1.0 / scale, 1.0 / scale)
+        values, vectors = np.linalg.eigh((estimated - own) * unit)
+        positive = (vectors * np.maximum(values, 0.0)) @ vectors.T
+        widths = np.sqrt(np.maximum(np.diag(positive), 0.0))
+        seen = widths > 1e-6
+        out = positive / np.outer(np.where(seen, widths, 1.0), np.where(seen, widths, 1.0))
+        out[~seen, :] = out[:, ~seen] = 0.0
+        np.fill_diagonal(out, 1.0)
+        return np.asarray(out)
+
+    def to_dataframe(self) -> Any:
+        """Mean, spread and their intervals as a ``pandas.DataFrame``, SI units: a row a number."""
+        each = list(self.spreads.values())
+        columns = {
+            "mean": [one.mean for one in each],
+            "mean_low": [one.mean_interval[0] for one in each],
+            "mean_high": [one.mean_interval[1] for one in each],
+            "spread": [one.spread for one in each],
+            "spread_low": [one.spread_interval[0] for one in each],
+            "spread_high": [one.spread_interval[1] for one in each],
+            "relative": [one.relative for one in each],
+            "specimens": [len(one.estimates) for one in each],
+            "unit": [one.unit for one in each],
+        }
+        return data_frame(columns, list(self.spreads), "parameter")
+
+    def plot(self, labels: Sequence[str] = ()) -> Any:
+        """Each specimen's estimate with its interval, the mean and the interval of a new one: axes ``(k,)``, a panel a number.
+
+        ``labels`` are by default the first six.
+        """
+        from dampyr.figures import style
+        from dampyr.figures.specimens import specimen_estimates
+
+        return style.in_pyplot(specimen_estimates, self._panels(labels), origin=self.origin)
+
+    def _small_figure(self) -> Figure:
+        from dampyr.figures.specimens import specimen_estimates
+
+        return specimen_estimates(self._panels(()))
+
+    def _panels(self, labels: Sequence[str]) -> list[Any]:
+        from scipy.stats import t
+
+        from dampyr.figures import style
+        from dampyr.figures.specimens import Estimates
+        from dampyr.figures.symbols import label_as_mathtext
+
+        unknown = [label for label in labels if label not in self.spreads]
+        if unknown:
+            raise InputError(f"{unknown[0]!r} has no spread; choose from {listing(list(self.spreads), 8)}")
+        panels = []
+        for label in labels or list(self.spreads)[:SHOWN]:
+            one = self.spreads[label]
+            shown, factor = for_people(one.unit)
+            bars = {
+                name: float(t.ppf(0.5 + 0.5 * self.level, self.fits[name].freedom[label])) * error
+                for name, error in one.errors.items()
+            }
+            panels.append(
+                Estimates(
+                    style.Axis(label_as_mathtext(label), shown or "1", factor),
+                    one.estimates,
+                    bars,
+                    one.shrunken,
+                    one.mean_interval,
+                    one.new_specimen,
+                )
+            )
+        return panels
+
+    def _summary(self) -> Summary:
+        rows = [("specimens", f"{len(self.fits)}: {listing(list(self.fits), 6)}")]
+        for one in list(self.spreads.values())[:SHOWN]:
+            shown, factor = for_people(one.unit)
+            spread, interval = one.spread_in_words()
+            rows.append(
+                (one.label, f"{factor * one.mean:.4g} {shown}, spread {spread} ({interval})".replace(" ,", ","))
+            )
+        if len(self.spreads) > SHOWN:
+            rows.append(("", f"and {len(self.spreads) - SHOWN} more"))
+        return f"Specimens {str(self._reference.problem.composition)!r}", rows
+
+    def _table(self) -> Table:
+        return self.by_number()
+
+    def by_number(self) -> Table:
+        """One row a number, in units that people read: mean, spread, both with their intervals, and that of a new specimen."""
+        level = f"{100 * self.level:g} %"
+        heads = ("parameter", "unit", "mean", level, "spread", f"{level} of it", "new specimen", "specimens")
+        rows: list[list[Any]] = []
+        for one in self.spreads.values():
+            shown, factor = for_people(one.unit)
+            spread, of_spread = one.spread_in_words()
+            mean, new = (
+                f"{factor * low:.4g} … {factor * high:.4g}" for low, high in (one.mean_interval, one.new_specimen)
+            )
+            rows.append(
+                [one.label, shown or "1", f"{factor * one.mean:.4g}", mean, spread, of_spread, new, len(one.estimates)]
+            )
+        return heads, rows
+
+    def as_dict(self) -> dict[str, Any]:
+        """Means, spreads, intervals, estimates by specimen and what is missing, for `dampyr.to_json`, SI units."""
+        return dict(
+            plain(
+                {
+                    "model": str(self._reference.problem.composition),
+                    "origin": self.origin.as_dict(),
+                    "level": self.level,
+                    "specimens": {name: [record.name for record in one.records] for name, one in self.fits.items()},
+                    "parameters": dict(self.spreads),
+                    "left_out": self.left_out,
+                    "not_estimated": self.not_estimated,
+                    "findings": as_dicts(self.findings),
+                }
+            )
+        )
+
+
+def fit_specimens(
+    model: str | Composition | Damper,
+    records: Sequence[Record] | Mapping[str, Sequence[Record]],
+    level: float = 0.95,
+    errors: str = "pooled",
+    progress: Callable[[str, float], None] | None = None,
+    **of_fit: Any,
+) -> Specimens:
+    """Fit each specimen by itself, and the mean and spread of each number over the specimens.
+
+    Parameters
+    ----------
+    model
+        as of `dampyr.identification.fit`.
+    records
+        of all specimens, each naming its own (``record.specimen``), or specimen -> its records. All specimens need the same
+        inputs, and three records or more at each, as a number without an error between records is left out.
+    level
+        of all intervals.
+    errors
+        ``"pooled"``: how records differ is averaged over the specimens; ``"own"``: each has the error of its own fit.
+    progress
+        called with the specimen that is fitted and the fraction of all that is done.
+    of_fit
+        further arguments of `dampyr.identification.fit`, the same for all.
+
+    Returns
+    -------
+    Specimens
+        specimens whose fit gave no damper or did not converge are left out and named, and so is a specimen's number that is
+        at its limit, not determined or without an interval.
+
+    Raises
+    ------
+    InputError
+        a record that names no specimen, or fewer than three specimens that can be used.
+    """
+    if not 0.0 < level < 1.0:
+        raise InputError(f"level = {level:g} is not allowed; it must be between 0 and 1, such as 0.95")
+    if errors not in ERRORS:
+        raise InputError(f"{errors!r} is an unknown kind of errors; choose {' or '.join(ERRORS)}")
+    if not isinstance(records, Mapping):
+        check_model_and_records("fit_specimens", model, records)
+    groups = dict(records) if isinstance(records, Mapping) else group_by_specimen(records)
+    if len(groups) < MIN_GROUPS:
+        raise InputError(
+            f"{counted(len(groups), 'specimen')} ({listing(list(groups), 4)}) cannot give a spread between specimens; "
+            f"give the records of {MIN_GROUPS} or more"
+        )
+    if not of_fit.get("mixed_origins"):
+        check_one_kind(record for some in groups.values() for record in some)
+    tell = progress or (lambda stage, done: None)
+    fits, left_out = dict[str, Fit](), dict[str, str]()
+    for k, (name, some) in enumerate(groups.items()):
+        tell(f"fitting {name}", k / len(groups))
+        one = fit(model, list(some), **of_fit)
+        if one.damper is None or not one.converged:
+            left_out[name] = f"its search {one.reason}" if one.damper is not None else one.reason
+        else:
+            fits[name] = one
+    tell("fitting", 1.0)
+    if len(fits) < MIN_GROUPS:
+        why = "; ".join(f"{name}: {reason}" for name, reason in left_out.items())
+        raise InputError(f"only {counted(len(fits), 'specimen')} gave a damper, of which there is no spread ({why})")
+    return _over_specimens(fits, left_out, level, errors == "pooled")
+
+
+def group_by_specimen(records: Sequence[Record]) -> dict[str, list[Record]]:
+    """The records by the specimen that they name; InputError where one names none."""
+    groups: dict[str, list[Record]] = {}
+    for record in records:
+        if record.specimen is None:
+            raise InputError(
+                f"{record.name} names no specimen; give it in a column specimen of campaign.csv, by specimen= where it is "
+                "read, or pass specimen -> records"
+            )
+        groups.setdefault(record.specimen, []).append(record)
+    return groups
+
+
+def _over_specimens(fits: dict[str, Fit], left_out: dict[str, str], level: float, pooled: bool) -> Specimens:
+    factors = _pooling_factors(fits) if pooled else {}
+    labels = list(dict.fromkeys(label for one in fits.values() for label in one.parameters))
+    spreads, effects, missing = dict[str, Spread](), dict[str, RandomEffects](), dict[str, str]()
+    for label in labels:
+        some = {name: one for name, one in fits.items() if not _why_not(one, label)}
+        without = {name: why for name, one in fits.items() if (why := _why_not(one, label))}
+        if len(some) < MIN_GROUPS:
+            reasons = "; ".join(f"{name}: {why}" for name, why in without.items())
+            missing[label] = f"{counted(len(some), 'specimen')} determine it, of {MIN_GROUPS} at least ({reasons})"
+            continue
+        relative = _is_relative(next(iter(some.values())), label)
+        values = np.array([one.parameters[label] for one in some.values()])
+        errors = np.array([one.stderr[label] * factors.get((name, label), 1.0) for name, one in some.items()])
+        y = np.log(values) if relative else values
+        made = random_effects(y, errors / values if relative else errors, level)
+        back: Callable[[float], float] = math.exp if relative else float
+        effects[label] = made
+        spreads[label] = Spread(
+            label=label,
+            unit=next(iter(some.values())).units[label],
+            relative=relative,
+            level=level,
+            mean=back(made.mean),
+            mean_interval=(back(made.mean_interval[0]), back(made.mean_interval[1])),
+            spread=made.spread,
+            spread_interval=made.spread_interval,
+            new_specimen=(back(made.prediction[0]), back(made.prediction[1])),
+            estimates=dict(zip(some, map(float, values), strict=True)),
+            errors=dict(zip(some, map(float, errors), strict=True)),
+            shrunken={name: back(float(one)) for name, one in zip(some, made.shrunken, strict=True)},
+            left_out=without,
+        )
+    if not spreads:
+        raise InputError(f"no number is determined in {MIN_GROUPS} specimens or more; {next(iter(missing.values()))}")
+    return Specimens(spreads, fits, left_out, missing, level, effects)
+
+
+def _pooling_factors(fits: dict[str, Fit]) -> dict[tuple[str, str], float]:
+    """By specimen and number: the pooled standard error over that of the specimen's own fit."""
+    ratios: dict[str, dict[str, tuple[float, float]]] = {}
+    for name, one in fits.items():
+        labels = list(one.parameters)
+        for block in one.optimum.blocks:
+            own, freedoms = variance_ratios(one, block)
+            for k, ratio in own.items():
+                label = labels[block.places[k]]
+                if not _why_not(one, label):
+                    ratios.setdefault(label, {})[name] = ratio, freedoms[k]
+    factors = dict[tuple[str, str], float]()
+    for label, some in ratios.items():
+        mean = sum(ratio * freedom for ratio, freedom in some.values()) / sum(freedom for _, freedom in some.values())
+        factors |= {(name, label): math.sqrt(mean / ratio) for name, (ratio, _) in some.items()}
+    return factors
+
+
+def _why_not(one: Fit, label: str) -> str:
+    """Why a specimen's fit says nothing of a number; empty where it does."""
+    if label not in one.parameters:
+        return "it was not tested at this input"
+    error = one.stderr[label]
+    if math.isnan(error):
+        return "it stands at its limit"
+    if math.isinf(error):
+        return "its records do not determine it"
+    if not error > 0.0:
+        return "its error is zero"
+    if label in one.within_records:
+        return one.why_no_interval(label)
+    return ""
+
+
+def _is_relative(one: Fit, label: str) -> bool:
+    """Whether a number cannot be negative, so that its spread is one of the logarithm."""
+    low = one.problem.limits[0][list(one.parameters).index(label)]
+    return bool(low >= 0.0) and one.parameters[label] > 0.0
+
+
+def _own_covariance(one: Fit, relative: NDArray[np.bool_]) -> Array:
+    """The covariance of one fit in the coordinates."""
+    errors, values = np.array(list(one.stderr.values())), np.array(list(one.parameters.values()))
+    spread = errors / np.where(relative, values, 1.0)
+    return np.asarray(one.correlation * np.outer(spread, spread))
+
+
+def _pooled(spreads: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """One standard deviation of several with their degrees of freedom; that of the stated ones where none was estimated."""
+    estimated = [(sd, freedom) for sd, freedom in spreads if math.isfinite(freedom)]
+    if not estimated:
+        return max(sd for sd, _ in spreads), math.inf
+    total = sum(freedom for _, freedom in estimated)
+    return math.sqrt(sum(freedom * sd**2 for sd, freedom in estimated) / total), total
+
+
+def _pooled_shapes(shapes: Sequence[ShapeError]) -> tuple[ShapeError, ...]:
+    """The residual by input: its mean over the specimens, and its spread between their records and between them."""
+    by_input: dict[float, list[ShapeError]] = {}
+    for one in shapes:
+        by_input.setdefault(round(one.input, 6), []).append(one)
+    made = []
+    for u, some in sorted(by_input.items()):
+        means = np.array([one.shape_mean for one in some])
+        within = np.mean(np.square([one.shape_sd for one in some]), axis=0)
+        noise, white = (math.sqrt(np.mean([getattr(one, name) ** 2 for one in some])) for name in ("noise", "white"))
+        times = [one.noise_time for one in some if one.noise_time > 0.0]
+        made.append(
+            ShapeError(
+                input=u,
+                shape_mean=tuple(means.mean(axis=0)),
+                shape_sd=tuple(np.sqrt(within + means.var(axis=0))),
+                noise=noise,
+                noise_time=float(np.median(times)) if times else 0.0,
+                white=white,
+                records=sum(one.records for one in some),
+            )
+        )
+    return tuple(made)
+
+
+def _widest(ranges: Sequence[Mapping[str, tuple[float, float]]]) -> dict[str, tuple[float, float]]:
+    """The calibrated ranges of all specimens together."""
+    names = dict.fromkeys(name for each in ranges for name in each)
+    some = {name: [each[name] for each in ranges if name in each] for name in names}
+    return {name: (min(low for low, _ in each), max(high for _, high in each)) for name, each in some.items()}

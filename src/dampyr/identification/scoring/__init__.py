@@ -1,0 +1,1 @@
+"""How well a damper predicts records, and within what band."""

@@ -1,0 +1,284 @@
+"""Validation of a card as one job: a damper and records in, scores of its predictions out."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from dampyr.argument_kinds import DAMPER, RECORDS, Argument, check_kinds
+from dampyr.errors import InputError
+from dampyr.findings import OF_DAMPER, Finding, as_dicts, handed_on, worst_first
+from dampyr.identification.scoring.prediction_band import LEVEL, Band, check_level, prediction_band, why_no_band
+from dampyr.identification.scoring.score import Array, Score, compare, group_by_input, prediction
+from dampyr.identification.scoring.scoring_window import SETTLING, check_settling
+from dampyr.identification.scoring.validation import mean_relevelled, score_columns, score_table
+from dampyr.models import Damper
+from dampyr.models.prediction_error import check_prior
+from dampyr.origin import Origin, combined
+from dampyr.records import Record, nominal_inputs, write_comparison
+from dampyr.records.files.comparison import check_free, file_name
+from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing, percent
+from dampyr.to_json import plain
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True)
+class ValidateOptions:
+    """Options of `validate`: ``settling`` s after the motion starts are not scored; ``band`` is the share of each
+    record's force that its predictive band is to hold, None for no bands; ``session_prior`` is the standard deviation of the
+    level between measurement sessions that the bands take, 0.08 being 8 %, None for that of the card."""
+
+    settling: float = SETTLING
+    allow_extrapolation: bool = False
+    band: float | None = LEVEL
+    session_prior: float | None = None
+
+    def __post_init__(self) -> None:
+        check_settling(self.settling)
+        if self.session_prior is not None:
+            check_prior(self.session_prior)
+        if self.band is not None:
+            check_level(self.band)
+
+
+@dataclass(frozen=True)
+class ValidatedPlots:
+    """Each method draws one figure and returns its matplotlib axes ``(k,)``; ``record`` is a record's name."""
+
+    validated: Validated
+
+    def history(self, record: str) -> Any:
+        """Measured and predicted force over time, the record's offset taken, and the residual below."""
+        from dampyr.figures import style
+        from dampyr.figures.history import history
+
+        one, predicted = self.validated.measured_and_predicted(record)
+        drawn, origin = (one.time, one.force, predicted), self.validated.origin
+        named = {"name": "predicted", "title": one.name, "record_origin": one.origin}
+        return style.in_pyplot(history, *drawn, **named, origin=origin)
+
+    def loops(self, record: str) -> Any:
+        """Measured and predicted force over displacement, and over velocity where the record has it."""
+        from dampyr.figures import style
+        from dampyr.figures.loops import loops
+
+        one, predicted = self.validated.measured_and_predicted(record)
+        drawn = one.displacement, one.velocity, one.force, {"predicted": predicted}
+        return style.in_pyplot(loops, *drawn, title=one.name, record_origin=one.origin, origin=self.validated.origin)
+
+    def scores(self) -> Any:
+        """The L1 ratio of each record, by input."""
+        from dampyr.figures import style
+        from dampyr.figures.scores import scores
+
+        return style.in_pyplot(scores, self.validated.l1_by_input(), origin=self.validated.origin)
+
+
+@dataclass(frozen=True, repr=False)
+class Validated(Representation):
+    """Result of `validate`: the scores by record, the predicted forces in N without the records' offsets, and the predictive
+    ``bands`` by record, none where ``no_band`` says why."""
+
+    card: str
+    damper: Damper
+    records: tuple[Record, ...]
+    scores: Mapping[str, Score]
+    forces: Mapping[str, Array]
+    bands: Mapping[str, Band] = field(default_factory=dict)
+    no_band: str = ""
+
+    @property
+    def origin(self) -> Origin:
+        """That of the damper and the records together."""
+        return combined([self.damper.origin, *(record.origin for record in self.records)])
+
+    @property
+    def plot(self) -> ValidatedPlots:
+        """Figures: ``validated.plot.history(name)``, ``.loops(name)`` and ``.scores()``, each giving matplotlib axes."""
+        return ValidatedPlots(self)
+
+    def to_dataframe(self) -> Any:
+        """The score of each record as a ``pandas.DataFrame``: ratios, and the offset in N."""
+        columns = {f"input_{self.damper.input}": [record.input_value for record in self.records]}
+        return data_frame(columns | score_columns(self.scores), list(self.scores), "record")
+
+    def measured_and_predicted(self, record: str) -> tuple[Record, Array]:
+        """A record by its name and the force N that is predicted for it, with the record's offset."""
+        names = [one.name for one in self.records]
+        if record not in names:
+            raise InputError(f"{record!r} is not among the records; choose from {listing(names, 8)}")
+        return self.records[names.index(record)], self.forces[record] + self.scores[record].offset
+
+    def l1_by_input(self) -> dict[str, list[float]]:
+        """The L1 ratio of each record, by its input in words."""
+        return group_by_input(self.records, {name: one.l1 for name, one in self.scores.items()})
+
+    def _small_figure(self) -> Figure:
+        from dampyr.figures.scores import scores
+
+        return scores(self.l1_by_input())
+
+    def _summary(self) -> Summary:
+        l1 = {name: one.l1 for name, one in self.scores.items()}
+        worst = max(l1, key=lambda name: l1[name])
+        seen = list(self.fitted_on.values()).count(True)
+        return f"Validated {self.card!r}", [
+            ("model", str(self.damper.composition)),
+            ("records", f"{counted(len(self.records), 'record')}, of which the damper was fitted on {seen}"),
+            ("L1", f"{percent(sum(l1.values()) / len(l1))} on average, {percent(l1[worst])} in {worst}"),
+            (
+                "relevelled",
+                f"L1 {percent(self.relevelled_l1)} on average, with the level of each record's first cycles",
+            ),
+            *([("bands", bands_in_words(self.bands))] if self.bands else []),
+        ]
+
+    def _table(self) -> Table:
+        return score_table(self.scores)
+
+    @property
+    def relevelled_l1(self) -> float:
+        """The mean L1 ratio with the level that each record's first cycles have; NaN where no record has one."""
+        return mean_relevelled(self.scores)
+
+    @property
+    def fitted_on(self) -> dict[str, bool | None]:
+        """Whether the damper was fitted on each record, by the card; None where the card does not tell.
+
+        A record whose file has the SHA-256 of one of the card's was fitted, whatever it is called; one that only shares its
+        name with a record of the card, and whose file is another, may be either. A card without files is judged by names.
+        """
+        return {record.name: _was_fitted(self.damper, record) for record in self.records}
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What is wrong or in doubt in the card and in the records; each once, the worst first."""
+        of_records = handed_on(self.records)
+        return worst_first(handed_on([self.damper], OF_DAMPER, of_records), of_records)
+
+    @property
+    def by_input(self) -> list[dict[str, Any]]:
+        """Number of records, mean and worst L1 of each input, in rising order."""
+        groups: dict[float | None, list[float]] = {}
+        for record in self.records:
+            groups.setdefault(record.input_value, []).append(self.scores[record.name].l1)
+        order = sorted(groups, key=lambda u: math.inf if u is None else u)
+        return [
+            {
+                "input": u,
+                "records": len(groups[u]),
+                "mean_l1": sum(groups[u]) / len(groups[u]),
+                "worst_l1": max(groups[u]),
+            }
+            for u in order
+        ]
+
+    def as_dict(self) -> dict[str, Any]:
+        """All results for JSON, SI units."""
+        fitted_on = self.fitted_on
+        scores = {name: one.as_dict() | {"fitted_on": fitted_on[name]} for name, one in self.scores.items()}
+        bands = {name: one.as_dict() for name, one in self.bands.items()}
+        more = {"no_band": self.no_band} if self.no_band else {}
+        answer = {
+            "card": self.card,
+            "origin": self.origin.as_dict(),
+            "findings": as_dicts(self.findings),
+            "scores": scores,
+            "by_input": self.by_input,
+            "bands": bands,
+        }
+        return dict(plain(answer | more))
+
+    def write_forces(self, folder: str | Path) -> list[Path]:
+        """Write NAME.csv with the measured and the predicted force of each record; other people's files are not replaced."""
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        for record in self.records:
+            check_free(folder / file_name(record))
+        return [
+            write_comparison(r, self.forces[r.name], folder / file_name(r), offset=self.scores[r.name].offset)
+            for r in self.records
+        ]
+
+
+def _was_fitted(damper: Damper, record: Record) -> bool | None:
+    listed = damper.provenance.get("records", "")
+    names = {name.strip() for name in listed.split(",")} - {""}
+    if len(names) == 1 and re.fullmatch(r"\d+ records", listed.strip()):  # too many to be named
+        names = set()
+    digests = {file.sha256 for file in damper.origin.sources}
+    if record.source_file is not None and digests:
+        if record.source_file.sha256 in digests:
+            return True
+        return None if record.name in names else False
+    return record.name in names if names else None
+
+
+def validate(
+    damper: Damper,
+    records: Sequence[Record],
+    options: ValidateOptions | None = None,
+    card: str = "the damper",
+    progress: Callable[[str, float], None] | None = None,
+) -> Validated:
+    """Score a damper on records that it predicts in a free run; only the offset is taken from each record.
+
+    Measured inputs that are constant but for noise count as constants, those close to an end of the calibrated range as that
+    end. ``card`` is what the damper is called. Raises :class:`~dampyr.errors.InputError` where two records have one name, and
+    where an input lies outside of the calibrated range unless extrapolation is allowed.
+    """
+    check_kinds(
+        "validate",
+        Argument("damper", damper, (Damper,), DAMPER),
+        Argument("records", records, (Record,), RECORDS, several=True),
+    )
+    options = options or ValidateOptions()
+    if not records:
+        raise InputError("there are no records to validate by; give one or more")
+    if options.session_prior is not None:
+        damper = damper.with_session_prior(options.session_prior)
+    nominal = tuple(nominal_inputs(records, damper.range))
+    name, count = Counter(record.name for record in nominal).most_common(1)[0]
+    if count > 1:
+        raise InputError(
+            f"{count} records are called {name!r}; rename the files of all but one, or validate them one by one"
+        )
+    forces = {}
+    for k, record in enumerate(nominal):
+        if progress:
+            progress("predicting", k / len(nominal))
+        forces[record.name] = prediction(damper, record, options.allow_extrapolation)
+    scores = {r.name: compare(r, forces[r.name], options.settling) for r in nominal}
+    bands: dict[str, Band] = {}
+    no_band = why_no_band(damper) if options.band is not None else ""
+    if options.band is not None and not no_band:
+        for k, record in enumerate(nominal):
+            if progress:
+                progress("drawing bands", k / len(nominal))
+            try:
+                bands[record.name] = prediction_band(
+                    damper, record, options.band, options.settling, allow_extrapolation=options.allow_extrapolation
+                )
+            except InputError as problem:  # the scores stand without bands
+                bands, no_band = {}, f"predictions have no band: {problem}"
+                break
+    return Validated(card, damper, nominal, scores, forces, bands, no_band)
+
+
+def bands_in_words(bands: Mapping[str, Band]) -> str:
+    """How much the bands hold of the records, and of how many the peak."""
+    each = list(bands.values())
+    holds = sum(one.holds for one in each) / len(each)
+    peaks = sum(one.peak.holds for one in each)
+    words = (
+        f"the {percent(each[0].level)} bands hold {percent(holds)} of the samples and the peaks of {peaks} of "
+        f"{counted(len(each), 'record')}"
+    )
+    return f"{words}, {each[0].prior}" if each[0].prior else words

@@ -1,0 +1,318 @@
+"""Cross-validation: how well a model predicts records that it was not fitted on.
+
+The records are split into folds; each fold is predicted by a damper that was fitted on the others. From a scored record only
+the offset is taken, and every score says what the damper was fitted on.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dampyr.errors import DampyrWarning, InputError
+from dampyr.identification.fits.fit import check_model_and_records, fit, one_thread
+from dampyr.identification.scoring.score import Score, score
+from dampyr.identification.scoring.scoring_window import SETTLING, check_settling, scorable
+from dampyr.identification.scoring.splits import Target, Task, split_tasks
+from dampyr.models import Composition, Damper
+from dampyr.origin import NOT_STATED, Origin, check_one_kind, combined
+from dampyr.records import Record, motion_start
+from dampyr.records.conditioning.velocity import check_bandwidth
+from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing, percent
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, repr=False)
+class Fold(Representation):
+    """One part of the split: what was fitted, what was predicted, and how well (nothing where the fit gave no damper).
+
+    ``outside`` says which predicted records go beyond what the fitted ones covered, and by how much; ``skipped`` are those
+    that are too short to be scored. ``work`` is what the fit has spent, counted s (`dampyr.identification.search.work`).
+    """
+
+    fitted_on: tuple[str, ...]
+    scores: dict[str, Score]
+    converged: bool
+    reason: str
+    outside: dict[str, str]
+    skipped: tuple[str, ...] = ()
+    work: float = 0.0
+
+    def _summary(self) -> Summary:
+        l1 = [one.l1 for one in self.scores.values()]
+        rows = [
+            ("fitted on", counted(len(self.fitted_on), "record")),
+            ("predicted", listing(list(self.scores), 3) if self.scores else f"nothing: {self.reason}"),
+        ]
+        if l1:
+            rows.append(("L1", f"{percent(float(np.mean(l1)))} on average, {percent(max(l1))} at worst"))
+        if self.outside:
+            rows.append(("outside", f"{counted(len(self.outside), 'record')} beyond what was fitted"))
+        return "Fold", rows
+
+    def _table(self) -> Table:
+        return score_table(self.scores)
+
+
+@dataclass(frozen=True, repr=False)
+class Validation(Representation):
+    """All folds of one split; ``inputs`` are those of the predicted records, by name, in ``unit``, V or A. ``not_scored`` are
+    the records that are too short for it, and why."""
+
+    split: str
+    folds: tuple[Fold, ...]
+    inputs: dict[str, float] = field(default_factory=dict)
+    unit: str = ""
+    not_scored: dict[str, str] = field(default_factory=dict)
+    origin: Origin = NOT_STATED
+
+    def plot(self) -> Any:
+        """The L1 ratio of each predicted record, by input; the matplotlib axes ``(1,)``."""
+        from dampyr.figures import style
+        from dampyr.figures.scores import scores
+
+        return style.in_pyplot(scores, self._l1_by_input(), origin=self.origin)
+
+    def to_dataframe(self) -> Any:
+        """The score of each predicted record as a ``pandas.DataFrame``: ratios, the offset in N, and which part it was in."""
+        part = {name: k for k, fold in enumerate(self.folds, 1) for name in fold.scores}
+        columns = {"part": list(part.values()), f"input_{self.unit}".rstrip("_"): [self.inputs.get(n) for n in part]}
+        return data_frame(columns | score_columns(self.scores), list(part), "record")
+
+    def _small_figure(self) -> Figure | None:
+        from dampyr.figures.scores import scores
+
+        return scores(self._l1_by_input()) if self.scores else None
+
+    def _l1_by_input(self) -> dict[str, list[float]]:
+        groups: dict[str, list[float]] = {}
+        for u in self.by_input:
+            own = [one.l1 for name, one in self.scores.items() if self.inputs.get(name, 0.0) == u]
+            groups[f"{u:.4g} {self.unit}".rstrip()] = own
+        return groups
+
+    def _summary(self) -> Summary:
+        rows = [
+            ("error", f"{percent(self.error)}, the mean L1 ratio of predicted records, every input counting the same"),
+            ("records", f"{len(self.scores)} predicted in {counted(len(self.folds), 'part')}"),
+            ("relevelled", f"{percent(self.relevelled)} with the level of each record's first cycles"),
+            ("by input", listing([f"{percent(e)} at {u:.4g} {self.unit}".rstrip() for u, e in self.by_input.items()])),
+        ]
+        if self.not_scored:
+            rows.append(("not scored", listing([f"{name}: {why}" for name, why in self.not_scored.items()], 1)))
+        if self.failed:
+            rows.append(("failed", f"{counted(len(self.failed), 'part')}: {next(iter(self.failed.values()))}"))
+        return f"Validation, split by {self.split}", rows
+
+    def _table(self) -> Table:
+        return score_table(self.scores)
+
+    @property
+    def scores(self) -> dict[str, Score]:
+        """Every predicted record's score."""
+        return {name: one for fold in self.folds for name, one in fold.scores.items()}
+
+    @property
+    def failed(self) -> dict[str, str]:
+        """The folds that gave no damper: the first record that was to be predicted -> the reason."""
+        return {fold.fitted_on[0]: fold.reason for fold in self.folds if not (fold.scores or fold.skipped)}
+
+    @cached_property
+    def by_input(self) -> dict[float, float]:
+        """The mean L1 ratio of the predicted records of each input, by rising input."""
+        groups: dict[float, list[float]] = {}
+        for name, one in self.scores.items():
+            groups.setdefault(self.inputs.get(name, 0.0), []).append(one.l1)
+        return {u: float(np.mean(groups[u])) for u in sorted(groups)}
+
+    @property
+    def relevelled(self) -> float:
+        """The mean L1 ratio with the level of each record's first cycles, every input counting the same; NaN without any."""
+        groups: dict[float, list[float]] = {}
+        for name, one in self.scores.items():
+            if np.isfinite(one.relevelled_l1):
+                groups.setdefault(self.inputs.get(name, 0.0), []).append(one.relevelled_l1)
+        return float(np.mean([np.mean(each) for each in groups.values()])) if groups else float("nan")
+
+    @property
+    def error(self) -> float:
+        """The mean of `by_input`: every input counts the same. Infinite where a fold gave no damper."""
+        return float("inf") if self.failed or not self.by_input else float(np.mean(list(self.by_input.values())))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Split, folds and inputs with their unit, for `dampyr.to_json`."""
+        return {
+            "split": self.split,
+            "origin": self.origin.as_dict(),
+            "error": self.error,
+            "relevelled": self.relevelled,
+            "folds": self.folds,
+            "inputs": self.inputs,
+            "unit": self.unit,
+            "not_scored": self.not_scored,
+        }
+
+
+def score_table(scores: Mapping[str, Score]) -> Table:
+    """One row a record, ratios in percent."""
+    heads = (
+        "record",
+        "L1 [%]",
+        "relevelled [%]",
+        "NRMSE [%]",
+        "R²",
+        "pointwise [%]",
+        "peak force [%]",
+        "energy [%]",
+        "offset [N]",
+    )
+    rows = [
+        [
+            name,
+            100 * s.l1,
+            100 * s.relevelled_l1,
+            100 * s.nrmse,
+            s.r2,
+            100 * s.pointwise,
+            100 * s.peak_force,
+            100 * s.energy,
+            s.offset,
+        ]
+        for name, s in scores.items()
+    ]
+    return heads, rows
+
+
+def mean_relevelled(scores: Mapping[str, Score]) -> float:
+    """The mean L1 ratio with the level of each record's first cycles; NaN where no record has one."""
+    values = [one.relevelled_l1 for one in scores.values() if np.isfinite(one.relevelled_l1)]
+    return float(np.mean(values)) if values else float("nan")
+
+
+def score_columns(scores: Mapping[str, Score]) -> dict[str, list[float]]:
+    """The columns of a data frame of scores: ratios, and the offset in N."""
+    ratios = ("l1", "relevelled_l1", "level", "nrmse", "r2", "pointwise", "peak_force", "energy")
+    names = {name: name for name in ratios} | {"offset": "offset_N"}
+    return {head: [getattr(one, name) for one in scores.values()] for name, head in names.items()}
+
+
+def cross_validate(
+    model: str | Composition,
+    records: Sequence[Record],
+    split: str = "record",
+    folds: int = 5,
+    seed: int = 0,
+    progress: Callable[[float], None] | None = None,
+    settling: float = SETTLING,
+    **options: Any,
+) -> Validation:
+    """Predict every record by a damper that was not fitted to it.
+
+    Parameters
+    ----------
+    model, options
+        as in `dampyr.identification.fit`.
+    split
+        ``"record"``: ``folds`` random parts by ``seed``; ``"input"``: one voltage (or current) left out at a time, the lowest
+        and the highest excepted, which would be extrapolated; ``"frequency"`` or ``"amplitude"``: ``folds`` parts in the
+        order of the measured frequency or stroke, so that the outer ones are predicted beyond what was fitted;
+        ``"waveform"``: one kind of motion (`dampyr.records.waveform`) left out at a time; ``"time"``: the first 60 % of every
+        motion fitted, the rest predicted.
+    progress
+        called with the fraction done.
+    settling
+        s from the start of each motion that are not scored. Records of which it leaves less than a quarter are fitted and not
+        scored; the result says which.
+
+    Raises :class:`~dampyr.errors.InputError` for an unknown split, fewer records than folds, fewer than three inputs, a single
+    kind of motion, or where no record is long enough to be scored.
+    """
+    jobs, assemble = validation_jobs(model, records, split, folds, seed, settling, **options)
+    done = []
+    for k, job in enumerate(jobs):
+        if progress:
+            progress(k / len(jobs))
+        done.append(job())
+    if progress:
+        progress(1.0)
+    return assemble(done)
+
+
+def validation_jobs(
+    model: str | Composition,
+    records: Sequence[Record],
+    split: str = "record",
+    folds: int = 5,
+    seed: int = 0,
+    settling: float = SETTLING,
+    **options: Any,
+) -> tuple[list[Callable[[], Fold]], Callable[[Sequence[Fold]], Validation]]:
+    """`cross_validate` as independent jobs, one a fold, and what makes their results a `Validation`."""
+    check_model_and_records("cross_validate", model, records)
+    listed = list(records)
+    if not options.get("mixed_origins"):
+        check_one_kind(listed)
+    check_settling(settling)
+    not_scored = scorable(listed, settling)
+    tasks = split_tasks(listed, split, folds, seed)
+    if options.get("bandwidth") is not None:
+        check_bandwidth(listed, options["bandwidth"])
+    inputs = {r.name: float(r.input_value or 0.0) for r in listed}
+    unit, origin = listed[0].input or "", combined(r.origin for r in listed)
+    jobs: list[Callable[[], Fold]] = [
+        partial(_fold_by_one_thread, model, task, settling, not_scored, options) for task in tasks
+    ]
+    return jobs, lambda done: Validation(split, tuple(done), inputs, unit, not_scored, origin)
+
+
+def _fold_by_one_thread(*arguments: Any) -> Fold:
+    with one_thread():  # the scores too
+        return _fold(*arguments)
+
+
+def _fold(
+    model: str | Composition, task: Task, settling: float, not_scored: Mapping[str, str], options: dict[str, Any]
+) -> Fold:
+    fit_result = fit(model, list(task.fitted), **options)
+    names = tuple(_named(r, task) for r in task.fitted)
+    skipped = tuple(t.record.name for t in task.predicted if t.record.name in not_scored)
+    scores: dict[str, Score] = {}
+    outside: dict[str, str] = {}
+    work = fit_result.outcome.work
+    if fit_result.damper is None:
+        return Fold(names, scores, fit_result.converged, fit_result.reason, outside, work=work)
+    for target in task.predicted:
+        if target.record.name in not_scored:
+            continue
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", DampyrWarning)
+            try:
+                scores[target.record.name] = _predicted(fit_result.damper, target, settling)
+            except InputError as problem:  # a law that leaves its allowed values beyond the fitted inputs
+                return Fold(names, {}, False, str(problem), outside, work=work)
+        if caught:
+            outside[target.record.name] = "; ".join(str(w.message) for w in caught)
+    return Fold(names, scores, fit_result.converged, fit_result.reason, outside, skipped, work)
+
+
+def _named(record: Record, task: Task) -> str:
+    """What was fitted, in words: a name, and until when where the rest of the record is predicted."""
+    again = any(t.record.name == record.name for t in task.predicted)
+    return f"{record.name} until {record.time[-1]:.4g} s" if again else record.name
+
+
+def _predicted(damper: Damper, target: Target, settling: float) -> Score:
+    low, high = damper.range
+    record, u = target.record, target.record.input_value
+    window = None
+    if target.first is not None:
+        window = (max(target.first, motion_start(record) + settling), float(record.time[-1]))
+    beyond = u is not None and not low <= u <= high
+    return score(damper, record, settling, window, allow_extrapolation=beyond)

@@ -1,0 +1,185 @@
+"""The data of a fit: records as arrays, from where their motion starts."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+from dampyr.records import Record, cycles, motion_start, with_velocity
+from dampyr.records.conditioning.moving_average import whole_windows
+from dampyr.records.conditioning.nominal_input import Commanded, commanded_input, in_common
+from dampyr.records.conditioning.smoothing import force_average
+
+Array = NDArray[np.float64]
+MOTION_SHARE = 0.9  # of the range of displacement and velocity: a part of a record that represents the whole
+WEIGHTINGS = ("records", "samples")
+MIN_SAMPLES = 16  # after the motion starts: of fewer no cycle of a loop can be seen
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One record from where its motion starts: arrays (n,), the input, and the cluster of each sample.
+
+    ``weight`` is of each sample, or one for all, (1,); ``spread`` the standard deviation of the compared force, N.
+    ``second_weight`` is the weight by the second derivative of a loss that is not squares (see
+    `dampyr.identification.search.robust`). ``average`` is how many samples before and after each one a moving average of the
+    measured force takes in, None where it is not smoothed; ``smoothed_motion`` says that the displacement is smoothed, in s
+    of the window, else 0. ``temperature`` is the mean of the record's, degC. ``cut_from`` names the record that it
+    is a piece of, itself where it is whole. ``commanded`` is the command behind an input that varies and has noise
+    (`dampyr.records.conditioning.nominal_input.commanded_input`), to whose ends ``u`` is held.
+    """
+
+    name: str
+    t: Array
+    x: Array
+    v: Array
+    force: Array
+    u: Array | float
+    weight: Array
+    spread: float
+    cycle: NDArray[np.int64]
+    unit: str
+    second_weight: Array | None = None
+    temperature: float = math.nan
+    average: tuple[int, int] | None = None
+    smoothed_motion: float = 0.0
+    cut_from: str = ""
+    commanded: Commanded | None = None
+
+    @property
+    def levels(self) -> Array | float:
+        """The inputs that a law may have its ends and knots at: those that were commanded."""
+        return self.u if self.commanded is None else self.commanded.levels
+
+    @property
+    def comparable(self) -> slice:
+        """The samples whose measured force can be compared with a model's: all, or those with whole windows."""
+        return slice(0, self.t.size) if self.average is None else whole_windows(self.t.size, *self.average)
+
+    @property
+    def count(self) -> int:
+        """How many samples are compared: all, or those with whole windows."""
+        return self.comparable.stop - self.comparable.start
+
+    @property
+    def shortest(self) -> int:
+        """How many samples a part of it needs at least: four windows, where only whole ones count."""
+        return 0 if self.average is None else 4 * (sum(self.average) + 1)
+
+    @property
+    def ends(self) -> NDArray[np.int64]:
+        """Where each cluster of samples ends."""
+        return np.append(np.flatnonzero(np.diff(self.cycle)) + 1, self.t.size)
+
+
+def piece(record: Record, bandwidth: float | None) -> Piece:
+    """A record as arrays: velocity as recorded or derived, weight 1 over the force's standard deviation."""
+    if record.input is None:
+        raise InputError(f"{record.name}: its voltage is not known; read it with voltage= (or current=)")
+    if record.velocity is None or bandwidth is not None:
+        record = with_velocity(record, bandwidth)
+    assert record.velocity is not None
+    first = int(np.searchsorted(record.time, motion_start(record)))
+    average = force_average(record)
+    reach = None if average is None else average.reach(record.dt)
+    if record.n - first < MIN_SAMPLES + sum(reach or (0,)):
+        raise InputError(f"{record.name}: it holds no motion, so there is nothing to identify; check the displacement")
+    window = slice(first, None)
+    force = record.force[window]
+    compared = force if reach is None else force[whole_windows(force.size, *reach)]
+    spread = float(np.std(compared))
+    if spread <= 1e-9 * max(1.0, float(np.max(np.abs(force)))):
+        raise InputError(f"{record.name}: the force is constant at {force[0]:g} N; check the load cell's channel")
+    u = record.voltage if record.input == "V" else record.current
+    assert u is not None
+    assert record.input is not None
+    varies = np.ndim(u) > 0 and float(np.ptp(u)) > 1e-9
+    given: Array | float = np.asarray(u)[window] if varies else float(np.mean(u))
+    commanded = commanded_input(np.asarray(given)) if varies else None
+    if commanded is not None:
+        one_level = commanded.low == commanded.high
+        given = commanded.low if one_level else np.clip(given, commanded.low, commanded.high)
+    return Piece(
+        name=record.name,
+        t=np.ascontiguousarray(record.time[window]),
+        x=np.ascontiguousarray(record.displacement[window]),
+        v=np.ascontiguousarray(record.velocity[window]),
+        force=np.ascontiguousarray(force),
+        u=given,
+        weight=np.array([1.0 / spread]),
+        spread=spread,
+        cycle=_cycle_numbers(record)[window],
+        unit=record.input,
+        temperature=math.nan if record.temperature is None else float(np.mean(record.temperature)),
+        average=reach,
+        smoothed_motion=average_of_motion(record),
+        cut_from=record.provenance.get("piece_of", record.name),
+        commanded=commanded if np.ndim(given) else None,
+    )
+
+
+def with_common_levels(pieces: list[Piece]) -> list[Piece]:
+    """The pieces with plateaus of their inputs that agree at the same levels, so that no law follows the difference."""
+    noisy = [k for k, one in enumerate(pieces) if one.commanded is not None]
+    stated = [float(one.u) for one in pieces if not np.ndim(one.u)]
+    made = list(pieces)
+    for k, meant in zip(noisy, in_common([pieces[k].commanded for k in noisy], stated), strict=True):  # type: ignore[misc]
+        made[k] = replace(pieces[k], commanded=meant, u=np.clip(pieces[k].u, meant.low, meant.high))
+    return made
+
+
+def average_of_motion(record: Record) -> float:
+    """The window in s of the moving average that a record's displacement still holds, 0 where it holds none."""
+    smoothed = record.smoothed
+    return smoothed.window if smoothed is not None and "displacement" in smoothed.channels else 0.0
+
+
+def weighted(pieces: list[Piece], weighting: str) -> list[Piece]:
+    """The pieces with the weight of their records: see ``weighting`` of `dampyr.identification.fit`."""
+    if weighting not in WEIGHTINGS:
+        raise InputError(f"{weighting!r} is an unknown weighting; choose {' or '.join(WEIGHTINGS)}")
+    if weighting == "samples":
+        return pieces
+    mean = sum(one.count for one in pieces) / len(pieces)
+    return [replace(one, weight=one.weight * np.sqrt(mean / one.count)) for one in pieces]
+
+
+def _cycle_numbers(record: Record) -> NDArray[np.int64]:
+    """Which cycle each sample belongs to; what comes before and after joins the nearest."""
+    starts = np.array([i0 for i0, _ in cycles(record)], dtype=int)
+    if starts.size == 0:
+        return np.zeros(record.n, dtype=np.int64)
+    return np.maximum(np.searchsorted(starts, np.arange(record.n), side="right") - 1, 0).astype(np.int64)
+
+
+def thinned(one: Piece, samples: int) -> Piece:
+    """Every k-th sample of a record, so that at most ``samples`` are left; all where a moving average counts them."""
+    k = -(-one.t.size // samples)
+    if k < 2 or one.average is not None:
+        return one
+    u = one.u[::k] if np.ndim(one.u) else one.u  # type: ignore[index]
+    t, x, v, force = (np.ascontiguousarray(a[::k]) for a in (one.t, one.x, one.v, one.force))
+    weight = one.weight[::k].copy() if one.weight.size > 1 else one.weight
+    second_weight = None if one.second_weight is None else one.second_weight[::k].copy()
+    return replace(
+        one, t=t, x=x, v=v, force=force, u=u, weight=weight, cycle=one.cycle[::k], second_weight=second_weight
+    )
+
+
+def first_part(one: Piece, samples: int) -> Piece:
+    """The first ``samples`` of a record, twice as many and so on until they hold nearly its whole motion; at most all."""
+    whole = np.array([np.ptp(one.x), np.ptp(one.v)])
+    n = max(samples, one.shortest)
+    while n < one.t.size and np.any(np.array([np.ptp(one.x[:n]), np.ptp(one.v[:n])]) < MOTION_SHARE * whole):
+        n *= 2
+    if n >= one.t.size:
+        return one
+    u = one.u[:n] if np.ndim(one.u) else one.u  # type: ignore[index]
+    weight = one.weight[:n] if one.weight.size > 1 else one.weight
+    second_weight = None if one.second_weight is None else one.second_weight[:n]
+    t, x, v, force, cycle = one.t[:n], one.x[:n], one.v[:n], one.force[:n], one.cycle[:n]
+    return replace(one, t=t, x=x, v=v, force=force, u=u, weight=weight, cycle=cycle, second_weight=second_weight)

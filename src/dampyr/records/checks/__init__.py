@@ -1,0 +1,1 @@
+"""What may be wrong with a record, and how well its channels are known."""

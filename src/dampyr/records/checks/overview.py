@@ -1,0 +1,93 @@
+"""What can be said of any motion, and whether its whole cycles stand for it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dampyr.records.checks.quality import motion_start
+from dampyr.records.conditioning.velocity import default_bandwidth, differentiate
+from dampyr.records.cycle_analysis.cycles import cut_cycles, similar_cycles, turning_points
+from dampyr.records.cycle_analysis.measure import fundamental
+from dampyr.records.record import Array, Record
+from dampyr.representation import Representation, Summary
+
+SHARE = 0.5  # of the moving time: cycles that cover less do not stand for the motion
+DISTORTION = 0.5  # rms of what the harmonics leave over that of the first: beyond it no cycle is like the next
+
+
+@dataclass(frozen=True, repr=False)
+class Overview(Representation):
+    """A motion as a whole, SI.
+
+    Attributes
+    ----------
+    repeats
+        Whether the motion repeats itself: whole cycles cover at least half of the time from the start of the motion
+        to the last turning point, a sine with its harmonics misses at most half of it (rms), and its strokes are not
+        in rising or falling levels (`dampyr.records.Cut`). Only then do the frequency, the stroke and the energy of
+        :func:`measure` stand for the record.
+    stroke_m, peak_speed, rms_speed
+        Largest less smallest displacement, m; m/s, from the start of the motion on.
+    dominant_hz
+        Where the spectrum of the velocity is highest, to one over the duration; None for a record that does not move.
+    work
+        What the force about its mean dissipates over the whole record, J; negative where a damper's force has the wrong sign.
+    """
+
+    repeats: bool
+    stroke_m: float
+    peak_speed: float
+    rms_speed: float
+    dominant_hz: float | None
+    work: float
+
+    def _summary(self) -> Summary:
+        dominant = "none: it does not move" if self.dominant_hz is None else f"{self.dominant_hz:.4g} Hz"
+        return "Overview", [
+            ("motion", "repeats itself" if self.repeats else "does not repeat itself"),
+            ("stroke", f"{1e3 * self.stroke_m:.4g} mm"),
+            ("speed", f"peak {1e3 * self.peak_speed:.4g} mm/s, rms {1e3 * self.rms_speed:.4g} mm/s"),
+            ("dominant", dominant),
+            ("work", f"{self.work:.4g} J"),
+        ]
+
+
+def overview(record: Record) -> Overview:
+    """Describe the motion of a record, whatever it is."""
+    first = int(np.searchsorted(record.time, motion_start(record)))
+    moves = record.n - first >= 8
+    part = slice(first if moves else 0, record.n)
+    speed = differentiate(record.time, record.displacement, default_bandwidth(record))[part]
+    return Overview(
+        repeats=repeats(record),
+        stroke_m=float(np.ptp(record.displacement)),
+        peak_speed=float(np.max(np.abs(speed))),
+        rms_speed=float(np.sqrt(np.mean(speed**2))),
+        dominant_hz=_dominant(record.time[part], speed, record.dt) if moves else None,
+        work=work(record),
+    )
+
+
+def repeats(record: Record) -> bool:
+    """Whether the whole cycles of a record stand for its motion, see :class:`Overview`."""
+    spans, points = similar_cycles(record), turning_points(record)
+    if not spans or cut_cycles(record).graded:
+        return False
+    moving = float(record.time[points[-1]]) - motion_start(record)
+    covered = float(record.time[spans[-1][1]] - record.time[spans[0][0]])
+    return covered >= SHARE * moving and fundamental(record)[1] <= DISTORTION
+
+
+def work(record: Record) -> float:
+    """What the force about its mean dissipates over the whole record, J."""
+    force = record.force - np.mean(record.force)
+    return float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(record.displacement)))
+
+
+def _dominant(time: Array, speed: Array, dt: float) -> float:
+    even = np.arange(time[0], time[-1], dt)
+    values = np.interp(even, time, speed)
+    spectrum = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(len(values))))
+    return float(np.fft.rfftfreq(len(values), dt)[int(np.argmax(spectrum))])

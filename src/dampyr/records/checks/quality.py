@@ -1,0 +1,336 @@
+"""Quality of a record: rest before the motion, gaps, jitter, quantisation and saturation; reported, not repaired."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.records.checks.channel_noise import last_at_rest, quantum, rest_tolerance
+from dampyr.records.cycle_analysis.cycles import cycles, legs
+from dampyr.records.record import CHANNELS, Array, Record
+from dampyr.records.record_cache import cached_by_record
+from dampyr.representation import Representation, Summary
+
+GAP = 1.5  # median intervals: halfway to one missing sample
+MAX_PLATEAU = 5  # equal samples: a smooth extreme has fewer
+SPIKE_WINDOW = 5  # samples of the running median: a false value of one or two samples stands out of it
+SPIKE_SHARE = 0.10  # of the channel's range but for a hundredth at either end: smaller ones move no score
+SPIKE_OVER_REST = 5.0  # times what 99 of 100 samples differ from the running median: steep loops are no spikes
+PLATEAU_OF_CYCLE = 0.05  # of a cycle: a sine counted in fine steps stays at its extreme for less
+LEAP_OVER_FASTEST = 5.0  # times the step that 99 of 100 samples stay below: a sine's fastest is 1.6 times its mean
+LEAP_OVER_NEIGHBOURS = 3.0  # times the steps before and after: a motion that is only fast has neighbours as fast
+RUN_AWAY = 1.0  # of the stroke, in the whole record: the table of the published campaign drifts by up to 0.76 of it
+RUN_AWAY_PER_CYCLE = 0.08  # of the stroke: there up to 0.051; what an encoder loses that counts so much less one way
+RUN_AWAY_STRAIGHT = 0.9  # of the variance of the cycles' middles that a straight line holds
+MAX_JITTER = 0.01  # rms, of the interval: beyond it the samples are not even
+MIN_PER_CYCLE = 40  # samples: with fewer a loop has corners
+UNLIKELY_STROKE = 2.0  # m: dampers of buildings and bridges reach 1 m; 2 mm read as m are there
+NOISE_WINDOW = 20  # samples in which a channel's noise is looked at
+MIN_NOISY = 3  # windows in which it has to show
+NOISE_ORDER = 5  # of the differences that hold noise and none of the motion
+QUIETER = 1.5  # times that the noise on a level may be less than elsewhere, and
+FLATTER = 3.0  # times that more samples may stand there than such noise leaves
+SHARE_OF_FLAT = 0.005  # of the samples that move: fewer at one level change no result
+EXCURSION = 0.1  # of the median distance between turning points: far beyond noise and encoder steps
+
+
+@dataclass(frozen=True, repr=False)
+class Quality(Representation):
+    """How well a record is sampled.
+
+    Attributes
+    ----------
+    samples, dt
+        How many, and their median interval, s.
+    jitter
+        rms deviation of the intervals from the median, over the median, gaps left out.
+    gaps
+        ``(time, length)`` in s of every interval longer than 1.5 times the median.
+    quantum
+        The quantisation step of each channel in SI; channels without one are not in it.
+    saturated
+        For displacement and force, how many samples stand at the channel's extreme in runs of five or more
+        that last over 5 % of a cycle, while the table moves; of the force also those at a level at which its noise is gone
+        (`flat_levels`); channels without such are not in it.
+    spikes
+        For displacement and force, the times in s of samples that stand out of their neighbours by more than a tenth of the
+        channel's range, and far more than others do; channels without such are not in it.
+    per_cycle
+        Samples per cycle, or None without whole cycles.
+    leaps
+        The times in s at which the displacement leaps to another place within one sample, and stays there.
+    run_away
+        m by which the middle of the stroke goes one way over the whole cycles, where that is more than the stroke, or than
+        8 % of it in each cycle; 0 else.
+    stroke
+        m from the least displacement to the greatest.
+    """
+
+    samples: int
+    dt: float
+    jitter: float
+    gaps: tuple[tuple[float, float], ...]
+    quantum: Mapping[str, float]
+    saturated: Mapping[str, int]
+    per_cycle: float | None
+    spikes: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    leaps: tuple[float, ...] = ()
+    run_away: float = 0.0
+    stroke: float = 0.0
+
+    def _summary(self) -> Summary:
+        per_cycle = "no whole cycle" if self.per_cycle is None else f"{self.per_cycle:.4g} per cycle"
+        rows = [
+            ("samples", f"{self.samples}, every {1e3 * self.dt:.4g} ms, {per_cycle}"),
+            ("jitter", f"{100 * self.jitter:.2g} % of the interval"),
+            ("gaps", f"{len(self.gaps)}" + (f", the first at {self.gaps[0][0]:.4g} s" if self.gaps else "")),
+        ]
+        rows += [(f"{name} step", f"{value:.3g} {CHANNELS[name]}") for name, value in self.quantum.items()]
+        rows += [(f"{name} saturated", f"{count} samples") for name, count in self.saturated.items()]
+        rows += [
+            (f"{name} spikes", f"{len(times)}, the first at {times[0]:.4g} s") for name, times in self.spikes.items()
+        ]
+        if self.leaps:
+            rows.append(("displacement leaps", f"{len(self.leaps)}, the first at {self.leaps[0]:.4g} s"))
+        if self.run_away:
+            rows.append(("middle of the stroke", f"runs away by {1e3 * self.run_away:.3g} mm"))
+        return "Quality", rows
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a person should look at, one sentence each; empty when all is well."""
+        return tuple(words for some in self.by_kind.values() for words in some)
+
+    @property
+    def by_kind(self) -> dict[str, list[str]]:
+        """The notes by their kind, all of which are named."""
+        return {
+            "gap": [f"gap of {length:.4g} s at {at:.4g} s" for at, length in self.gaps],
+            "jitter": [f"sampling jitter of {100 * self.jitter:.2g} % rms"] if self.jitter > MAX_JITTER else [],
+            "saturated": [
+                f"{channel} may be saturated: {count} samples stand at its extreme"
+                for channel, count in self.saturated.items()
+            ],
+            "false samples": [_false_samples(channel, times) for channel, times in self.spikes.items()],
+            "leap": [self._leaps_in_words()] if self.leaps else [],
+            "run away": [
+                f"the displacement runs away: its middle moves by {1e3 * self.run_away:.3g} mm in one direction; look whether "
+                "the encoder counts less one way than the other, or the table drifts; record it again, or fit a part of it"
+            ]
+            if self.run_away
+            else [],
+            "unlikely unit": [
+                f"the displacement covers {self.stroke:.4g} m: is its unit right? Give it in m, or name the "
+                "unit (--unit, units=)"
+            ]
+            if self.stroke > UNLIKELY_STROKE
+            else [],
+            "coarse": [f"only {self.per_cycle:.0f} samples per cycle"]
+            if self.per_cycle is not None and self.per_cycle < MIN_PER_CYCLE
+            else [],
+        }
+
+    def _leaps_in_words(self) -> str:
+        return (
+            f"the displacement leaps {len(self.leaps)} time{'s' * (len(self.leaps) > 1)} within one sample, at "
+            f"{', '.join(f'{t:.4g}' for t in self.leaps[:3])}{' ...' * (len(self.leaps) > 3)} s, and stays there: the "
+            "encoder slipped, or counts were lost; cut the record there, or record it again"
+        )
+
+
+def _false_samples(channel: str, times: tuple[float, ...]) -> str:
+    return (
+        f"{channel} has {len(times)} false sample{'s' * (len(times) > 1)}, it seems: at "
+        f"{', '.join(f'{t:.4g}' for t in times[:3])}{' ...' * (len(times) > 3)} s it leaps away from its neighbours and "
+        "back; cut or repair them, or fit with a loss of huber or l1"
+    )
+
+
+def quality(record: Record) -> Quality:
+    """Report gaps, jitter, saturation and quantisation of a record."""
+    steps = np.diff(record.time)
+    dt = record.dt
+    gaps = np.flatnonzero(steps > GAP * dt)
+    even = steps[steps <= GAP * dt]
+    spans = cycles(record)
+    per_cycle = float(np.mean([i1 - i0 for i0, i1 in spans])) if spans else None
+    channels = {name: getattr(record, name) for name in CHANNELS if name != "time"}
+    arrays = {name: values for name, values in channels.items() if isinstance(values, np.ndarray)}
+    moving = _moving(record, spans)
+    counts = {name: _stuck(getattr(record, name)[moving], per_cycle) for name in ("displacement", "force")}
+    flat = sum(int(np.sum(at)) for _, at in flat_levels(record.force, _motion(record), quantum(record.force) or 0.0))
+    counts["force"] = max(counts["force"], flat)
+    return Quality(
+        samples=record.n,
+        dt=dt,
+        jitter=float(np.sqrt(np.mean((even / dt - 1.0) ** 2))),
+        gaps=tuple((float(record.time[k]), float(steps[k])) for k in gaps),
+        quantum={name: step for name, values in arrays.items() if (step := quantum(values)) is not None},
+        saturated={name: count for name, count in counts.items() if count},
+        per_cycle=per_cycle,
+        spikes={
+            name: tuple(map(float, record.time[at]))
+            for name in ("displacement", "force")
+            if len(at := spikes(getattr(record, name)))
+        },
+        leaps=tuple(map(float, record.time[leaps(record)])),
+        run_away=_run_away(record, spans),
+        stroke=float(np.ptp(record.displacement)),
+    )
+
+
+def spikes(values: Array) -> NDArray[np.int64]:
+    """The samples of a channel that leap away from their neighbours and back, as their numbers."""
+    from scipy.ndimage import maximum_filter, median_filter
+
+    apart = np.abs(values - median_filter(values, SPIKE_WINDOW, mode="nearest"))
+    low, high = np.quantile(values, (0.01, 0.99))
+    usual = float(np.quantile(apart, 0.99))
+    limit = max(SPIKE_SHARE * (high - low), SPIKE_OVER_REST * usual, 3.0 * (quantum(values) or 0.0))
+    if limit <= 0.0:
+        return np.empty(0, dtype=np.int64)
+    # Beside a spike the running median is off too, but by less than the spike itself.
+    foremost = apart > 0.5 * maximum_filter(apart, SPIKE_WINDOW, mode="nearest")
+    return np.asarray(np.flatnonzero((apart > limit) & foremost), dtype=np.int64)
+
+
+def leaps(record: Record) -> NDArray[np.int64]:
+    """The samples at which the displacement is suddenly at another place, and stays there, as their numbers."""
+    steps = np.abs(np.diff(record.displacement))
+    steps[np.diff(record.time) > GAP * record.dt] = 0.0  # across a gap it had the time to move
+    if len(steps) < 4:
+        return np.empty(0, dtype=np.int64)
+    limit = max(LEAP_OVER_FASTEST * float(np.quantile(steps, 0.99)), 3.0 * (quantum(record.displacement) or 0.0))
+    padded = np.r_[0.0, steps, 0.0]
+    around = np.maximum(padded[:-2], padded[2:])  # a spike leaps back at once: its two steps are alike
+    alone = (steps > limit) & (steps > LEAP_OVER_NEIGHBOURS * around)
+    return np.asarray(np.flatnonzero(alone) + 1, dtype=np.int64) if limit > 0.0 else np.empty(0, dtype=np.int64)
+
+
+def _run_away(record: Record, spans: list[tuple[int, int]]) -> float:
+    """How far, m, the middle of the stroke goes one way; 0 where that is little, or no straight line."""
+    if len(spans) < 3:
+        return 0.0
+    extremes = [(float(x.min()), float(x.max())) for i0, i1 in spans for x in [record.displacement[i0 : i1 + 1]]]
+    middles = np.array([0.5 * (low + high) for low, high in extremes])
+    stroke = float(np.median([high - low for low, high in extremes]))
+    count = np.arange(len(middles)) - 0.5 * (len(middles) - 1)
+    line = float(count @ middles / (count @ count)) * count
+    rest = middles - middles.mean() - line
+    moved = float(line[-1] - line[0]) * len(middles) / (len(middles) - 1)  # from the first begin to the last end
+    far = abs(moved) > stroke * min(RUN_AWAY, RUN_AWAY_PER_CYCLE * len(middles))
+    straight = float(rest @ rest) <= (1.0 - RUN_AWAY_STRAIGHT) * float(np.sum((middles - middles.mean()) ** 2))
+    return moved if straight and far else 0.0
+
+
+def _moving(record: Record, spans: list[tuple[int, int]]) -> slice:
+    """The whole cycles, or without them all that comes after the start of the motion."""
+    if spans:
+        return slice(spans[0][0], spans[-1][1])
+    return slice(int(np.searchsorted(record.time, motion_start(record))) + 1, record.n)
+
+
+def _motion(record: Record) -> slice:
+    """From the start of the motion to its end, whole cycles or not."""
+    x = record.displacement
+    away = np.flatnonzero(np.abs(x - x[-1]) > rest_tolerance(x))
+    return slice(int(np.searchsorted(record.time, motion_start(record))) + 1, int(away[-1]) + 1 if len(away) else 0)
+
+
+def _stuck(moving: Array, per_cycle: float | None) -> int:
+    """How many samples stand at the highest or the lowest value in long runs, once the table moves."""
+    long = max(MAX_PLATEAU, PLATEAU_OF_CYCLE * (per_cycle or 0.0))
+    if len(moving) == 0 or np.ptp(moving) == 0:
+        return 0
+    return sum(_in_runs(moving == extreme, long) for extreme in (moving.max(), moving.min()))
+
+
+def flat_levels(values: Array, moving: Any, step: float) -> list[tuple[float, NDArray[np.bool_]]]:
+    r"""The levels at which a noisy channel stands without its noise, each with the samples (n,) that are there.
+
+    So does an amplifier that saturates: its flat tops lie below the converter's rail, end at a turn of the table, and one
+    code takes a large share of the samples. The force of a damper that is constant over its stroke, such as friction, has the
+    noise of its cell. In bins of one ``step`` of the converter, and of at least half the noise :math:`\sigma`, three bins in
+    the middle of a level with noise hold at most
+
+    .. math:: \frac{P(|z| < 1.5 / \sigma)}{P(1.5 / \sigma < z < 4.5 / \sigma)}
+
+    times the samples of the three beside them, whatever the motion. A level is flat from `FLATTER` times that on, with
+    :math:`\sigma` lower by `QUIETER`. ``moving`` are the samples that count, as an index into ``values``. A channel without
+    noise that shows has none: nothing tells its flat tops from friction.
+    """
+    from scipy.special import ndtr
+
+    noise, among = _noise(values), values[moving]
+    width = max(step, 0.5 * noise)
+    if noise == 0.0 or not len(among):
+        return []
+    bins = np.rint(values / width)
+    ordered = np.sort(bins[moving])
+
+    def about(place: Array, reach: float) -> Array:
+        """The samples in the bins within ``reach`` of ``place``."""
+        first = np.searchsorted(ordered, place - reach, "left")
+        last = np.searchsorted(ordered, place + reach, "right")
+        return np.asarray(last - first, dtype=np.float64)
+
+    place, count = np.unique(ordered, return_counts=True)
+    three, flanks = about(place, 1.0), np.maximum(about(place - 3.0, 1.0), about(place + 3.0, 1.0))
+    inner, outer = 1.5 * QUIETER * width / noise, 4.5 * QUIETER * width / noise
+    expected = float(ndtr(inner) - ndtr(-inner)) / max(float(ndtr(outer) - ndtr(inner)), 1e-9)
+    flat = (three >= FLATTER * expected * (flanks + 1.0)) & (three >= SHARE_OF_FLAT * len(among))
+    flat &= count >= np.maximum(about(place - 1.0, 0.0), about(place + 1.0, 0.0))  # and not beside such a level
+    levels: list[tuple[float, NDArray[np.bool_]]] = []
+    for level in place[flat]:
+        at = np.zeros(len(values), dtype=bool)
+        at[moving] = np.abs(bins[moving] - level) <= 1.0
+        levels.append((float(level) * width, at))
+    return levels
+
+
+def _noise(values: Array) -> float:
+    """The standard deviation of a channel's noise: the lower quartile of that in windows in which it shows, by the median of
+    fifth differences, which hold little of the motion; 0 where it shows in too few.
+
+    The differences of noise change their sign at four of five samples, those of a force that turns round hardly ever.
+    """
+    count = len(values) // NOISE_WINDOW
+    differences = np.diff(values[: count * NOISE_WINDOW].reshape(count, NOISE_WINDOW), NOISE_ORDER, axis=1)
+    turns = np.mean(differences[:, 1:] * differences[:, :-1] < 0.0, axis=1)
+    size = np.median(np.abs(differences), axis=1)
+    live = size[(size > 0.0) & (turns > 0.5)]
+    gain = 0.6745 * math.sqrt(math.comb(2 * NOISE_ORDER, NOISE_ORDER))
+    return float(np.quantile(live, 0.25)) / gain if len(live) >= MIN_NOISY else 0.0
+
+
+def _in_runs(flags: Array, long: float) -> int:
+    edges = np.flatnonzero(np.diff(np.r_[False, flags, False].astype(int)))
+    runs = edges[1::2] - edges[::2]
+    return int(np.sum(runs[runs >= long]))
+
+
+@cached_by_record
+def motion_start(record: Record) -> float:
+    """The time, s, of the last sample at rest; the first sample's time where the record starts moving.
+
+    The first excursion of a tenth of the median distance between turning points is motion for certain; from
+    there the search goes back to the last sample that is still at the rest level, which is within 1.5 encoder
+    steps or four standard deviations of the displacement's noise, whichever is wider. A record that never
+    moves starts at its end.
+    """
+    x = record.displacement
+    size = _size(record)
+    away = np.flatnonzero(np.abs(x - x[0]) > EXCURSION * size)
+    if size == 0 or len(away) == 0:
+        return float(record.time[-1])
+    return float(record.time[last_at_rest(x, int(away[0]))])
+
+
+def _size(record: Record) -> float:
+    lengths = np.abs(legs(record))
+    return float(np.median(lengths)) if len(lengths) else float(np.ptp(record.displacement))

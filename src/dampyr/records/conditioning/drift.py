@@ -1,0 +1,45 @@
+"""Drift of the mean position: reported, and removed only when asked."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dampyr.records.cycle_analysis.cycles import require_cycles
+from dampyr.records.record import Array, Record
+
+
+def middles(record: Record) -> tuple[Array, Array]:
+    """Times (s) and mean positions (m) of the whole cycles, ``(cycles,)`` each."""
+    spans = require_cycles(record, "the drift")
+    at = np.array([0.5 * (record.time[i0] + record.time[i1]) for i0, i1 in spans])
+    return at, np.array([_mean(record, i0, i1) for i0, i1 in spans])
+
+
+def drift(record: Record) -> float:
+    """The drift of the mean position, m/s: the slope of the least-squares line through the cycles' means.
+
+    One cycle alone shows its drift as the distance between its two equal turning points over its duration.
+    """
+    at, mean = middles(record)
+    if len(at) == 1:
+        i0, i1 = require_cycles(record, "the drift")[0]
+        moved = record.displacement[i1] - record.displacement[i0]
+        return float(moved / (record.time[i1] - record.time[i0]))
+    return float(np.polyfit(at - at.mean(), mean, 1)[0])
+
+
+def remove_drift(record: Record) -> Record:
+    """The record with the line of its drift taken from the displacement (and its slope from the velocity).
+
+    The damper did feel the drift: use this to compare loops, not to fit a model to them.
+    """
+    slope = drift(record)
+    x = record.displacement - slope * (record.time - record.time[0])
+    velocity = None if record.velocity is None else record.velocity - slope
+    note = f"drift of {slope:.6g} m/s removed from the displacement"
+    return record.replace(note=note, displacement=x, velocity=velocity)
+
+
+def _mean(record: Record, i0: int, i1: int) -> float:
+    edges = np.diff(record.time[i0 : i1 + 1])
+    return float(np.sum(record.displacement[i0:i1] * edges) / np.sum(edges))

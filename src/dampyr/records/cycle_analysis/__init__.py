@@ -1,0 +1,1 @@
+"""Cycles of a record and what is measured of them."""

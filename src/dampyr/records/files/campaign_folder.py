@@ -1,0 +1,236 @@
+"""A campaign is a folder: one with a ``campaign.csv``, one that dampyr recorded, or any folder of record files.
+
+The table's columns are ``file, table, row, voltage_V, peak_to_peak_mm, frequency_Hz, kx_Ns_per_mm, kw_N,
+rho_per_mm, sha256``, and where they are known ``measurement_session, specimen``. What it prints about a test becomes the
+record's label, never its measurement.
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import io
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import Unpack, cast
+
+from dampyr.errors import FileError, InputError, MissingData
+from dampyr.records.files.folder import read_folder
+from dampyr.records.files.folder_metadata import TABLE
+from dampyr.records.files.record_files import Layout, read
+from dampyr.records.record import CHANNELS, GROUPS, Label, Record, Role, as_group, as_role
+from dampyr.representation import Representation, Summary
+from dampyr.units import round_trip, to_si
+
+COLUMNS = ("file", "table", "row", "voltage_V", "peak_to_peak_mm", "frequency_Hz")
+PUBLISHED = {
+    "kx_Ns_per_mm": ("kx", "N s/mm", "N s/m"),
+    "kw_N": ("kw", "N", "N"),
+    "rho_per_mm": ("rho", "1/mm", "1/m"),
+}
+
+
+@dataclass(frozen=True, repr=False)
+class CampaignRow(Representation):
+    """One row of a campaign's table, SI.
+
+    ``file`` is None when the row has no file, or when the file is not in the folder (``file_name`` then still
+    names it). ``published`` holds kx (N s/m), kw (N) and rho (1/m) where the table prints them.
+    """
+
+    file_name: str
+    file: Path | None
+    label: Label
+    voltage: float
+    role: Role
+    sha256: str
+    published: Mapping[str, float]
+    measurement_session: str | None = None
+    specimen: str | None = None
+
+    def _summary(self) -> Summary:
+        printed = ", ".join(f"{name} {value:.4g}" for name, value in self.published.items())
+        rows = [
+            ("table", f"{self.label.table or 'none'}" + (f", row {self.label.row}" if self.label.row else "")),
+            ("label", f"{1e3 * self.label.peak_to_peak_m:.4g} mm peak to peak, {self.label.frequency_hz:.4g} Hz"),
+            ("voltage", f"{self.voltage:.4g} V"),
+            ("role", self.role),
+            ("file", "not in the folder" if self.file is None else self.file.name),
+            ("published", f"{printed} (SI)" if printed else ""),
+        ]
+        return f"CampaignRow {self.file_name!r}", [row for row in rows if row[1]]
+
+    @property
+    def table(self) -> str:
+        """The table it is printed in, such as "4.2"."""
+        return self.label.table
+
+    @property
+    def row(self) -> int | None:
+        """The row of that table, from 1; None for a test that is in no table."""
+        return self.label.row
+
+
+def read_campaign(
+    folder: str | Path,
+    role: Role | None = "fit",
+    incomplete: bool = False,
+    voltage: float | None = None,
+    current: float | None = None,
+    units: Mapping[str, str] | None = None,
+    columns: Mapping[str, str | int | None] | None = None,
+    **layout: Unpack[Layout],
+) -> list[Record]:
+    """The records of a campaign, in the order of its table, or, without one, in the natural order of the files' names.
+
+    Parameters
+    ----------
+    folder
+        A folder with a ``campaign.csv``; or any folder with ``.csv``, ``.txt``, ``.mat`` or ``.h5`` files, each a record.
+        What they do not say themselves is said here, or once for all in a ``reading.toml`` beside them
+        (:mod:`dampyr.records.files.folder_metadata`).
+    role
+        "fit" (the rows of the tables), "validation" (the tests that no fit may use), or None for both.
+    incomplete
+        Of dampyr's own files the complete tests are returned, the latest try of each; True adds all the rest.
+    voltage, current, units, columns, layout
+        For every file, as in :func:`dampyr.records.read`. A ``campaign.csv`` gives the voltages itself, and session and
+        specimen where it has columns for them.
+
+    Rows without a file are skipped here and reported by :func:`campaign_rows`. Text files without a line of numbers, such as
+    a README, are left out with a warning.
+
+    Raises
+    ------
+    MissingData
+        There is no such folder, or there are no tests in it.
+    FileError
+        A file is wrong, is not the file whose sha256 the table gives, or the table is wrong.
+    InputError
+        An input is given beside a ``campaign.csv``, or two records have one name.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> t = np.linspace(0.0, 1.0, 101)
+    >>> Path("sines").mkdir()
+    >>> for k in (1, 2):
+    ...     record = dp.records.Record(t, 0.01 * np.sin(6 * k * t), 50.0 * np.cos(6 * k * t), voltage=1.0)
+    ...     path = dp.records.write(record.replace(note="named", name=f"test{k}"), f"sines/test{k}.h5")
+    >>> [record.name for record in dp.records.read_campaign("sines")]
+    ['test1', 'test2']
+    """
+    folder = _folder(folder)
+    wanted = None if role is None else as_role(role)
+    if (folder / TABLE).is_file():
+        _check_no_input(folder, voltage, current)
+        rows = [row for row in campaign_rows(folder) if wanted in (None, row.role)]
+        return [read_row(row, units, columns, **layout) for row in rows if row.file is not None]
+    records = read_folder(folder, incomplete, voltage=voltage, current=current, units=units, columns=columns, **layout)
+    return [record for record in records if wanted in (None, record.role)]
+
+
+def _check_no_input(folder: Path, voltage: float | None, current: float | None) -> None:
+    for name, value in (("voltage", voltage), ("current", current)):
+        if value is not None:
+            raise InputError(
+                f"{name} = {value:g} {CHANNELS[name]} was given, but {folder / TABLE} says it of each file; leave {name} out"
+            )
+
+
+def campaign_rows(folder: str | Path | None = None) -> list[CampaignRow]:
+    """Every row of a campaign's table, those without a file too (``row.file is None``).
+
+    Without a folder: the table of the Labcontrol campaign that comes with dampyr, all files None.
+    """
+    if folder is None:
+        text = resources.files("dampyr.records").joinpath("labcontrol_campaign.csv").read_text("utf-8")
+        return _rows(Path("labcontrol_campaign.csv"), text, None)
+    path = _folder(folder) / TABLE
+    if not path.is_file():
+        raise MissingData(f"{path}: there is no such table; a campaign's folder holds one")
+    return _rows(path, path.read_text("utf-8"), path.parent)
+
+
+def read_row(
+    row: CampaignRow,
+    units: Mapping[str, str] | None = None,
+    columns: Mapping[str, str | int | None] | None = None,
+    **layout: Unpack[Layout],
+) -> Record:
+    """The record of one row: its file checked by sha256, with the row's voltage, label, role, session and specimen."""
+    if row.file is None:
+        where = f"row {row.row} of table {row.table}" if row.row else f"the test of {row.table}"
+        raise MissingData(f"{where} has no file{f' {row.file_name}' if row.file_name else ''}; choose another row")
+    check_sha256(row.file, row.sha256)
+    named = {name: getattr(row, name) for name in GROUPS if getattr(row, name) is not None}
+    said = cast(Layout, {**named, **layout})
+    record = read(row.file, voltage=row.voltage, units=units, columns=columns, **said)
+    provenance = dict(record.provenance) | {"campaign": TABLE, "sha256": row.sha256}
+    note = f"voltage, label and role from {TABLE}"
+    return record.replace(note=note, label=row.label, role=row.role, provenance=provenance)
+
+
+def check_sha256(path: Path, expected: str) -> None:
+    """Raise :class:`FileError` unless the file has this sha256; an empty one is not checked."""
+    actual = hashlib.sha256(path.read_bytes()).hexdigest()
+    if expected and actual != expected.lower():
+        raise FileError(path, f"its sha256 is {actual}, the table says {expected.lower()}; fetch the file again")
+
+
+def _folder(folder: str | Path) -> Path:
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise MissingData(
+            f"{folder}: there is no such folder; check the path, or fetch the published campaign with "
+            "`dampyr datasets fetch labcontrol`"
+        )
+    return folder
+
+
+def _rows(path: Path, text: str, folder: Path | None) -> list[CampaignRow]:
+    reader = csv.DictReader(io.StringIO(text, newline=""))
+    missing = [name for name in COLUMNS if name not in (reader.fieldnames or ())]
+    if missing:
+        raise FileError(path, f"the column {missing[0]} is missing; a campaign's table has {', '.join(COLUMNS)}")
+    return [_row(path, line, cells, folder) for line, cells in enumerate(reader, start=2)]
+
+
+def _row(path: Path, line: int, cells: dict[str, str], folder: Path | None) -> CampaignRow:
+    def number(column: str) -> float:
+        try:
+            return float(cells[column])
+        except (TypeError, ValueError):
+            raise FileError(
+                path, f"line {line}: {column} = {cells[column]!r} is not a number; repair the table"
+            ) from None
+
+    try:
+        label = Label(
+            round_trip(to_si(number("peak_to_peak_mm"), "mm", "m")),
+            number("frequency_Hz"),
+            (cells["table"] or "").strip(),
+            int(number("row")) if (cells["row"] or "").strip() else None,
+        )
+    except FileError:
+        raise
+    except InputError as problem:
+        raise FileError(path, f"line {line}: {problem}") from problem
+    groups = {name: as_group(name, text) for name in GROUPS if (text := (cells.get(name) or "").strip())}
+    printed = {c: parts for c, parts in PUBLISHED.items() if (cells.get(c) or "").strip()}
+    name = (cells["file"] or "").strip()
+    there = folder is not None and bool(name) and (folder / name).is_file()
+    return CampaignRow(
+        file_name=name,
+        file=folder / name if folder is not None and there else None,
+        label=label,
+        voltage=number("voltage_V"),
+        role="validation" if label.row is None else "fit",
+        sha256=(cells.get("sha256") or "").strip(),
+        published={word: round_trip(to_si(number(c), unit, si)) for c, (word, unit, si) in printed.items()},
+        **groups,
+    )

@@ -1,0 +1,319 @@
+"""From columns of numbers to a record: which column is which channel, and each channel in SI.
+
+The columns come from a text (:mod:`dampyr.records.files.text_columns`) or a MATLAB file (:mod:`dampyr.records.formats.mat`).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dampyr.errors import FileError
+from dampyr.records.conditioning.integrated_displacement import with_integrated_displacement
+from dampyr.records.conditioning.nominal_input import MEASURED, SOURCE
+from dampyr.records.files.record_files import Request
+from dampyr.records.record import CHANNELS, Array, Record
+from dampyr.units import to_si
+
+WORDS = {
+    "time": ("time", "t", "tempo", "timestamp"),
+    "displacement": ("displacement", "disp", "dist", "position", "stroke", "x"),
+    "force": ("force", "forc", "load", "f"),
+    "velocity": ("velocity", "speed", "v"),
+    "voltage": ("voltage", "u"),
+    "current": ("current", "i"),
+    "temperature": ("temperature", "temp"),
+}
+SPELLINGS = {
+    **dict.fromkeys(("sec", "secs", "second", "seconds"), "s"),
+    **dict.fromkeys(("msec", "msecs"), "ms"),
+    **dict.fromkeys(("newton", "newtons"), "N"),
+    **dict.fromkeys(("volt", "volts"), "V"),
+    **dict.fromkeys(("amp", "amps", "ampere", "amperes"), "A"),
+}
+"""Units as testing machines spell them, in lower case."""
+TEMPERATURES = {
+    **dict.fromkeys(("degc", "°c", "deg c", "deg_c", "celsius", "c"), "degC"),
+    **dict.fromkeys(("degf", "°f", "deg f", "deg_f", "fahrenheit", "f"), "degF"),
+    **dict.fromkeys(("k", "kelvin"), "kelvin"),
+}
+"""Units of a temperature, in lower case: there, C and F are no coulomb and no farad."""
+MAX_NAMED = 20  # columns that a message lists: a line of a page
+HALF_A_DAY = 43200.0  # s: a clock that goes back by more has passed midnight, one that goes back by less is wrong
+
+
+@dataclass(frozen=True)
+class Table:
+    """Columns as a file has them: names, units ("" unknown), both empty without a header, and ``(n, m)`` values.
+
+    ``kinds`` says what each column holds: "number"; or s, of a "clock" since midnight, of a "stamp" and a "date" since the
+    midnight before the first. Empty: all are numbers. ``stamps`` are the first row's texts of those that are no numbers, by
+    column, ``groups`` what the file says of its session and specimen, ``lines`` the line of each row in the file, ``empty`` the
+    line of the first empty cell of each column that has one, and ``notes`` what the history says of how it was read.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    values: Array
+    kinds: tuple[str, ...] = ()
+    stamps: Mapping[int, str] = field(default_factory=dict)
+    groups: Mapping[str, str] = field(default_factory=dict)
+    lines: Sequence[int] = ()
+    empty: Mapping[int, int] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+    def headers(self) -> list[str]:
+        """Every column with its unit, ``Force [kN]``."""
+        return [f"{name} [{unit}]" if unit else name for name, unit in zip(self.names, self.units)]
+
+    def in_words(self) -> str:
+        """What a person can choose from."""
+        count = self.values.shape[1]
+        if not self.names:
+            return f"{count} columns without names, 0 to {count - 1}"
+        words = self.names if len(set(self.names)) == len(self.names) else self.headers()
+        return ", ".join(words[:MAX_NAMED]) + (f" and {count - MAX_NAMED} more" if count > MAX_NAMED else "")
+
+
+def record_of(path: Path, table: Table, request: Request, kind: str) -> Record:
+    """The record in a table, every channel in SI; ``kind`` is the name of the format."""
+    used = _columns(path, table, request)
+    _check_needed(path, table, used, request)
+    _check_kinds(path, table, used)
+    _check_empty(path, table, used)
+    _check_units(path, table, used, request)
+    channels: dict[str, Any] = {
+        name: _in_si(path, table, name, column, request) for name, column in used.items() if name != "time"
+    }
+    time, stamp, notes = _time(path, table, used.get("time"), request)
+    measured = {name: channels.pop(name, None) for name in ("voltage", "current")}
+    inputs: dict[str, Any] = request.input_channels(**measured)
+    _check_one_input(path, inputs)
+    provenance = {"file": path.name, "format": kind, "header": ", ".join(table.headers())}
+    is_measured = any(value is not None and value is measured[name] for name, value in inputs.items())
+    fields: dict[str, Any] = dict(
+        time=time,
+        **channels,
+        voltage=_constant(inputs["voltage"]),
+        current=_constant(inputs["current"]),
+        name=path.stem,
+        provenance=provenance | stamp | ({SOURCE: MEASURED} if is_measured else {}),
+        history=("read from columns, converted to SI", *table.notes, *notes, *request.replaced(**measured)),
+        **table.groups,
+    )
+    return Record(**fields) if "displacement" in channels else with_integrated_displacement(**fields)
+
+
+def name_and_unit(cell: str) -> tuple[str, str]:
+    """The two parts of a cell of a header, ``force (N)`` or ``force [N]``; the unit is "" where there is none."""
+    match = re.fullmatch(r"(.*?)\s*[\[(]([^\])]*)[\])]\s*", cell)
+    return (match[1].strip(), match[2].strip()) if match else (cell.strip(), "")
+
+
+def _columns(path: Path, table: Table, request: Request) -> dict[str, int]:
+    """Which column each channel is: as declared, else by the words of the header among the columns that are left."""
+    declared = {channel: said for channel, said in request.columns.items() if said != ""}
+    used: dict[str, int] = {}
+    for channel, said in declared.items():
+        if said is None or said == "-":
+            continue
+        used[channel] = _declared_column(path, table, channel, said)
+        twice = [other for other in used if other != channel and used[other] == used[channel]]
+        if twice:
+            raise FileError(
+                path, f"the column {said!r} is declared as the {twice[0]} and as the {channel}; name two columns"
+            )
+    for channel in CHANNELS:
+        if channel not in declared and (column := _by_words(path, table, channel, set(used.values()))) is not None:
+            used[channel] = column
+    return {channel: used[channel] for channel in CHANNELS if channel in used}
+
+
+def guess_channels(path: Path, table: Table) -> dict[str, int]:
+    """Channel -> the column that its header's words say it is; those that are not certain are left out."""
+    guessed: dict[str, int] = {}
+    for channel in CHANNELS:
+        with suppress(FileError):
+            column = _by_words(path, table, channel, set(guessed.values()))
+            guessed |= {} if column is None else {channel: column}
+    return guessed
+
+
+def _declared_column(path: Path, table: Table, channel: str, said: str | int) -> int:
+    count = table.values.shape[1]
+    if isinstance(said, str):
+        fits = _called(table, said)
+        if len(fits) == 1:
+            return fits[0]
+        if fits:
+            which = " and ".join(f"{table.headers()[k]!r} is number {k}" for k in fits)
+            raise FileError(
+                path, f"{len(fits)} columns are called {said!r} ({which}); give the full header or the number"
+            )
+        if not said.strip().isdigit():
+            raise FileError(path, f"there is no column {said!r}; choose from {table.in_words()}")
+        said = int(said)
+    if not 0 <= said < count:
+        raise FileError(path, f"columns[{channel!r}] = {said} is no column; choose a number from 0 to {count - 1}")
+    return said
+
+
+def _by_words(path: Path, table: Table, channel: str, taken: set[int]) -> int | None:
+    lower = [name.lower() for name in table.names]
+    fits = [k for word in WORDS[channel] for k, name in enumerate(lower) if name == word and k not in taken]
+    if len(fits) > 1:
+        names = " and ".join(table.headers()[k] for k in fits)
+        raise FileError(
+            path,
+            f"the columns {names} could all be the {channel}; declare which, --column {channel}=NAME or "
+            f"columns={{{channel!r}: NAME}}, by the full header or the number from 0",
+        )
+    return fits[0] if fits else None
+
+
+def _called(table: Table, said: str) -> list[int]:
+    """The columns of this header; else of this name with its unit; else of this name, in upper or lower case."""
+    exact = [k for k, (name, full) in enumerate(zip(table.names, table.headers())) if said in (name, full)]
+    if len(exact) == 1:
+        return exact
+    name, unit = (part.lower() for part in name_and_unit(said))
+    called = [k for k, each in enumerate(table.names) if each.lower() in (name, said.strip().lower())]
+    with_unit = [k for k in called if unit and table.units[k].lower() == unit]
+    if unit and not with_unit:
+        return [k for k in called if table.names[k].lower() == said.strip().lower()]
+    return with_unit or called
+
+
+def _check_needed(path: Path, table: Table, used: dict[str, int], request: Request) -> None:
+    """Time (or ``dt``), force, and displacement or velocity have to be there."""
+    if request.dt is not None and "time" in used:
+        there = repr(table.names[used["time"]]) if table.names else f"number {used['time']}"
+        raise FileError(
+            path,
+            f"dt = {request.dt:g} s was given, but the column {there} is the time; leave one of them out, such as "
+            "--column time=- or columns={'time': None}",
+        )
+    instead = {"time": request.dt is not None, "displacement": "velocity" in used}
+    absent = [name for name in ("time", "displacement", "force") if name not in used and not instead.get(name)]
+    if absent:
+        words = " or ".join([", ".join(f"the {name}" for name in absent[:-1]), f"the {absent[-1]}"][len(absent) == 1 :])
+        options = " ".join(f"--column {name}=NAME" for name in absent)
+        call = ", ".join(f"{name!r}: NAME" for name in absent)
+        also = ", or give the sampling interval: --dt 0.001, dt=0.001" if "time" in absent else ""
+        raise FileError(
+            path,
+            f"no column is {words} (there: {table.in_words()}); declare which, {options} or columns={{{call}}}{also}",
+        )
+
+
+def _check_kinds(path: Path, table: Table, used: dict[str, int]) -> None:
+    for channel, column in used.items():
+        if channel != "time" and _kind(table, column) != "number":
+            raise FileError(
+                path,
+                f"the column of the {channel} holds {table.stamps[column]!r}, which is no number; declare another, "
+                f"--column {channel}=NAME or columns={{{channel!r}: NAME}}",
+            )
+
+
+def _check_empty(path: Path, table: Table, used: dict[str, int]) -> None:
+    for channel, column in used.items():
+        if column in table.empty:
+            raise FileError(
+                path, f"line {table.empty[column]}: the cell of the {channel} is empty; repair or cut out the line"
+            )
+
+
+def _kind(table: Table, column: int) -> str:
+    return table.kinds[column] if table.kinds else "number"
+
+
+def _check_units(path: Path, table: Table, used: dict[str, int], request: Request) -> None:
+    """Raise :class:`FileError` with every column that has no unit, not the first one only."""
+    used = {channel: column for channel, column in used.items() if _kind(table, column) == "number"}
+    stated = {channel: table.units[column] if table.units else "" for channel, column in used.items()}
+    bare = [channel for channel in used if not (stated[channel] or request.units.get(channel))]
+    if bare:
+        names = ", ".join(repr(table.names[used[channel]]) if table.names else str(used[channel]) for channel in bare)
+        raise FileError(
+            path,
+            f"the {'columns' if len(bare) > 1 else 'column'} {names} {'have' if len(bare) > 1 else 'has'} no unit; write it in "
+            f"the header, such as {bare[0]} [{CHANNELS[bare[0]]}], or declare it: --unit {bare[0]}={CHANNELS[bare[0]]}, "
+            f"units={{{bare[0]!r}: {CHANNELS[bare[0]]!r}}} or in reading.toml",
+        )
+
+
+def _check_one_input(path: Path, inputs: dict[str, Any]) -> None:
+    if all(value is not None for value in inputs.values()):
+        raise FileError(
+            path,
+            "voltage and current are both given; a record has one input, so leave one out, such as --column voltage=- or "
+            "columns={'voltage': None}",
+        )
+
+
+def _time(
+    path: Path, table: Table, column: int | None, request: Request
+) -> tuple[Array, dict[str, str], tuple[str, ...]]:
+    """The time in s, the text of its first stamp for the provenance, and what the history says of it."""
+    if column is None:
+        assert request.dt is not None
+        n = len(table.values)
+        return request.dt * np.arange(n, dtype=float), {}, (f"time from the sampling interval, {request.dt:g} s",)
+    kind = _kind(table, column)
+    if kind == "number":
+        return _in_si(path, table, "time", column, request), {}, ()
+    seconds, first = table.values[:, column], table.stamps[column]
+    note = "time stamps as s from the first one"
+    if kind == "clock":
+        dates = [k for k in range(table.values.shape[1]) if _kind(table, k) == "date"]
+        if len(dates) == 1:
+            seconds, first = seconds + table.values[:, dates[0]], f"{table.stamps[dates[0]]} {first}"
+        else:
+            midnights = np.cumsum(np.diff(seconds, prepend=seconds[0]) < -HALF_A_DAY)
+            seconds = seconds + 86400.0 * midnights
+            note += ", past midnight" * bool(midnights[-1])
+    elif kind == "date":
+        raise FileError(path, f"the column of the time holds dates alone ({first}); declare the column of the clock")
+    same = np.flatnonzero(np.diff(seconds) == 0)
+    if len(same):
+        k = int(same[0])
+        where = f"lines {table.lines[k]} and {table.lines[k + 1]}" if table.lines else f"rows {k} and {k + 1}"
+        raise FileError(
+            path,
+            f"{where} have the same time stamp ({len(same)} such pairs): the clock is coarser than the samples; give their "
+            "interval, such as --column time=- --dt 0.01, or columns={'time': None} and dt=0.01",
+        )
+    day = re.match(r"(\d{4})\D(\d{1,2})\D(\d{1,2})", first)
+    date = {"date": "{}-{:0>2}-{:0>2}".format(*day.groups())} if day else {}
+    return seconds - seconds[0], {"first_sample": first} | date, (note,)
+
+
+def _in_si(path: Path, table: Table, channel: str, column: int, request: Request) -> Array:
+    stated = table.units[column] if table.units else ""
+    declared = request.units.get(channel, "")
+    if stated and declared and _spelled(stated, channel) != _spelled(declared, channel):
+        raise FileError(
+            path,
+            f"the header says {channel} is in {stated!r}, but units declares {declared!r}; leave it out of units",
+        )
+    unit = _spelled(declared or stated, channel)
+    values = table.values[:, column]
+    return values if unit == CHANNELS[channel] else to_si(values, unit, CHANNELS[channel])
+
+
+def _spelled(unit: str, channel: str) -> str:
+    """A unit as :func:`dampyr.units.to_si` spells it."""
+    word = unit.strip().lower()
+    return (TEMPERATURES if channel == "temperature" else SPELLINGS).get(word, unit)
+
+
+def _constant(values: Any) -> Any:
+    """A channel that never changes is a constant input."""
+    return float(values[0]) if np.ndim(values) == 1 and len(values) and np.ptp(values) == 0 else values

@@ -1,0 +1,59 @@
+"""Conversion: records written again in another format, each whole or not at all, no file overwritten."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from dampyr import registry
+from dampyr.errors import InputError
+from dampyr.records.conditioning.velocity import with_velocity
+from dampyr.records.files.record_files import REGISTRY, write
+from dampyr.records.record import Record
+
+
+def convert(
+    records: Iterable[Record], folder: str | Path, to: str = "h5", progress: Callable[[Path], None] | None = None
+) -> list[Path]:
+    """Write each record to ``folder/NAME.to``; the paths, in the order of the records.
+
+    Parameters
+    ----------
+    records
+        such as :func:`dampyr.records.read_campaign` gives; their names must differ.
+    folder
+        Where to; it is made. A file that is there already is never overwritten.
+    to
+        The suffix of the format, such as ``h5``, ``csv`` and ``mat``. One that needs a velocity gets the derived one
+        (:func:`dampyr.records.with_velocity`); the record's history says so.
+    progress
+        Called with each path once it is written.
+
+    Raises
+    ------
+    InputError
+        Before anything is written: a format that is not written, two records of one name, a file that is there.
+    FileError
+        A record that the format cannot hold, such as a smoothed one in columns; what was written before it stays.
+    """
+    writable = [name for name, module in registry.members(REGISTRY) if hasattr(module, "write")]
+    kind = to.lower().removeprefix(".")
+    if kind not in writable:
+        raise InputError(f"records are not written as {to!r}; choose from {', '.join(writable)}")
+    records = list(records)
+    name, count = Counter(record.name for record in records).most_common(1)[0] if records else ("", 0)
+    if count > 1:
+        raise InputError(f"{count} records are called {name!r}; convert them into folders of their own")
+    paths = [Path(folder) / f"{record.name}.{kind}" for record in records]
+    there = [path for path in paths if path.exists()]
+    if there:
+        more = f" and {len(there) - 1} more" if there[1:] else ""
+        raise InputError(f"{there[0]}{more} is there already; choose another folder, or remove it")
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    needs_velocity = getattr(registry.member(REGISTRY, kind), "NEEDS_VELOCITY", False)
+    for record, path in zip(records, paths, strict=True):
+        write(with_velocity(record) if needs_velocity and record.velocity is None else record, path)
+        if progress is not None:
+            progress(path)
+    return paths

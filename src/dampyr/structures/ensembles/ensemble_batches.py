@@ -1,0 +1,377 @@
+r"""Shards of an ensemble: the cases of each sorted into blocks that an engine runs together.
+
+The step is that of the rule (`dampyr.structures.time_history.step_size`) with :math:`\omega_s h \le 1`; 0.4 of it where the
+accuracy is "strict", and less where dampers stretch in series (`dampyr.structures.ensembles.ensemble_grid`). The error is
+measured: of every kind of case in a shard one block is run again with half the step, of the cases that are hardest and of
+others at random. Hardest are those whose floors or storeys move least beside their others, as a stuck damper lets them, and
+the weakest motions on the stiffest dampers.
+
+Every block of a precision is equally wide (64 or 128 histories), filled or not, and a history does not depend on its
+neighbours: the numbers are the same however the work is divided.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass, replace
+from functools import partial
+from threading import Lock
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+from dampyr.structures.batch import bouc_wen_branchless
+from dampyr.structures.batch.engine import Engine, can_run, engine
+from dampyr.structures.batch.gpu import engine as gpu_engine
+from dampyr.structures.building import Building, Condensed
+from dampyr.structures.ensembles.ensemble_grid import STEPS, STEPS_IN_SERIES, STEPS_WITH_MEMORY, Cases
+from dampyr.structures.sites import Site, calibrated_displacements, connections, laws_of
+from dampyr.structures.time_history.kernel_run import runner
+from dampyr.structures.time_history.modal_coordinates import refinements
+from dampyr.structures.time_history.response import Run, relative_change
+from dampyr.structures.time_history.step_size import (
+    ACCURACIES,
+    difference_slopes,
+    halve_under_laws,
+    largest_step,
+    largest_stiffness,
+    steps_per_sample,
+)
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+LIMIT = 1.0  # of omega h: fast stays below 0.1 % of the peak in the standard suite with it
+JUDGED = ("displacement", "drift")
+LEFT_OUT = {"displacement": "truncation", "drift": "truncation", "acceleration": "truncation_acceleration",
+            "force": "truncation_force"}  # fmt: skip
+# Peaks above both of these are held to a bound: smaller ones are of no consequence, and of a floor that a stuck damper locks
+# the relative error has none that a fixed step could hold.
+MOVING, MOVING_SHARE = 1e-4, 0.01  # m; of the largest of the case
+SEED = 15  # of the choice of the cases that are judged; any
+AT_LIMIT = 1.01  # times the calibrated displacement: what rounding and peaks between samples add is none
+JUDGED_ONE_BY_ONE = 4  # at most, of the cases of a kind that no engine can run: each costs two more
+
+
+@dataclass
+class Shard:
+    """Result of shard ``number``: ``values`` quantity -> (lines, scales, width), NaN where a building has no such storey.
+
+    ``error`` is the largest relative change of a peak on halving the step, among ``judged`` cases, twice that where the step
+    counts to first order; ``moving`` the same of peaks above 0.1 mm and 1 % of the largest of the case; ``unbounded`` counts
+    cases that grew without bound; ``general`` counts those that no engine can run, ``unconverged`` those under control
+    laws whose step could not be made short enough. ``truncation`` is the largest relative change of a peak displacement or
+    drift of reduced structures beside half as many coordinates, among the judged cases, -1 where there is none;
+    ``truncation_acceleration`` and ``truncation_force`` are those of accelerations and forces. ``calibrated`` counts the cases
+    of which a damper's card states the displacement that it was calibrated on, ``beyond`` those of them that leave it, by up to
+    ``beyond_times``.
+    """
+
+    number: int
+    lines: range
+    values: dict[str, Array]
+    error: float = 0.0
+    judged: int = 0
+    unbounded: int = 0
+    general: int = 0
+    moving: float = 0.0
+    unconverged: int = 0
+    truncation: float = -1.0
+    truncation_acceleration: float = -1.0
+    truncation_force: float = -1.0
+    calibrated: int = 0
+    beyond: int = 0
+    beyond_times: float = 0.0
+
+
+def run_shard(shard: int, shards: int, cases: Cases) -> Shard:
+    """Shard number ``shard`` of ``shards``: a pure function of its arguments, for any process on any machine."""
+    lines = cases.lines_of(shard, shards)
+    empty = {q: np.full((len(lines), len(cases.scales), cases.width(q)), np.nan) for q in cases.quantities}
+    done = Shard(shard, lines, empty)
+    for kind, members in _kinds(cases, lines).items():
+        if kind[-1] is None:
+            _one_by_one(cases, members, done)
+        else:
+            _in_blocks(cases, kind, members, done)
+    if "stroke" in done.values:
+        _count_beyond(cases, done)
+    return done
+
+
+def _count_beyond(cases: Cases, done: Shard) -> None:
+    """Count the cases in which a stroke leaves the displacement that its damper was calibrated on."""
+    _, placements, _, _ = np.unravel_index(np.array(done.lines, dtype=np.int64), cases.shape[:-1])
+    for k, placed in enumerate(cases.placements):
+        limits = np.array(calibrated_displacements(placed))
+        if np.any(np.isfinite(limits)):
+            strokes = done.values["stroke"][placements == k, :, : len(limits)]
+            times = np.max(np.nan_to_num(strokes, nan=np.inf) / limits, axis=-1)
+            done.calibrated += times.size
+            done.beyond += int(np.sum(times > AT_LIMIT))
+            done.beyond_times = max(done.beyond_times, float(np.max(times, initial=0.0, where=np.isfinite(times))))
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """A line of a shard: where its values go, its sites and its motion."""
+
+    row: int
+    building: int
+    sites: tuple[Site, ...]
+    motion: int
+    m: int
+    stiffness: float  # 1/s2, the largest of the dampers at rest over the mass that each moves
+
+
+def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
+    """The lines by what one engine can run; the last of a key is None where no engine can."""
+    groups: dict[tuple[Any, ...], list[Member]] = {}
+    cached: dict[tuple[int, int, int], tuple[tuple[Site, ...], float, float]] = {}
+    for row, number in enumerate(lines):
+        b, d, u, k = cases.line(number)
+        if (b, d, u) not in cached:
+            sites = tuple(map(_without_zero_delay, cases.sites_of(b, d, u)))
+            share = 1.0 if laws_of(sites) else _share(cases.accuracy, sites)  # under laws the step is halved
+            slopes = difference_slopes(sites)
+            building = refinements(cases.buildings[b], connections(cases.buildings[b], sites))[0]
+            rule = largest_step(building, sites, slopes, LIMIT)
+            cached[b, d, u] = sites, share * rule, largest_stiffness(building, sites, slopes)
+        sites, step, stiffness = cached[b, d, u]
+        dt = cases.motions[k].dt
+        m = steps_per_sample(dt, step, sites)
+        compositions = tuple(site.composition for site in sites)
+        rows = tuple(map(tuple, connections(cases.buildings[b], sites).tolist()))
+        branchless = cases.device == "cpu" and bouc_wen_branchless.is_vectorisable(
+            (site.composition, site.values) for site in sites
+        )
+        key = (b, rows, compositions, dt, branchless, m if can_run(compositions) and not laws_of(sites) else None)
+        groups.setdefault(key, []).append(Member(row, b, sites, k, m, stiffness))
+    return groups
+
+
+def _share(accuracy: str, sites: tuple[Site, ...]) -> float:
+    """The step as a share of the rule's."""
+    series = [site.composition for site in sites if site.composition.in_series]
+    if any(part.follows_velocity for composition in series for part in composition.parts):
+        return STEPS_WITH_MEMORY[accuracy]
+    return STEPS_IN_SERIES[accuracy] if series else STEPS[accuracy]
+
+
+def _without_zero_delay(site: Site) -> Site:
+    """The site without a delay of 0 s, which a ring of past forces cannot represent."""
+    k = site.composition.delay
+    if k is None or site.delay > 0:
+        return site
+    return replace(site, damper=site.damper.without("delay"), values=np.delete(site.values, k))
+
+
+def _in_blocks(cases: Cases, kind: tuple[Any, ...], members: list[Member], done: Shard) -> None:
+    m, scales = kind[-1], len(cases.scales)
+    made = _made(cases, kind, members[0].sites, m)
+    inputs = Inputs.of(cases, sorted(members, key=lambda member: cases.motions[member.motion].n))
+    for first in range(0, len(members) * scales, made.max_histories):
+        who, scale = np.divmod(np.arange(first, min(first + made.max_histories, len(members) * scales)), scales)
+        peaks = inputs.run(made, who, cases.scales[scale])
+        _store(inputs.rows[who], scale, peaks, done)
+    if any(quantity in done.values for quantity in JUDGED):
+        who, scale = _hardest_and_random(cases, inputs, made.text.block_width, done)
+        coarse = {
+            q: done.values[q][inputs.rows[who], scale, : cases.buildings[kind[0]].n_floors]
+            for q in JUDGED
+            if q in done.values
+        }
+        finer = inputs.run(_made(cases, kind, members[0].sites, 2 * m), who, cases.scales[scale])
+        _judge(coarse, finer, done, any(composition.in_series for composition in kind[2]))
+        whole, half = refinements(cases.buildings[kind[0]], np.array(kind[1]).reshape(-1, cases.buildings[kind[0]].n))
+        if whole is not cases.buildings[kind[0]]:
+            peaks = inputs.run(made, who, cases.scales[scale])
+            fewer = None
+            if half is not None:
+                fewer = inputs.run(_made(cases, kind, members[0].sites, m, half), who, cases.scales[scale])
+            _judge_truncation(fewer, peaks, whole, done)
+
+
+def _hardest_and_random(cases: Cases, inputs: Inputs, count: int, done: Shard) -> tuple[Integers, Integers]:
+    """Up to ``count`` members and scales of a kind, a quarter each: those whose least floor or storey moves least beside its
+    largest; the same, but at most one of each member; the weakest motions on the stiffest dampers; and any, at random."""
+    members, scales = len(inputs.rows), len(cases.scales)
+    size = members * scales
+    if size <= count:
+        who, scale = np.divmod(np.arange(size), scales)
+        return who, scale
+    quantity = next(quantity for quantity in JUDGED if quantity in done.values)
+    peaks = np.nan_to_num(
+        done.values[quantity][inputs.rows], nan=np.inf
+    )  # of cases without bound, and storeys that are not
+    largest = np.max(peaks, axis=2, initial=0.0, where=np.isfinite(peaks))
+    locked = np.min(peaks, axis=2) / np.maximum(largest, 1e-300)
+    of_each = np.full(locked.shape, np.inf)
+    best = (np.arange(members), np.argmin(locked, axis=1))
+    of_each[best] = locked[best]
+    weak = np.outer(inputs.strengths / inputs.stiffnesses, np.abs(cases.scales))
+    chosen: list[int] = []
+    for rank in (locked, of_each, weak):
+        order = np.argsort(rank.ravel(), kind="stable")
+        chosen += order[~np.isin(order, chosen)][: count // 4].tolist()
+    others = np.setdiff1d(np.arange(size), chosen)
+    random = np.random.default_rng((SEED, done.number)).choice(others, count - len(chosen), replace=False)
+    who, scale = np.divmod(np.concatenate([chosen, random]).astype(np.int64), scales)
+    return who, scale
+
+
+@dataclass(frozen=True, eq=False)
+class Inputs:
+    """Inputs of an engine for members of one kind, a row for a member."""
+
+    rows: Integers
+    motions: list[Array]
+    values: list[Array]
+    rest: Array
+    delays: Array
+    strengths: Array  # m/s2, the peaks of the motions
+    stiffnesses: Array  # 1/s2, of the members
+
+    @classmethod
+    def of(cls, cases: Cases, members: list[Member]) -> Inputs:
+        """Members in their order."""
+        count, rest_forces = len(members[0].sites), {id(member.sites): _rest(member.sites) for member in members}
+        return cls(
+            np.array([member.row for member in members]),
+            [cases.motions[member.motion].acceleration for member in members],
+            [np.array([member.sites[d].values for member in members]) for d in range(count)],
+            np.array([rest_forces[id(member.sites)] for member in members]),
+            np.array([[site.delay for site in member.sites] for member in members]),
+            np.array([cases.motions[member.motion].pga for member in members]),
+            np.array([member.stiffness for member in members]),
+        )
+
+    def run(self, made: Engine, who: Integers, scales: Array) -> dict[str, Array]:
+        """The peaks of members ``who``, each under its motion times its scale."""
+        motions = [self.motions[k] for k in who]
+        return made.run(motions, [v[who] for v in self.values], self.rest[who], self.delays[who], scales)
+
+
+_ENGINES: OrderedDict[tuple[Any, ...], Engine] = OrderedDict()
+MAX_ENGINES, _LOCK = 64, Lock()
+
+
+def _made(
+    cases: Cases, kind: tuple[Any, ...], sites: tuple[Site, ...], m: int, building: Building | None = None
+) -> Engine:
+    """The engine of a kind of cases with m steps per sample, of the ``building`` that responses take unless one is given; this
+    process caches the latest ones."""
+    compositions, dt, branchless = kind[2], kind[3], kind[4]
+    if building is None:
+        own = cases.buildings[kind[0]]
+        building = refinements(own, connections(own, sites))[0]
+    ground = building.ground_terms()[0]
+    matrices = tuple(a.tobytes() for a in (building.M, building.C, building.K, building.influence, ground))
+    key = (matrices, kind[1], compositions, dt, m, cases.quantities, cases.precision, cases.device, branchless)
+    with _LOCK:
+        if key not in _ENGINES:
+            make = gpu_engine if cases.device == "gpu" else engine
+            rows = connections(building, sites)
+            _ENGINES[key] = make(building, rows, compositions, dt, m, cases.quantities, cases.precision, branchless)
+            while len(_ENGINES) > MAX_ENGINES:
+                _ENGINES.popitem(last=False)
+        return _ENGINES[key]
+
+
+def _rest(sites: tuple[Site, ...]) -> Array:
+    """The forces of the dampers at rest."""
+    from dampyr.models.path_integration import along
+
+    t, still = np.array([0.0, 1e-3]), np.zeros(2)
+    return np.array([along(site.composition, t, still, still, site.values)[0] for site in sites])
+
+
+def _store(rows: Integers, scales: Integers, peaks: dict[str, Array], done: Shard) -> None:
+    good = np.all([np.isfinite(values).all(axis=1) for values in peaks.values()], axis=0)
+    done.unbounded += int(np.sum(~good))
+    for quantity, values in peaks.items():
+        values[~good] = np.nan
+        done.values[quantity][rows, scales, : values.shape[1]] = values
+
+
+def _judge(coarse: dict[str, Array], fine: dict[str, Array], done: Shard, first_order: bool) -> None:
+    """Measure the error of cases by half the step: halving leaves a sixteenth of it, or half of it."""
+    for quantity in JUDGED:
+        if quantity in coarse:
+            size = np.abs(fine[quantity])
+            with np.errstate(invalid="ignore", divide="ignore"):
+                gap = np.abs(coarse[quantity] / fine[quantity] - 1.0) * (2.0 if first_order else 1.0)
+            gap[~np.isfinite(gap)] = 0.0  # a case without bound, or a floor that never moves
+            moving = (size > MOVING) & (size > MOVING_SHARE * size.max(axis=1, keepdims=True))
+            done.error = max(done.error, float(np.max(gap, initial=0.0)))
+            done.moving = max(done.moving, float(np.max(gap, initial=0.0, where=moving)))
+            done.judged += len(gap) if quantity == JUDGED[0] or JUDGED[0] not in coarse else 0
+
+
+def _judge_truncation(fewer: dict[str, Array] | None, peaks: dict[str, Array], building: Building, done: Shard) -> None:
+    """Measure what reduced structures leave out by cases with half as many coordinates; without them it is nothing where the
+    ``building`` is exact, and infinite where it is not known."""
+    for quantity, name in LEFT_OUT.items():
+        if fewer is None and quantity in peaks:
+            exact = isinstance(building, Condensed) and building.exact
+            setattr(done, name, max(getattr(done, name), 0.0 if exact else np.inf))
+        elif fewer is not None and quantity in peaks:
+            good = np.isfinite(fewer[quantity]).all(axis=1) & np.isfinite(peaks[quantity]).all(axis=1)
+            changes = map(relative_change, fewer[quantity][good], peaks[quantity][good])
+            setattr(done, name, max(getattr(done, name), *changes, 0.0))
+
+
+def _one_by_one(cases: Cases, members: list[Member], done: Shard) -> None:
+    """Cases that no engine can run, by the kernel of `respond`."""
+    count = min(JUDGED_ONE_BY_ONE, len(members))
+    judged = set(np.random.default_rng((SEED, done.number)).choice(len(members), count, replace=False).tolist())
+    weakest = int(np.argmin(np.abs(cases.scales)))
+    for number, member in enumerate(members):
+        own, motion = cases.buildings[member.building], cases.motions[member.motion]
+        building, half = refinements(own, connections(own, member.sites))
+        run = runner(building, motion, member.sites)
+        for s, scale in enumerate(cases.scales):
+            once = partial(run, scale=scale)
+            try:
+                if laws_of(member.sites):
+                    made = _halved(once, motion, member.m, cases.accuracy, done)
+                else:
+                    made = once(member.m)
+            except InputError:
+                done.unbounded += 1
+                continue
+            peaks = _peaks(made.out, member.sites, building)
+            _store(np.array([member.row]), np.array([s]), {q: peaks[q] for q in cases.quantities if q in peaks}, done)
+            done.general += 1
+            if number in judged and s == weakest and not laws_of(member.sites):
+                series = any(site.composition.in_series for site in member.sites)
+                _judge(peaks, _peaks(once(2 * member.m).out, member.sites, building), done, series)
+            if number in judged and s == weakest and building is not own:
+                fewer = None
+                if half is not None:
+                    other = runner(half, motion, member.sites)(round(motion.dt / made.step), scale=scale)
+                    fewer = _peaks(other.out, member.sites, half)
+                _judge_truncation(fewer, peaks, building, done)
+
+
+def _halved(once: Any, motion: Any, m: int, accuracy: str, done: Shard) -> Run:
+    """A case under control laws, its step halved until the peaks stop changing: where a decision falls the other way the
+    response is another one, so that no step chosen beforehand is small enough for all cases."""
+    made = halve_under_laws(once, motion, ACCURACIES[accuracy], m)
+    done.unconverged += bool(made.reason)
+    done.error, done.moving = max(done.error, made.error or 0.0), max(done.moving, made.error or 0.0)
+    done.judged += 1
+    return made
+
+
+def _peaks(out: Any, sites: tuple[Site, ...], building: Building) -> dict[str, Array]:
+    peaks = {
+        "displacement": out.displacement_peak,
+        "drift": out.drift_peak,
+        "acceleration": out.acceleration_peak,
+        "force": out.force_peak,
+        "stroke": np.abs(out.state[:, : building.n] @ connections(building, sites).T).max(axis=0, initial=0.0),
+        "energy": out.work[-1, 2:],
+    }
+    return {quantity: np.array(values)[None] for quantity, values in peaks.items()}

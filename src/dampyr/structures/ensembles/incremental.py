@@ -1,0 +1,187 @@
+"""Incremental dynamic analysis: how the peak grows with the intensity of each motion ([VamvatsikosCornell2002]_).
+
+Curves are not processed: where a stronger motion gives a smaller peak they bend back, and nothing is smoothed or sorted.
+
+References
+----------
+.. [VamvatsikosCornell2002] D. Vamvatsikos and C. A. Cornell, "Incremental dynamic analysis", Earthquake Engineering and
+   Structural Dynamics 31(3), 491-514, 2002.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dampyr.errors import InputError
+from dampyr.origin import NOT_STATED, Origin
+from dampyr.representation import Representation, Summary, counted, extent, listing
+from dampyr.structures.ensembles.store import UNITS
+from dampyr.structures.time_history.peaks import INTENSITIES, Group, groups
+from dampyr.units import for_people
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from dampyr.figures.style import Axis
+
+Array = NDArray[np.float64]
+LEVELS = 40  # of intensity at which fractiles are taken: a smooth line in a figure
+BEYOND = 1e300  # stands for infinity while fractiles are interpolated
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Sweep(Representation):
+    """The curves of one group: ``peaks`` (curves, scales) over ``intensity`` (curves, scales), by rising intensity; NaN where a
+    case grew without bound. ``fractiles`` (fractions, levels) of the peaks at each of ``levels``, inf where so many of the
+    cases grew without bound; levels are those that every motion reaches."""
+
+    name: str
+    intensity: Array
+    peaks: Array
+    levels: Array
+    fractiles: Array
+
+    def _summary(self) -> Summary:
+        return f"Sweep {self.name!r}, SI", [
+            ("curves", f"{self.peaks.shape[0]} of {counted(self.peaks.shape[1], 'scale')}"),
+            ("intensity", extent(self.intensity, "")),
+            ("peaks", extent(self.peaks, "")),
+            ("bent back", counted(self.bent_back, "curve")),
+            ("without bound", counted(self.unbounded, "case")),
+        ]
+
+    @property
+    def bent_back(self) -> int:
+        """How many curves have a smaller peak somewhere at a greater intensity."""
+        return int((np.diff(self.peaks, axis=1) < 0).any(axis=1).sum())
+
+    @property
+    def unbounded(self) -> int:
+        """How many cases grew without bound."""
+        return int(np.isnan(self.peaks).sum())
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Incremental(Representation):
+    """Sweeps of one quantity over one intensity; ``fractions`` such as 0.16, 0.5, 0.84."""
+
+    sweeps: tuple[Sweep, ...]
+    quantity: str
+    quantity_unit: str
+    intensity: str
+    unit: str
+    fractions: tuple[float, ...]
+    origin: Origin = NOT_STATED
+
+    def plot(self, name: str | None = None) -> Any:
+        """The curves of one sweep, by default the first, and their fractiles; the matplotlib axes ``(1,)``."""
+        from dampyr.figures import style
+        from dampyr.figures.incremental import incremental_curves
+
+        sweep = self.sweeps[0] if name is None else self[name]
+        return style.in_pyplot(incremental_curves, **self._drawn(sweep), title=sweep.name, origin=self.origin)
+
+    def _small_figure(self) -> Figure:
+        from dampyr.figures.incremental import incremental_curves
+
+        return incremental_curves(**self._drawn(self.sweeps[0]))
+
+    def _drawn(self, sweep: Sweep) -> dict[str, Any]:
+        from dampyr.figures.fragility import axis_of
+
+        fractiles = {f"{100 * p:g} %": sweep.fractiles[k] for k, p in enumerate(self.fractions)}
+        return {
+            "intensity": sweep.intensity, "peaks": sweep.peaks, "levels": sweep.levels, "fractiles": fractiles,
+            "axis": axis_of(self.intensity), "peak": self._peak_axis(),
+        }  # fmt: skip
+
+    def _peak_axis(self) -> Axis:
+        from dampyr.figures.style import Axis
+
+        if not self.quantity_unit:
+            return Axis(f"largest {self.quantity} of the height", "%", 100.0)
+        unit, factor = for_people(self.quantity_unit)
+        return Axis(f"largest {self.quantity}", unit.replace("^2", "²"), factor)
+
+    def _summary(self) -> Summary:
+        return "Incremental", [
+            ("quantity", f"{self.quantity} [{self.quantity_unit or '1'}] over {self.intensity} [{self.unit or '1'}]"),
+            ("sweeps", listing([sweep.name for sweep in self.sweeps])),
+            ("fractiles", ", ".join(f"{100 * p:g} %" for p in self.fractions)),
+        ]
+
+    def __getitem__(self, name: str) -> Sweep:
+        for sweep in self.sweeps:
+            if sweep.name == name:
+                return sweep
+        raise InputError(f"there is no sweep {name!r}; choose from {', '.join(s.name for s in self.sweeps)}")
+
+
+def incremental(
+    dataset: Any,
+    quantity: str = "drift",
+    intensity: str | ArrayLike = "pga",
+    *,
+    storey: str | int = "worst",
+    height: ArrayLike | None = None,
+    by: str | Sequence[str] = ("building", "input"),
+    fractions: Sequence[float] = (0.16, 0.5, 0.84),
+) -> Incremental:
+    """Peaks over intensity for each motion of an ensemble (and each draw of the damper), with fractiles by intensity.
+
+    Arguments as in `fragility`. Where motions have different intensities at the same scale, the fractiles are taken at 40
+    levels that all of them reach, each curve linear between its scales. Raises :class:`~dampyr.errors.InputError` for fewer
+    than two scales and for wrong arguments.
+    """
+    if dataset.sizes["scale"] < 2:
+        raise InputError(
+            "this ensemble has one scale; an incremental analysis needs several, such as scales=np.linspace(...)"
+        )
+    requested = tuple(float(p) for p in fractions)
+    if not requested or not all(0 < p < 1 for p in requested):
+        raise InputError(f"fractions = {tuple(fractions)} is not allowed; each must lie between 0 and 1, as in 0.5")
+    case_groups = groups(dataset, quantity, storey, intensity, by, height)
+    named = intensity if isinstance(intensity, str) else "your measure"
+    return Incremental(
+        tuple(_sweep(group, requested) for group in case_groups),
+        quantity,
+        "" if height is not None else UNITS[quantity],
+        named,
+        INTENSITIES.get(named, ""),
+        requested,
+        Origin.from_json(dataset.attrs.get("damper_origin", NOT_STATED.kind)),
+    )
+
+
+def _sweep(group: Group, fractions: tuple[float, ...]) -> Sweep:
+    order = np.argsort(group.intensity, axis=1, kind="stable")
+    x = np.take_along_axis(group.intensity, order, axis=1)
+    peaks = np.take_along_axis(group.peaks, np.broadcast_to(order, group.peaks.shape), axis=2)
+    each = np.broadcast_to(x, peaks.shape).reshape(-1, x.shape[1])
+    peaks = peaks.reshape(each.shape)
+    if np.all(x == x[:1]):
+        levels, at = x[0], peaks
+    else:
+        low, high = x[:, 0].max(), x[:, -1].min()
+        levels = np.linspace(low, high, LEVELS) if high > low else np.zeros(0)
+        at = np.array([_between(levels, a, b) for a, b in zip(each, peaks)])
+    return Sweep(group.name, each, peaks, levels, _fractiles(at, fractions))
+
+
+def _between(levels: Array, x: Array, peaks: Array) -> Array:
+    """Linear between the scales; NaN next to a case that grew without bound, but not at a scale that did not."""
+    interpolated = np.interp(levels, x, peaks)
+    exact = np.searchsorted(x, levels)
+    here = np.minimum(exact, len(x) - 1)
+    return np.where(x[here] == levels, peaks[here], interpolated)
+
+
+def _fractiles(at: Array, fractions: tuple[float, ...]) -> Array:
+    filled = np.where(np.isnan(at), BEYOND, at)
+    quantiles = np.quantile(filled, fractions, axis=0)
+    return np.where(quantiles > BEYOND * 1e-6, np.inf, quantiles)

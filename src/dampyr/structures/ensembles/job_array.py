@@ -1,0 +1,211 @@
+"""An ensemble in parts: each computed by a process of its own, on any machine, and put together afterwards.
+
+Part i of n of the same cases is a file in a folder; parts that exist are used, whichever process wrote them.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.atomic_write import whole_file
+from dampyr.errors import FileError, InputError
+from dampyr.records.files.self_contained import check_contained
+from dampyr.structures.ensembles.ensemble import Progress, completed, warn_of
+from dampyr.structures.ensembles.ensemble_grid import Cases
+from dampyr.structures.ensembles.store import (
+    DIAGNOSTICS,
+    FORMAT,
+    Labels,
+    allocate_dataset,
+    attributes,
+    describe,
+    made_with,
+    read_ensemble,
+)
+
+Array = NDArray[np.float64]
+NAME = re.compile(r"part-(\d+)-of-(\d+)\.h5")
+
+
+def write_part(
+    what: Cases,
+    part: int,
+    parts: int,
+    folder: str | Path,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+) -> Path:
+    """Compute part number ``part`` (from 1) of ``parts`` and write it into ``folder``, whole or not at all.
+
+    A part that is there already, of the same cases, is left as it is. ``progress`` is called with the cases done and all
+    of this part. Raises :class:`~dampyr.errors.InputError` for a part that does not exist and
+    :class:`~dampyr.errors.FileError` where the file holds a part of other cases.
+    """
+    if not 1 <= part <= parts:
+        raise InputError(f"part {part}/{parts} does not exist; count from 1 to {parts}")
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"part-{part:0{len(str(parts))}d}-of-{parts}.h5"
+    if path.exists():
+        _check_existing(path, what)
+        return path
+    values, diagnostics = _compute(what, part - 1, parts, executor, progress)
+    with whole_file(path) as temporary:
+        _write(temporary, what, part, parts, values, diagnostics)
+    return path
+
+
+def _compute(
+    what: Cases, index: int, parts: int, executor: Executor | None, progress: Progress | None
+) -> tuple[dict[str, Array], Array]:
+    each = max(1, -(-what.shards() // parts))  # shards of a part, which together are exactly its lines
+    lines = what.lines_of(index, parts)
+    values = {q: np.full((len(lines), len(what.scales), what.width(q)), np.nan) for q in what.quantities}
+    diagnostics, done = [], 0
+    pool = executor or ThreadPoolExecutor(os.cpu_count())
+    try:
+        for shard in completed(pool, what, each * parts, list(range(index * each, (index + 1) * each))):
+            rows = slice(shard.lines.start - lines.start, shard.lines.stop - lines.start)
+            for quantity, shard_values in shard.values.items():
+                values[quantity][rows] = shard_values
+            diagnostics.append([getattr(shard, name) for name in DIAGNOSTICS])
+            done += len(shard.lines) * len(what.scales)
+            if progress:
+                progress(done, len(lines) * len(what.scales))
+    finally:
+        if executor is None:
+            pool.shutdown(cancel_futures=True)
+    return values, np.array(diagnostics, dtype=float)
+
+
+def _write(path: Path, what: Cases, part: int, parts: int, values: dict[str, Array], diagnostics: Array) -> None:
+    import h5py
+
+    with h5py.File(path, "w") as file:
+        describe(file, what, Labels.of(what))
+        file.attrs["part"], file.attrs["parts"] = part, parts
+        file["told"] = diagnostics
+        for quantity, array in values.items():
+            file[quantity] = array
+
+
+def _check_existing(path: Path, what: Cases) -> None:
+    with _opened(path) as file:
+        if file.attrs.get("digest") != what.digest:
+            raise FileError(path, "is a part of another ensemble; choose another folder, or remove it")
+
+
+def collect(folder: str | Path, out: str | Path | None = None) -> Any:
+    """Put the parts in ``folder`` together: the dataset of the whole ensemble; with ``out`` written there too.
+
+    Raises :class:`~dampyr.errors.InputError` where parts are missing (it names them) and
+    :class:`~dampyr.errors.FileError` for one that does not belong to the first.
+    """
+    paths = _all_there(Path(folder))
+    with _opened(paths[0]) as first:
+        digest, labels = first.attrs["digest"], Labels.read(first["labels"].asstr()[()])
+        shapes = {str(q): (int(np.prod(labels.shape[:-1])), *first[q].shape[1:]) for q in first.attrs["quantities"]}
+        made = made_with(first, labels)
+    for path in paths:
+        with _opened(path) as file:
+            if file.attrs["digest"] != digest:
+                raise FileError(path, f"does not belong to {paths[0].name}: its cases are others; compute it again")
+    if out is not None:
+        _write_whole(Path(out), paths, shapes)
+        dataset = read_ensemble(out)
+    else:
+        values = {quantity: np.empty(shape) for quantity, shape in shapes.items()}
+        dataset = labels.dataset(values, attributes(_joined(paths, values), *made))
+    warn_of(dataset)
+    return dataset
+
+
+def _joined(paths: Sequence[Path], values: Mapping[str, Any]) -> Array:
+    """Put what the parts hold into ``values`` (arrays or datasets), a part at a time; the diagnostics of all shards."""
+    diagnostics, first = [], 0
+    for path in paths:
+        with _opened(path) as file:
+            diagnostics.append(file["told"][:])
+            for quantity, all_rows in values.items():
+                rows = file[quantity][:]
+                all_rows[first : first + len(rows)] = rows
+            first += len(rows)
+    width = min(each.shape[1] for each in diagnostics)  # parts of an older version have fewer
+    return np.concatenate([each[:, :width] for each in diagnostics])
+
+
+def _write_whole(out: Path, paths: Sequence[Path], shapes: Mapping[str, tuple[int, ...]]) -> None:
+    """A file as the ensemble itself would have written, for `read_ensemble`."""
+    import h5py
+
+    with whole_file(out) as temporary, h5py.File(temporary, "w") as file:
+        with _opened(paths[0]) as first:
+            for name in ("format", "digest", "quantities", "accuracy", "precision", "after"):
+                if name in first.attrs:
+                    file.attrs[name] = first.attrs[name]
+            file["labels"] = first["labels"].asstr()[()]
+            if "findings" in first:
+                file["findings"] = first["findings"].asstr()[:]
+        diagnostics = _joined(
+            paths, {quantity: allocate_dataset(file, quantity, shape) for quantity, shape in shapes.items()}
+        )
+        file.attrs["shards"] = len(diagnostics)
+        file["told"], file["done"] = diagnostics, np.ones(len(diagnostics), dtype=bool)
+
+
+def _all_there(folder: Path) -> list[Path]:
+    named = {path: NAME.fullmatch(path.name) for path in sorted(folder.glob("part-*-of-*.h5"))}
+    part_paths = {(int(name[1]), int(name[2])): path for path, name in named.items() if name}
+    if not part_paths:
+        raise InputError(f"{folder} holds no part of an ensemble; compute them first, each with its own number")
+    counts = sorted({parts for _, parts in part_paths})
+    if len(counts) > 1:
+        raise InputError(
+            f"{folder} holds parts of {' and of '.join(map(str, counts))}; keep those of one division and remove the others"
+        )
+    parts = counts[0]
+    missing = [k for k in range(1, parts + 1) if (k, parts) not in part_paths]
+    if missing:
+        raise InputError(
+            f"{folder}: {len(missing)} of {parts} parts are missing: {ranges(missing)}; compute them first"
+        )
+    return [part_paths[k, parts] for k in range(1, parts + 1)]
+
+
+def ranges(numbers: Sequence[int]) -> str:
+    """Whole rising numbers as people, and the arrays of a batch system, write them: ``1,4-7``."""
+    runs: list[list[int]] = []
+    for number in numbers:
+        if runs and number == runs[-1][1] + 1:
+            runs[-1][1] = number
+        else:
+            runs.append([number, number])
+    return ",".join(str(a) if a == b else f"{a}-{b}" for a, b in runs)
+
+
+def _opened(path: Path) -> Any:
+    import h5py
+
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        raise FileError(
+            path, f"cannot be read as a part of an ensemble ({error}); remove it and compute it again"
+        ) from None
+    try:
+        check_contained(path, file)
+    except FileError:
+        file.close()
+        raise
+    if file.attrs.get("format") != FORMAT or "part" not in file.attrs:
+        file.close()
+        raise FileError(path, "is no part of an ensemble; remove it and compute it again")
+    return file

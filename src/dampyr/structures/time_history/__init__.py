@@ -1,0 +1,1 @@
+"""The response of a building to one ground motion."""

@@ -1,0 +1,298 @@
+"""Integration by the time-stepping kernel: its arrays by name, how they are filled, and what it wrote checked.
+
+In the shapes, n is the number of floors, N of damper sites, P of parameters, S of states.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+from dampyr.ground_motions import GroundMotion
+from dampyr.models.laws import polynomial_table
+from dampyr.structures.building import Building
+from dampyr.structures.control_laws import gains, lag_of, settings, source
+from dampyr.structures.sites import Site, connections, describe_place, drifts
+from dampyr.structures.time_history.linear_response import bare_response
+from dampyr.structures.time_history.propagator import propagator, system
+from dampyr.structures.time_history.response import Decisions, Output, Run, output
+
+Array = NDArray[np.float64]
+
+FORCE_TOLERANCE = 1e-10  # relative, of Newton's method: far below the 2e-4 to which a strict response is computed
+
+
+class Linear(NamedTuple):
+    """The linear building, as the kernel needs it."""
+
+    half: Any  # (2n, 2n + 2 + 3N), see propagator
+    whole: Any  # the same, over the whole step
+    explicit: Any  # (6N, 2n + 2 + N)
+    unknown: Any  # (6N, 2N)
+    acceleration: Any  # (n, 2n + N): absolute acceleration from the state and the forces
+    damping: Any  # (n, n)
+    pull: Any  # (n,): influence @ M, turns accelerations into base shear and velocities into input power
+    ground: Any  # (n + 1,): what the ground's acceleration adds to each acceleration and to the base shear, of what is left out
+    drifts: Any  # (2n, 2n): the drift of every storey, then its rate, from the state
+    connections: Any  # (N, n): a row per site
+
+
+class Sites(NamedTuple):
+    """The dampers: parameters, states and past forces."""
+
+    params: Any  # (N, 4, P): at h/4, h/2, 3h/4 and h of the step under way; they differ where the input does
+    states: Any  # (N, S)
+    delays: Any  # (N,) in steps, 0 for none
+    inertance: Any  # (N,) kg, filled in by the kernel
+    ring: Any  # (N, nodes): the latest undelayed forces
+
+
+class Control(NamedTuple):
+    """The laws that set the inputs of the dampers; a site without one has ``every`` 0."""
+
+    kind: Any  # (N,) which of the functions of `dampyr.structures.control_laws.source`
+    gains: Any  # (N, 2n + 1): factors of the state and the ground's velocity in the signal
+    settings: Any  # (N, the longest of a law)
+    every: Any  # (N,) whole steps between decisions
+    decay: Any  # (N, 4): the remaining share of the coil's gap to its command at h/4, h/2, 3h/4, h
+    mean_decay: Any  # (N,): its mean over a step
+    total: Any  # (N,): the sum over the steps of the mean input in each
+    command: Any  # (N,) the latest decision
+    level: Any  # (N,) at the coil, at the end of the step under way
+    reached: Any  # (N, 2): the least and the greatest decision so far
+    sensed: Any  # (N, D, 5): signal, stroke, rate and force at every decision, and the decision; written by the kernel
+    before: Any  # (N, D, 5): the same of the run at twice the step; (N, 0, 5) for none
+    other: Any  # (N, D): the farthest decision that the law could have taken within the change from ``before``; written too
+    imposed: Any  # (N, D): decisions to take in place of the law's, NaN for the law's own; (N, 0) for none
+    knots: Any  # (N, P, K), see dampyr.models.laws
+    coefficients: Any  # (N, P, K, degree + 1)
+
+
+class Node(NamedTuple):
+    """The building at one instant."""
+
+    z: Any  # (2n,)
+    f: Any  # (N,)
+    both: Any  # (2n + N,): z and f
+    a: Any  # (n,) absolute acceleration
+    q: Any  # (2n,): drifts, and their rates
+    power: Any  # (2 + N,): input, viscous, each damper
+
+
+class Scratch(NamedTuple):
+    """Workspace of one step."""
+
+    u: Any  # (2n + 2 + 3N,): z0, ag0, ag1, f0, fh, f1
+    base: Any  # (6N,): the motion of the sites that the unknown forces do not touch
+    y: Any  # (6N,): xh, vh, ah, x1, v1, a1
+    start: Any  # (2N,): x0, v0
+    g: Any  # (2N,): fh, f1
+    raw: Any  # (2N,)
+    slope: Any  # (2N, 2)
+    jacobian: Any  # (2N, 2N)
+    residual: Any  # (2N,)
+    states: Any  # (N, S)
+    rest: Any  # (N,)
+    now: Any  # a Node, at the start of the step
+    half: Any  # the same, at its middle
+    whole: Any  # the same, at its end
+    work: Any  # (2 + N,): input, viscous, each damper, so far
+
+
+def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) -> Any:
+    """A function of the steps per sample that integrates once; of the motion times ``scale`` where that is given."""
+    if not sites:
+        return lambda m, scale=1.0: Run(bare_response(building, motion.scaled(scale), m), motion.dt / m)
+    from dampyr.models.codegen.kernels import bind
+    from dampyr.structures.time_history.time_stepping import integrate
+
+    compositions, laws = tuple(site.composition for site in sites), tuple(site.law for site in sites)
+    text, kinds = source(laws) if any(laws) else ("", [])
+    kernel = bind(integrate, compositions, text)
+    law_gains = _gains(building, sites)
+    linear = lru_cache(maxsize=2)(lambda step: _linear(building, sites, step))
+
+    def run(
+        m: int,
+        samples: int | None = None,
+        start: float = 0.0,
+        scale: float = 1.0,
+        before: Array | None = None,
+        imposed: Array | None = None,
+    ) -> Run:
+        """``start`` is where between the least and the greatest input of its law each damper is at first; ``before`` are the
+        decisions of a run at another step, to compare with, and ``imposed`` such to take (see `Control`)."""
+        ag = motion.acceleration[:samples] * scale
+        step = motion.dt / m
+        out = output(len(ag), building.n, len(sites))
+        dampers = _dampers(sites, step, start)
+        control = None
+        if any(laws):
+            control = _control(sites, kinds, law_gains, step, (len(ag) - 1) * m, before, imposed)
+        if control is None:
+            out.input[:] = out.mean_input[:] = [site.input_value for site in sites]
+        work = _scratch(building.n, dampers.states)
+        kernel(ag, m, step, FORCE_TOLERANCE, linear(step), dampers, control, work, out)
+        if control is not None:
+            _check_inputs(sites, control)
+            out.mean_input[:] = control.total / ((len(ag) - 1) * m) if len(ag) > 1 else control.level
+        _check_bounded(out, motion)
+        decisions = None if control is None else _decisions(control, (len(ag) - 1) * m)
+        return Run(out.of_floors(building.n_floors), step, decisions=decisions)
+
+    return run
+
+
+def _gains(building: Building, sites: tuple[Site, ...]) -> Array:
+    """What each law senses (N, 2n + 1); zeros where a site has none."""
+    rows = connections(building, sites)
+    nothing = np.zeros(2 * building.n + 1)
+    return np.array([gains(s.law, building, row) if s.law else nothing for s, row in zip(sites, rows, strict=True)])
+
+
+def _linear(building: Building, sites: tuple[Site, ...], step: float) -> Linear:
+    rows, n = connections(building, sites), building.n
+    exact = propagator(building, rows, step)
+    a, _, b = system(building, rows)
+    by_storey = np.kron(np.eye(2), drifts(building))
+    pull = np.ascontiguousarray(building.influence @ building.M)
+    ground = np.append(*building.ground_terms())
+    acceleration = np.ascontiguousarray(np.hstack([a[n:], b[n:]]))
+    damping = np.array(building.C)
+    return Linear(
+        exact.half, exact.whole, exact.explicit, exact.unknown, acceleration, damping, pull, ground, by_storey, rows
+    )
+
+
+def _dampers(sites: tuple[Site, ...], step: float, start: float = 0.0) -> Sites:
+    """Parameters, states and past forces of the dampers at the start."""
+    width = max([1, *(len(site.values) for site in sites)])
+    depth = max([1, *(site.composition.n_states for site in sites)])
+    params, states = np.zeros((len(sites), 4, width)), np.zeros((len(sites), depth))
+    for d, site in enumerate(sites):
+        params[d, :, : len(site.values)] = site.values if start == 0.0 or site.law is None else site.between(start)
+        states[d, : site.composition.n_states] = site.composition.state0
+    delays = np.array([site.delay / step for site in sites], dtype=float)
+    nodes = 2 * math.ceil(max([0.0, *delays])) + 6
+    return Sites(params, states, delays, np.zeros(len(sites)), np.zeros((len(sites), nodes)))
+
+
+def _check_bounded(out: Output, motion: GroundMotion) -> None:
+    bad = ~np.isfinite(out.state).all(axis=1)
+    if bad.any():
+        when = float(np.argmax(bad)) * motion.dt
+        raise InputError(
+            f"the response grows without bound by {when:.2f} s: a damper "
+            "feeds the building; check its delay, "
+            "the signs of its parameters and the range of its input"
+        )
+
+
+def _control(
+    sites: tuple[Site, ...],
+    kinds: list[int],
+    law_gains: Array,
+    step: float,
+    steps: int,
+    before: Array | None = None,
+    imposed: Array | None = None,
+) -> Control:
+    """The laws of the sites for ``steps`` steps of ``step`` seconds; ``kinds``, ``before`` ... as in `Control`."""
+    decisions = max(math.ceil(steps / max(1, round(site.law.period / step))) for site in sites if site.law)
+    count, tables = len(sites), [polynomial_table(site.damper, static=False) for site in sites]
+    max_settings = max(1, *(len(settings(site.law)) for site in sites if site.law))
+    depth = [max(c.shape[axis] for _, c in tables) for axis in range(3)]
+    control = Control(
+        kind=np.array(kinds),
+        gains=law_gains,
+        settings=np.zeros((count, max_settings)),
+        every=np.zeros(count, dtype=np.int64),
+        decay=np.zeros((count, 4)),
+        mean_decay=np.zeros(count),
+        total=np.zeros(count),
+        command=np.zeros(count),
+        level=np.zeros(count),
+        reached=np.tile([math.inf, -math.inf], (count, 1)),
+        sensed=np.zeros((count, decisions, 5)),
+        before=np.zeros((count, 0, 5)) if before is None else before,
+        other=np.zeros((count, decisions)),
+        imposed=np.zeros((count, 0)) if imposed is None else imposed,
+        knots=np.full((count, *depth[:2]), math.inf),
+        coefficients=np.zeros((count, *depth)),
+    )
+    for d, site in enumerate(sites):
+        control.level[d] = control.command[d] = site.law.low if site.law else site.input_value
+        if site.law:
+            _fill(control, d, site, step)
+            knots, coefficients = tables[d]
+            control.knots[d, : knots.shape[0], : knots.shape[1]] = knots
+            control.coefficients[d][tuple(map(slice, coefficients.shape))] = coefficients
+    return control
+
+
+def _fill(control: Control, d: int, site: Site, step: float) -> None:
+    """Fill in the sampling, the settings and the coil of one law."""
+    lag, numbers = lag_of(site.law, site.damper), settings(site.law)
+    control.every[d] = round(site.law.period / step)
+    control.settings[d, : len(numbers)] = numbers
+    if lag > 0:
+        control.decay[d] = np.exp(-np.arange(1, 5) * 0.25 * step / lag)
+        control.mean_decay[d] = -math.expm1(-step / lag) * lag / step
+
+
+def _decisions(control: Control, steps: int) -> Decisions:
+    """What was decided in a number of steps."""
+    every, number = control.every[:, None], np.arange(control.other.shape[1])
+    return Decisions(control.sensed, control.other, (every > 0) & (number * every < steps))
+
+
+def _check_inputs(sites: tuple[Site, ...], control: Control) -> None:
+    """Raise InputError where a law returned an input outside its own bounds."""
+    for site, (low, high) in zip(sites, control.reached, strict=True):
+        if site.law is None or low > high:
+            continue
+        slack = 1e-9 * max(abs(site.law.low), abs(site.law.high), 1.0)
+        if not site.law.low - slack <= low <= high <= site.law.high + slack:
+            raise InputError(
+                f"the law {describe_place(site.place)} asked for {low if low < site.law.low else high:g}; it must "
+                f"stay between its low = {site.law.low:g} and high = {site.law.high:g}"
+            )
+
+
+def _node(n: int, sites: int) -> Node:
+    """A node of zeros."""
+    return Node(
+        np.zeros(2 * n),
+        np.zeros(sites),
+        np.zeros(2 * n + sites),
+        np.zeros(n),
+        np.zeros(2 * n),
+        np.zeros(2 + sites),
+    )
+
+
+def _scratch(n: int, states: Array) -> Scratch:
+    """A workspace for n floors and as many sites as ``states`` has rows."""
+    sites = len(states)
+    return Scratch(
+        u=np.zeros(2 * n + 2 + 3 * sites),
+        base=np.zeros(6 * sites),
+        y=np.zeros(6 * sites),
+        start=np.zeros(2 * sites),
+        g=np.zeros(2 * sites),
+        raw=np.zeros(2 * sites),
+        slope=np.zeros((2 * sites, 2)),
+        jacobian=np.zeros((2 * sites, 2 * sites)),
+        residual=np.zeros(2 * sites),
+        states=states.copy(),
+        rest=np.zeros(sites),
+        now=_node(n, sites),
+        half=_node(n, sites),
+        whole=_node(n, sites),
+        work=np.zeros(2 + sites),
+    )

@@ -1,0 +1,231 @@
+r"""The response of a building with dampers to a ground motion.
+
+The scheme (:mod:`dampyr.structures.time_history.time_stepping`) is one for every damper. Its step is chosen here: the final
+one satisfies
+:math:`\omega_s h \le 1/2`, with :math:`\omega_s^2 = k/m` of the dampers at rest, and is halved until no peak of displacement or
+drift changes by more than the requested accuracy; under control laws until that is so twice, and of no decision that hangs on
+the step.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.argument_kinds import BUILDING, MOTION, Argument, check_kinds
+from dampyr.errors import FindingWarning
+from dampyr.findings import OF_DAMPER, handed_on
+from dampyr.ground_motions import GroundMotion, followed_by_rest
+from dampyr.origin import combined
+from dampyr.structures.building import Building, Condensed
+from dampyr.structures.control_laws import describe_law
+from dampyr.structures.sites import Site, connections, describe_place, drifts, laws_of, make_sites, warn_of_parts
+from dampyr.structures.time_history.kernel_run import runner
+from dampyr.structures.time_history.linear_response import peak_displacement
+from dampyr.structures.time_history.modal_coordinates import ModalBuilding, refinements
+from dampyr.structures.time_history.response import Energy, Output, Response, Run, Truncation
+from dampyr.structures.time_history.step_size import (
+    changes,
+    given_steps_per_sample,
+    halve_under_laws,
+    halve_until_converged,
+    kernel_slopes,
+    largest_step,
+    run_once,
+    steps_per_sample,
+    tolerance_of,
+)
+
+Array = NDArray[np.float64]
+
+UNJUDGED = "no other: dashpots on what has no mass follow the springs, and what that changes is not known"
+FINAL_LIMIT = 0.5  # of omega h at the final step, which resolves the stuck damper's vibration with 12 steps a period
+
+
+def respond(
+    building: Building,
+    motion: GroundMotion,
+    dampers: Any = None,
+    voltage: Any = None,
+    current: Any = None,
+    accuracy: str | float = "strict",
+    step: float | None = None,
+    allow_extrapolation: bool = False,
+    after: float = 0.0,
+) -> Response:
+    """The response of ``building`` to ``motion``, from rest.
+
+    Parameters
+    ----------
+    dampers : a damper, which stands in storey 1, or a mapping from place to a damper or a list of dampers in parallel. A place
+        is a storey i, which joins the floors i-1 and i (0 is the ground), or any two floors (i, j) by label or count, such as
+        (0, 2): the stroke is q_j - q_i, and (1, 2) is storey 2. None for the bare building. The static force of a damper is
+        left out, springs stay; ``damper.on_brace(stiffness)`` puts it on a brace.
+    voltage, current : the input: a number, which is constant, or a control law
+        (:func:`~dampyr.structures.control_laws.control_law`); one for all dampers or a mapping from place to one.
+    accuracy : "strict" (2e-4), "fast" (1e-3) or a number: the largest relative change of a peak
+        displacement or drift when the step is halved. The scheme is of fourth order, so the error of the
+        finer one is well below. Under control laws two halvings must agree, and a run too in which every decision that hangs on
+        the step is taken the other way. ``error_estimates`` has the changes of the other quantities, which may be larger.
+    step : s; run once with this step, which must divide the motion's and the period of every law.
+    allow_extrapolation : take an input outside the range that a damper was calibrated on, with a warning.
+    after : s of rest of the ground after the record. The response ends with the record otherwise: a building that still swings
+        then may reach its peak later (long periods, short pulses).
+
+    A building that was reduced (``keep`` in its file, a plane frame, `condense`) is taken with more coordinates than floors:
+    the static answer to each damper's force, and modes with the floors held (see
+    `dampyr.structures.time_history.modal_coordinates`). Few degrees of freedom are whole then. Of more,
+    ``response.truncation`` says how far peaks of displacement, drift, acceleration, base shear and force lie from those with
+    half as many coordinates at the same step, the dampers present; without dampers, from those of all modes, where the
+    building has them. It is another error than ``error_estimate``, which is of the step.
+
+    Raises :class:`~dampyr.errors.InputError` for a wrong argument and warns
+    (:class:`~dampyr.errors.DampyrWarning`) where the accuracy was not reached, where a damper, on the
+    whole, fed the building, and where one has a part that is not for buildings.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> building, motion = dp.structures.two_storey(), dp.ground_motions.el_centro()
+    >>> damper = dp.studies.raminelli_2020.damper()
+    >>> response = dp.structures.respond(building, motion, dampers={1: damper}, voltage=1.98)
+    >>> (1e3 * response.peak_displacement).round(2)
+    array([ 7.45, 15.91])
+    """
+    check_kinds(
+        "respond",
+        Argument("building", building, (Building,), BUILDING),
+        Argument("motion", motion, (GroundMotion,), MOTION),
+    )
+    sites = make_sites(building, dampers, voltage, current, allow_extrapolation)
+    motion = followed_by_rest(motion, after)
+    whole, half = refinements(building, connections(building, sites))
+    run = runner(whole, motion, sites)
+    if step is None:
+        tolerance = tolerance_of(accuracy)
+        first = 2 * largest_step(
+            whole, sites, kernel_slopes(run, sites), FINAL_LIMIT
+        )  # so that the first halving meets it
+        halve = halve_under_laws if laws_of(sites) else halve_until_converged
+        best = halve(run, motion, tolerance, steps_per_sample(motion.dt, first, sites))
+    else:
+        best = run_once(run, given_steps_per_sample(motion, step, sites))
+    truncation = None if whole is building else _truncation(whole, half, motion, sites, best)
+    response = _response(whole, motion, sites, best, after, truncation)
+    warn_of_parts(sites)
+    for doubt in response.doubts:
+        warnings.warn(doubt, FindingWarning, stacklevel=2)
+    return response
+
+
+def _truncation(
+    whole: Building, half: Building | None, motion: GroundMotion, sites: tuple[Site, ...], best: Run
+) -> Truncation:
+    """What ``whole`` still leaves out: against all modes where they are the response, else by ``half`` at the same step."""
+    assert isinstance(whole, Condensed)
+    degrees = len(whole.T)
+    if half is None:
+        return Truncation(whole.n, degrees) if whole.exact else Truncation(whole.n, degrees, UNJUDGED, *5 * (math.nan,))
+    if not sites and isinstance(whole, ModalBuilding):
+        return whole.truncation_errors(motion)
+    other = runner(half, motion, sites)(round(motion.dt / best.step)).out
+    changed = changes(other, best.out)
+    words = f"{half.n} coordinates, {'with' if sites else 'without'} the dampers"
+    return Truncation(whole.n, degrees, words, **{name: changed.get(name, 0.0) for name in other.peaks})
+
+
+def _response(
+    building: Building,
+    motion: GroundMotion,
+    sites: tuple[Site, ...],
+    run: Run,
+    after: float,
+    truncation: Truncation | None,
+) -> Response:
+    out, n, floors = run.out, building.n, building.n_floors
+    rows, pull = connections(building, sites), building.influence @ building.M
+    missing = building.ground_terms()[1]
+    all_q = np.ascontiguousarray(out.state[:, :n].T)
+    q, drift = all_q[:floors], (drifts(building) @ all_q)[:floors]
+    general = any(not site.composition.path_only or site.delay > 0 for site in sites)
+    energy = _energy(building, out)
+    slow = [f"the response is not to its accuracy: {run.reason}"] if run.reason else []
+    outside = [words for d, site in enumerate(sites) for words in _outside(site, rows[d], out, motion.dt)]
+    return Response(
+        time=motion.time,
+        ground_acceleration=motion.acceleration,
+        displacement=q,
+        velocity=np.ascontiguousarray(out.state[:, n : n + floors].T),
+        acceleration=np.ascontiguousarray(out.acceleration[:, :floors].T),
+        drift=drift,
+        base_shear=-(out.acceleration @ pull + missing * motion.acceleration),
+        force=np.ascontiguousarray(out.force.T),
+        stroke=rows @ all_q,
+        peak_displacement=out.displacement_peak,
+        peak_drift=out.drift_peak,
+        peak_acceleration=out.acceleration_peak,
+        peak_base_shear=float(out.shear_peak[0]),
+        peak_force=out.force_peak,
+        energy=energy,
+        storeys=tuple(site.storey for site in sites),
+        sites=tuple(building.place_label(site.place) for site in sites),
+        inputs=tuple(site.input_value for site in sites),
+        laws=tuple(describe_law(site.law, site.damper.input) if site.law else "" for site in sites),
+        input=np.ascontiguousarray(out.input.T),
+        mean_input=out.mean_input.copy(),
+        input_units=tuple(site.damper.input for site in sites),
+        floors=tuple(building.floors),
+        scheme="linear" if not sites else "general" if general else "exact path",
+        step=run.step,
+        accuracy=run.tolerance,
+        error_estimate=run.error,
+        error_estimates=dict(run.changes),
+        converged=not run.reason,
+        reason=run.reason,
+        title=f"{building.name}, {motion.name}",
+        after=float(after),
+        truncation=truncation,
+        origin=combined(site.damper.origin for site in sites),
+        of_dampers=handed_on((site.damper for site in sites), OF_DAMPER),
+        doubts=(*slow, *_given_energy(energy, sites), *outside),
+    )
+
+
+def _outside(site: Site, row: Array, out: Output, dt: float) -> list[str]:
+    """Which calibrated limits of displacement and velocity the motion of a site leaves."""
+    n = len(row)
+    stroke, rate = out.state[:, :n] @ row, out.state[:, n:] @ row
+    reach = out.drift_peak[site.storey - 1] if site.storey else peak_displacement(stroke, rate, dt)
+    reached = {"displacement": (float(reach), "m"), "velocity": (float(np.max(np.abs(rate))), "m/s")}
+    notes = []
+    for name, (value, unit) in reached.items():
+        limit = site.damper.ranges.get(name, (0.0, math.inf))[1]
+        if value > 1.01 * limit:
+            notes.append(
+                f"the damper {describe_place(site.place)} reaches a {name} of {value:.4g} {unit}; "
+                f"it was calibrated up to {limit:.4g} {unit}"
+            )
+    return notes
+
+
+def _energy(building: Building, out: Output) -> Energy:
+    q, v = out.state[:, : building.n], out.state[:, building.n :]
+    kinetic = 0.5 * np.einsum("ti,ij,tj->t", v, building.M, v)
+    strain = 0.5 * np.einsum("ti,ij,tj->t", q, building.K, q)
+    work = out.work.T
+    return Energy(work[0].copy(), kinetic, strain, work[1].copy(), work[2:].copy())
+
+
+def _given_energy(energy: Energy, sites: tuple[Site, ...]) -> list[str]:
+    """Which dampers gave the building energy over the whole motion."""
+    scale = 1e-6 * float(np.max(np.abs(energy.input)))
+    return [
+        f"the damper {describe_place(site.place)} fed {-work[-1]:.3g} J into the building over the whole motion; "
+        "check its delay and the sign of its force"
+        for site, work in zip(sites, energy.dampers, strict=True)
+        if work[-1] < -scale
+    ]

@@ -1,0 +1,333 @@
+r"""The time-stepping kernel: a linear building and its dampers, step by step through a ground motion.
+
+Over one step the building follows its exact propagator (:mod:`dampyr.structures.time_history.propagator`); every damper force
+is the quadratic through its values at 0, h/2 and h. Those values are the dampers' own laws, followed along the path of the
+step, so they are solved for by Newton's method with the dampers' own slopes. Where the stroke turns inside a half step, the
+path is split at the turning point of the cubic through the displacements and velocities at both ends, because hysteresis is
+integrated along monotone pieces.
+
+A delayed damper pushes with the force that it would have given some time ago, interpolated from the quadratics of the past
+steps; it needs no Newton iteration, but the step may not be longer than the delay.
+
+Under control laws the inputs change on the way. A law decides at its own sampling instants, which are ends of steps, and holds
+its command between them. The input at the coil follows at once, or as :math:`\tau \dot u = u_c - u`, an exact exponential:
+the parameters of the dampers are those at h/4 and 3h/4 along the halves of a step, and those at h/2 and h where the forces are
+taken. The states of a damper are continuous where its parameters jump, so its force jumps with them: it is computed again from
+the same states, at the same motion, and the accelerations with it. The ground's velocity is the integral of its acceleration
+from 0.
+
+``integrate`` is plain Python for numba: ``advance``, ``force``, ``slopes`` and ``decide`` below are names that
+:func:`dampyr.models.codegen.kernels.bind` gives the functions of the dampers and of the laws. ``control`` is None where no law
+sets an input; numba then leaves out everything that depends on it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dampyr.models.laws import look_up
+from dampyr.structures.time_history.kernel_math import (
+    copy_into,
+    delayed_force,
+    multiply,
+    raise_peak,
+    solve,
+    turning_point,
+)
+
+BOUND_WITH = ("dampyr.structures.time_history.kernel_math", "dampyr.models.laws")
+
+
+def _unbound(*_: Any) -> Any:
+    raise TypeError("a driver runs only after dampyr.models.codegen.kernels.bind has given it its dampers")
+
+
+advance = force = slopes = decide = _unbound
+
+MAX_ITERATIONS = 40  # of Newton's method in a step, which takes two or three: what has not converged by then never does
+NEGLIGIBLE_FORCE = 1e-4  # of the largest force so far: smaller forces need not be solved to as many digits
+
+
+def along(site: int, s: Any, x0: float, x1: float, v0: float, v1: float, dt: float, p: Any, k: Any) -> None:
+    """Advance the states of a site along half a step, in two pieces where it turns; k becomes (dF/dx1, dF/dv1)."""
+    if v0 * v1 < 0.0:
+        part, middle = turning_point(x0, x1, v0, v1, dt)
+        advance(site, s, x0, middle, v0, 0.0, part * dt, p)
+        x0, v0, dt = middle, 0.0, (1.0 - part) * dt
+    k[0], k[1] = slopes(site, s, x0, x1, v0, v1, dt, p)
+    advance(site, s, x0, x1, v0, v1, dt, p)
+
+
+def evaluate(states: Any, work: Any, start: Any, y: Any, h: float, params: Any, raw: Any, k: Any) -> None:
+    """The damper laws over a step whose motion is y: forces ``raw`` (fh, f1), slopes ``k`` (2N, 2), states in ``work``."""
+    n = states.shape[0]
+    for d in range(n):
+        s, p = work[d], params[d]
+        copy_into(states[d], s, 0)
+        xh, vh, x1, v1 = y[d], y[n + d], y[3 * n + d], y[4 * n + d]
+        along(d, s, start[d], xh, start[n + d], vh, 0.5 * h, p[0], k[d])
+        raw[d] = force(d, s, xh, vh, y[2 * n + d], p[1])
+        along(d, s, xh, x1, vh, v1, 0.5 * h, p[2], k[n + d])
+        raw[n + d] = force(d, s, x1, v1, y[5 * n + d], p[3])
+
+
+def correct(unknown: Any, raw: Any, k: Any, inertance: Any, delays: Any, g: Any, jacobian: Any, residual: Any) -> None:
+    """One Newton correction of the forces g (fh, f1); the forces of delayed dampers stay as they are."""
+    n = inertance.shape[0]
+    for r in range(2 * n):
+        d = r % n
+        row = d if r < n else 3 * n + d
+        delayed = delays[d] > 0.0
+        residual[r] = 0.0 if delayed else raw[r] - g[r]
+        for c in range(2 * n):
+            slope = k[r, 0] * unknown[row, c] + k[r, 1] * unknown[row + n, c] + inertance[d] * unknown[row + 2 * n, c]
+            jacobian[r, c] = (1.0 if r == c else 0.0) - (0.0 if delayed else slope)
+    solve(jacobian, residual)
+    for r in range(2 * n):
+        g[r] += residual[r]
+
+
+def relative_residual(raw: Any, g: Any, delays: Any, scale: float) -> float:
+    """The largest residual of the forces, relative to the largest of them (or to ``scale`` where that is larger)."""
+    n = delays.shape[0]
+    misfit, size = 0.0, scale
+    for r in range(2 * n):
+        if delays[r % n] == 0.0:
+            size = max(size, abs(raw[r]))
+            gap = abs(raw[r] - g[r])
+            if not gap <= misfit:  # a NaN counts
+                misfit = gap
+    return misfit / size if misfit != 0.0 else 0.0
+
+
+def observe(at: Any, ag: float, lin: Any, out: Any) -> None:
+    """Compute absolute accelerations, drifts and powers at a node, and raise the peaks that are taken at nodes."""
+    n, sites = lin.pull.shape[0], at.f.shape[0]
+    z = at.z
+    copy_into(z, at.both, 0)
+    copy_into(at.f, at.both, 2 * n)
+    multiply(lin.acceleration, at.both, at.a)
+    multiply(lin.drifts, z, at.q)
+    shear, pull, viscous = lin.ground[n] * ag, 0.0, 0.0
+    for i in range(n):
+        at.a[i] += lin.ground[i] * ag
+        shear += lin.pull[i] * at.a[i]
+        pull -= lin.pull[i] * z[n + i]
+        for j in range(n):
+            viscous += z[n + i] * lin.damping[i, j] * z[n + j]
+        out.acceleration_peak[i] = max(out.acceleration_peak[i], abs(at.a[i]))
+    out.shear_peak[0] = max(out.shear_peak[0], abs(shear))
+    at.power[0], at.power[1] = pull * ag, viscous
+    for d in range(sites):
+        rate = 0.0
+        for i in range(n):
+            rate += lin.connections[d, i] * z[n + i]
+        at.power[2 + d] = at.f[d] * rate
+        out.force_peak[d] = max(out.force_peak[d], abs(at.f[d]))
+
+
+def raise_peaks(a: Any, b: Any, dt: float, out: Any) -> None:
+    """Raise the peaks of displacement and drift over half a step."""
+    n = out.displacement_peak.shape[0]
+    for i in range(n):
+        raise_peak(out.displacement_peak, i, a.z[i], b.z[i], a.z[n + i], b.z[n + i], dt)
+        raise_peak(out.drift_peak, i, a.q[i], b.q[i], a.q[n + i], b.q[n + i], dt)
+
+
+def store_sample(i: int, at: Any, work: Any, out: Any) -> None:
+    """Write one sample of the output."""
+    copy_into(at.z, out.state[i], 0)
+    copy_into(at.a, out.acceleration[i], 0)
+    copy_into(at.f, out.force[i], 0)
+    copy_into(work, out.work[i], 0)
+
+
+def initialise(sites: Any, w: Any, first: Any, h: float, out: Any) -> None:
+    """Set the forces and slopes at rest, and the mass that each damper adds between its ends."""
+    for d in range(sites.delays.shape[0]):
+        p = sites.params[d, 3]
+        w.rest[d] = force(d, sites.states[d], 0.0, 0.0, 0.0, p)
+        sites.inertance[d] = force(d, sites.states[d], 0.0, 0.0, 1.0, p) - w.rest[d]
+        fx, fv = slopes(d, sites.states[d], 0.0, 0.0, 0.0, 0.0, h, p)
+        out.rest_slopes[d, 0], out.rest_slopes[d, 1] = fx, fv
+        first.f[d] = w.rest[d]
+        sites.ring[d, 0] = w.rest[d]
+
+
+def predict(lin: Any, sites: Any, w: Any, now: Any, ag0: float, ag1: float, steps: int) -> None:
+    """Compute all of a step that does not depend on its unknown forces; delayed forces are interpolated from the past."""
+    n, count = lin.pull.shape[0], sites.delays.shape[0]
+    copy_into(now.z, w.u, 0)
+    w.u[2 * n], w.u[2 * n + 1] = ag0, ag1
+    for d in range(count):
+        w.u[2 * n + 2 + d] = now.f[d]
+        for half in range(2):
+            w.g[half * count + d] = now.f[d]
+            if sites.delays[d] > 0.0:
+                w.g[half * count + d] = delayed_force(
+                    sites.ring, d, steps + 0.5 * (half + 1) - sites.delays[d], w.rest[d]
+                )
+        w.start[d], w.start[count + d] = 0.0, 0.0
+        for i in range(n):
+            w.start[d] += lin.connections[d, i] * now.z[i]
+            w.start[count + d] += lin.connections[d, i] * now.z[n + i]
+    multiply(lin.explicit, w.u, w.base)
+
+
+def site_motion(unknown: Any, base: Any, g: Any, y: Any) -> None:
+    """The motion of the sites under the forces g."""
+    multiply(unknown, g, y)
+    for i in range(y.shape[0]):
+        y[i] += base[i]
+
+
+def solve_forces(lin: Any, sites: Any, w: Any, h: float, tol: float, out: Any) -> None:
+    """Solve for the forces of a step; a step that does not converge to the tolerance is counted, never passed over."""
+    misfit, scale = 0.0, 0.0
+    for d in range(sites.delays.shape[0]):
+        scale = max(scale, NEGLIGIBLE_FORCE * out.force_peak[d])
+    for _ in range(MAX_ITERATIONS):
+        site_motion(lin.unknown, w.base, w.g, w.y)
+        evaluate(sites.states, w.states, w.start, w.y, h, sites.params, w.raw, w.slope)
+        misfit = relative_residual(w.raw, w.g, sites.delays, scale)
+        out.misfit[2] += 1.0
+        if misfit <= tol:
+            break
+        correct(lin.unknown, w.raw, w.slope, sites.inertance, sites.delays, w.g, w.jacobian, w.residual)
+    if not misfit <= tol:
+        out.misfit[0] += 1.0
+        out.misfit[1] = max(out.misfit[1], misfit)
+    for d in range(sites.states.shape[0]):
+        for i in range(sites.states.shape[1]):
+            sites.states[d, i] = w.states[d, i]
+
+
+def finish_step(lin: Any, sites: Any, w: Any, half: Any, whole: Any, steps: int) -> None:
+    """Set the building at h/2 and h, and store the undelayed forces in the ring."""
+    n, count = lin.pull.shape[0], sites.delays.shape[0]
+    nodes = sites.ring.shape[1]
+    for d in range(count):
+        half.f[d], whole.f[d] = w.g[d], w.g[count + d]
+        sites.ring[d, (2 * steps + 1) % nodes] = w.raw[d]
+        sites.ring[d, (2 * steps + 2) % nodes] = w.raw[count + d]
+    copy_into(w.g, w.u, 2 * n + 2 + count)
+    multiply(lin.half, w.u, half.z)
+    multiply(lin.whole, w.u, whole.z)
+
+
+def sense(d: int, lin: Any, control: Any, now: Any, ground: float) -> tuple[float, float, float]:
+    """The signal of a site's law, its stroke and its rate."""
+    n = lin.pull.shape[0]
+    signal, stroke, rate = control.gains[d, 2 * n] * ground, 0.0, 0.0
+    for i in range(n):
+        signal += control.gains[d, i] * now.z[i] + control.gains[d, n + i] * now.z[n + i]
+        stroke += lin.connections[d, i] * now.z[i]
+        rate += lin.connections[d, i] * now.z[n + i]
+    return signal, stroke, rate
+
+
+def take_decision(d: int, number: int, signal: float, stroke: float, rate: float, f: float, control: Any) -> float:
+    """The decision of a site's law, stored with what the law sensed; one that is given in ``control.imposed`` is taken instead.
+
+    Beside it is stored the decision farthest from it that the law could have taken, had each quantity been off by as much as
+    it differs from the run at twice the step (``control.before``): the law is a sign of something, so the corners tell.
+    """
+    settings, sensed = control.settings[d], control.sensed[d, number]
+    u = decide(control.kind[d], signal, stroke, rate, f, settings)
+    if number < control.imposed.shape[1] and control.imposed[d, number] == control.imposed[d, number]:
+        u = control.imposed[d, number]
+    sensed[0], sensed[1], sensed[2], sensed[3], sensed[4] = signal, stroke, rate, f, u
+    if number < control.before.shape[1]:
+        before = control.before[d, number]
+        farthest = before[4]
+        for corner in range(16):
+            a = signal + (signal - before[0]) * (1.0 if corner & 1 else -1.0)
+            b = stroke + (stroke - before[1]) * (1.0 if corner & 2 else -1.0)
+            c = rate + (rate - before[2]) * (1.0 if corner & 4 else -1.0)
+            e = f + (f - before[3]) * (1.0 if corner & 8 else -1.0)
+            other = decide(control.kind[d], a, b, c, e, settings)
+            if abs(other - u) > abs(farthest - u):
+                farthest = other
+        control.other[d, number] = farthest
+    return u
+
+
+def update_inputs(step: int, lin: Any, sites: Any, control: Any, now: Any, ground: float) -> bool:
+    """Let the laws decide where it is time, and set the parameters of the step; True where a force may jump."""
+    jumped = False
+    for d in range(control.every.shape[0]):
+        every = control.every[d]
+        if every > 0 and step % every == 0:
+            signal, stroke, rate = sense(d, lin, control, now, ground)
+            u = take_decision(d, step // every, signal, stroke, rate, now.f[d], control)
+            control.command[d] = u
+            control.reached[d, 0] = min(control.reached[d, 0], u)
+            control.reached[d, 1] = max(control.reached[d, 1], u)
+        gap = control.level[d] - control.command[d]
+        if every > 0 and gap != 0.0:
+            for part in range(4):
+                level = control.command[d] + gap * control.decay[d, part]
+                look_up(control.knots[d], control.coefficients[d], level, sites.params[d, part])
+            control.level[d] = control.command[d] + gap * control.decay[d, 3]
+            jumped = jumped or control.decay[d, 0] == 0.0
+        control.total[d] += control.command[d] + gap * control.mean_decay[d]
+    return jumped
+
+
+def apply_force_jump(lin: Any, sites: Any, w: Any, now: Any) -> None:
+    """Set the forces at the start of a step under its own parameters, with the accelerations of dampers that have a mass."""
+    n, count = lin.pull.shape[0], sites.delays.shape[0]
+    for r in range(2 * count):
+        w.residual[r] = 0.0
+        for c in range(2 * count):
+            w.jacobian[r, c] = 1.0 if r == c else 0.0
+    for d in range(count):
+        p, s, a = sites.params[d, 0], sites.states[d], w.y[5 * count + d]
+        x, v = 0.0, 0.0
+        for i in range(n):
+            x += lin.connections[d, i] * now.z[i]
+            v += lin.connections[d, i] * now.z[n + i]
+        sites.inertance[d] = force(d, s, x, v, 1.0, p) - force(d, s, x, v, 0.0, p)
+        if sites.delays[d] == 0.0:
+            w.residual[d] = force(d, s, x, v, a, p) - now.f[d]
+            for c in range(count):
+                for i in range(n):
+                    w.jacobian[d, c] -= sites.inertance[d] * lin.connections[d, i] * lin.acceleration[i, 2 * n + c]
+    solve(w.jacobian, w.residual)
+    for d in range(count):
+        now.f[d] += w.residual[d]
+
+
+def integrate(
+    ag: Any, m: int, h: float, tolerance: float, lin: Any, sites: Any, control: Any, w: Any, out: Any
+) -> None:
+    """Integrate through the ground motion ``ag`` with m steps of h seconds per sample; ``out`` is written in place."""
+    now, half, whole, work = w.now, w.half, w.whole, w.work
+    ground = 0.0
+    initialise(sites, w, now, h, out)
+    observe(now, ag[0], lin, out)
+    store_sample(0, now, work, out)
+    if control is not None:
+        copy_into(control.level, out.input[0], 0)
+    for i in range(ag.shape[0] - 1):
+        for j in range(m):
+            ag0 = ag[i] + (ag[i + 1] - ag[i]) * j / m
+            ag1 = ag[i] + (ag[i + 1] - ag[i]) * (j + 1) / m
+            if control is not None:
+                if update_inputs(i * m + j, lin, sites, control, now, ground):
+                    apply_force_jump(lin, sites, w, now)
+                    observe(now, ag0, lin, out)
+                ground += 0.5 * h * (ag0 + ag1)
+            predict(lin, sites, w, now, ag0, ag1, i * m + j)
+            solve_forces(lin, sites, w, h, tolerance, out)
+            finish_step(lin, sites, w, half, whole, i * m + j)
+            observe(half, 0.5 * (ag0 + ag1), lin, out)
+            observe(whole, ag1, lin, out)
+            raise_peaks(now, half, 0.5 * h, out)
+            raise_peaks(half, whole, 0.5 * h, out)
+            for k in range(work.shape[0]):
+                work[k] += h / 6.0 * (now.power[k] + 4.0 * half.power[k] + whole.power[k])
+            now, whole = whole, now
+        store_sample(i + 1, now, work, out)
+        if control is not None:
+            copy_into(control.level, out.input[i + 1], 0)
