@@ -16,6 +16,9 @@ from dampyr import records
 from dampyr.models import Damper, Polynomial
 
 ROOT = Path(__file__).resolve().parents[1]
+EXTRAS = [
+    "serial", "nidaqmx", "grpc", "fastapi", "uvicorn", "websockets", "bokeh", "distributed", "nptdms", "openpyxl",
+]  # fmt: skip
 # Importing these fails as it does where they are not installed, in the processes that dampyr starts too.
 WITHOUT = "import sys\nfor name in {names!r}:\n    sys.modules[name] = None\n"
 COMMAND = "import sys\nfrom dampyr.cli import main\nsys.argv = ['dampyr', *{words!r}]\nmain()\n"
@@ -28,12 +31,8 @@ BY_COMMAND = [
     ("interop", ["openpyxl"], ["records", "test.xlsx"]),
     ("interop", ["openpyxl"], ["identify", "test.xlsx", "--model", "dahl"]),
     ("interop", ["nptdms"], ["records", "convert", "test.tdms", "--out", "new"]),
-    ("rig", ["serial", "nidaqmx", "grpc"], ["run", "campaign.toml", "--out", "lab"]),
     ("rig", ["serial"], ["run", "campaign.toml", "--out", "lab", "--rig", "rig.toml"]),
     ("rig", ["serial"], ["calibrate", "--rig", "rig.toml", "--yes"]),
-    pytest.param(
-        "rig", ["serial"], ["hybrid", "--scale", "0.1", "--duration", "2", "--out", "lab"], marks=pytest.mark.prove
-    ),
 ]
 BY_CALL = [
     ("console", ["uvicorn"], "import dampyr.console\ndampyr.console.serve('lab')"),
@@ -41,7 +40,6 @@ BY_CALL = [
     ("interop", ["nptdms"], "import dampyr as dp\ndp.records.read('test.tdms')"),
     ("interop", ["openpyxl"], "import dampyr as dp\ndp.records.read('test.xlsx')"),
     ("interop", ["openpyxl"], "import dampyr as dp\ndp.records.read_campaign('sheets')"),
-    ("rig", ["serial"], "import dampyr as dp\ndp.rig.simulated()"),
     ("rig", ["serial"], "import dampyr as dp\ndp.rig.connect('rig.toml')"),
     (
         "gpu",
@@ -114,17 +112,15 @@ def test_nothing_of_an_extra_is_loaded_with_dampyr(tmp_path: Path) -> None:
     records.write(
         records.Record(t, x, 200 * np.tanh(40 * np.gradient(x, t)), voltage=0.0, name="a"), tmp_path / "a.csv"
     )
-    names = [
-        "serial",
-        "nidaqmx",
-        "grpc",
-        "fastapi",
-        "uvicorn",
-        "websockets",
-        "bokeh",
-        "distributed",
-        "nptdms",
-        "openpyxl",
-    ]
-    done = run(tmp_path, names, COMMAND.format(words=["records", "a.csv", "--voltage", "0"]))
+    done = run(tmp_path, EXTRAS, COMMAND.format(words=["records", "a.csv", "--voltage", "0"]))
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("more", [[], pytest.param(["--real-time"], marks=pytest.mark.prove)])
+def test_a_simulated_rig_needs_no_extra(folder: Path, tmp_path: Path, more: list[str]) -> None:
+    """A campaign is performed where nothing of an extra can be imported, by the process that reads the rig either."""
+    step = 'kind = "sine"\namplitude = "4 mm"\nfrequency = "2 Hz"\nvoltage = "0 V"\ncycles = 2\n'
+    (folder / "short.toml").write_text(f'name = "short"\noperator = "me"\ncheck_amplitude = 0.0\n[[step]]\n{step}')
+    done = run(folder, EXTRAS, COMMAND.format(words=["run", "short.toml", "--out", str(tmp_path / "out"), *more]))
+    assert done.returncode == 0, done.stderr
+    assert len(records.read_campaign(tmp_path / "out")) == 1

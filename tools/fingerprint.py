@@ -706,7 +706,7 @@ def performed(dp: Any, text: str, folder: Path) -> Path:
     folder.mkdir()
     plan = folder / "campaign.toml"
     plan.write_text(text, encoding="utf-8")
-    with dp.rig.simulated(in_process=True, seed=RIG_SEED) as rig:
+    with dp.rig.simulated(seed=RIG_SEED) as rig:
         return Path(dp.campaigns.perform(plan, rig, folder / "out"))
 
 

@@ -376,7 +376,7 @@ def command_section(name: str, command: click.Command) -> str:
     arguments = " ".join(
         p.make_metavar(click.Context(command)) for p in command.params if p.param_type_name == "argument"
     )
-    options = [p for p in command.params if isinstance(p, click.Option) and "--json" not in p.opts]
+    options = [p for p in command.params if isinstance(p, click.Option) and "--json" not in p.opts and not p.hidden]
     rows = [[", ".join(f"`{spelled}`" for spelled in p.opts), cell(p.help or "")] for p in options]
     text = re.sub(r"(?<!\n)\n(?!\n)", " ", inspect.cleandoc(command.help or ""))
     parts = [f"## `{f'dampyr {name} {arguments}'.rstrip()}`", "", fill(text, 118), ""]

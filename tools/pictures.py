@@ -132,7 +132,7 @@ class Pictures:
         (self.data / "campaigns" / "live.toml").write_text(LIVE, encoding="utf-8")
         (self.data / "campaigns" / "pictures.toml").write_text(CAMPAIGN, encoding="utf-8")
         with self.attempt("records"):
-            _dampyr("run", str(self.data / "pictures.toml"), "--out", str(self.data / "tests"), "--in-process")
+            _dampyr("run", str(self.data / "pictures.toml"), "--out", str(self.data / "tests"))
 
     def write_reports(self, only: list[str]) -> list[Path]:
         """Every report as HTML."""

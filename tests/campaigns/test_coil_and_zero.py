@@ -28,7 +28,7 @@ Performed = Callable[..., list[Record]]
 @pytest.fixture
 def performed(tmp_path: Path) -> Performed:
     def run(*faults: str, rig: RigSettings = WIRED, parts: RigSettings | None = None) -> list[Record]:
-        with simulated(rig, in_process=True, faults=faults, parts=parts) as opened:
+        with simulated(rig, faults=faults, parts=parts) as opened:
             perform(campaign_of(CAMPAIGN), opened, tmp_path / "out")
         return records.read_campaign(tmp_path / "out")
 
@@ -60,7 +60,7 @@ def test_a_voltage_that_changes_in_a_test_is_read_back_too(tmp_path: Path) -> No
         "voltages": ["0 V", "1.5 V"],
         "hold": "1 s",
     }
-    with simulated(WIRED, in_process=True) as opened:
+    with simulated(WIRED) as opened:
         perform(campaign_of({"step": [step]}), opened, tmp_path / "out")
     (record,) = records.read_campaign(tmp_path / "out")
     assert isinstance(record.voltage, np.ndarray)
@@ -120,7 +120,7 @@ def test_counts_that_were_lost_go_into_the_uncertainty(tmp_path: Path) -> None:
     lost = {}
     for fault in ((), ("slipped-encoder=10um@10s",)):
         folder = tmp_path / str(len(fault))
-        with simulated(WIRED, in_process=True, faults=fault) as opened:
+        with simulated(WIRED, faults=fault) as opened:
             perform(campaign, opened, folder)
         (record,) = records.read_campaign(folder)
         lost[fault] = record.uncertainty["displacement"].parts["lost counts"]

@@ -39,7 +39,7 @@ FIRST, SECOND = "01-sine-4mm-1Hz-0V", "02-sine-4mm-1Hz-1V"
 
 
 def rig() -> Rig:
-    return simulated(in_process=True)
+    return simulated()
 
 
 @pytest.fixture(scope="module")
@@ -278,7 +278,7 @@ def test_settings_that_were_changed_are_told_and_kept_with_each_record(lab: Path
         encoder=replace(RigSettings().encoder, count=1e-5),
     )
     words = r"encoder\.count was 0\.005 mm, is 0\.01 mm; load_cell\.scale was 613 N/V, is 700 N/V"
-    opened = simulated(changed, in_process=True)
+    opened = simulated(changed)
     perform(lab / "short.toml", opened, lab / "out")  # nothing is left: nothing is told
     with pytest.warns(DampyrWarning, match=f"settings differ from those that the campaign was begun with: {words}"):
         perform(lab / "short.toml", opened, lab / "out", again=[SECOND])
@@ -288,7 +288,7 @@ def test_settings_that_were_changed_are_told_and_kept_with_each_record(lab: Path
     assert [event.what for event in read_journal(lab / "out")[1]].count("settings changed") == 1
     (lab / "out/journal.sqlite").unlink()  # the first record's settings are those that it was begun with
     with pytest.warns(DampyrWarning, match="made anew"), pytest.warns(DampyrWarning, match=words):
-        perform(lab / "short.toml", simulated(changed, in_process=True), lab / "out", again=[FIRST])
+        perform(lab / "short.toml", simulated(changed), lab / "out", again=[FIRST])
     with closing(Journal(lab / "out")) as journal:
         assert json.loads(journal.said("rig"))["load_cell"]["scale"] == 613.0
 

@@ -57,7 +57,7 @@ def campaign(*steps: dict[str, Any], **header: Any) -> campaigns.Campaign:
 
 
 def rig(*faults: str, **given: Any) -> Rig:
-    return simulated(in_process=True, faults=faults, **given)
+    return simulated(faults=faults, **given)
 
 
 def learned_in(folder: Path, name: str = NAME) -> dict[str, str]:
@@ -537,7 +537,7 @@ def test_what_was_scaled_is_in_the_record_the_journal_and_what_run_prints(tmp_pa
     (tmp_path / "fitted.toml").write_text(text)
     done = CliRunner().invoke(
         cli,
-        ["run", str(tmp_path / "fitted.toml"), "--out", str(tmp_path / "out"), "--in-process"],
+        ["run", str(tmp_path / "fitted.toml"), "--out", str(tmp_path / "out")],
         env={"COLUMNS": "400"},
     )
     assert done.exit_code == 0

@@ -254,7 +254,7 @@ def test_each_run_with_a_saturated_amplifier_is_marked_and_no_healthy_one(tmp_pa
     path = tmp_path / "one.toml"
     for voltage, level in ((0.0, 0), (0.87, 0), (1.98, 0), (3.2, 0), (1.98, 100), (1.98, 250), (1.98, 500)):
         path.write_text(f'check_amplitude = "0 mm"\n[[step]]\n{step}\nvoltage = "{voltage} V"\n', "utf-8")
-        rig = simulated(faults=[f"cell-clip={level}@0s"] if level else [], in_process=True)
+        rig = simulated(faults=[f"cell-clip={level}@0s"] if level else [])
         out = tmp_path / f"{voltage}-{level}"
         if level:
             with pytest.raises(RigFault, match="the test is spoiled: the force stands at"):
@@ -270,7 +270,7 @@ def test_each_run_with_a_saturated_amplifier_is_marked_and_no_healthy_one(tmp_pa
 def test_a_healthy_hybrid_test_has_no_mark(tmp_path: Path, voltage: float) -> None:
     """The documented command, and other voltages."""
     plan = planned_hybrid({"kind": "hybrid", "voltage": voltage, "duration": 10.0})
-    (record,) = records.read_campaign(perform(plan, simulated(in_process=True), tmp_path / "out"))
+    (record,) = records.read_campaign(perform(plan, simulated(), tmp_path / "out"))
     assert record.marks == ()
 
 
@@ -286,7 +286,7 @@ def test_a_healthy_hybrid_test_has_no_mark(tmp_path: Path, voltage: float) -> No
 def test_a_fault_in_a_hybrid_test_is_marked(tmp_path: Path, fault: str, words: str) -> None:
     plan = planned_hybrid({"kind": "hybrid", "voltage": 0.8712, "duration": 5.0})
     try:
-        perform(plan, simulated(faults=[fault], in_process=True), tmp_path / "out")
+        perform(plan, simulated(faults=[fault]), tmp_path / "out")
     except RigFault as problem:
         said = str(problem)
     else:
@@ -333,7 +333,7 @@ def short(tmp_path: Path) -> Callable[..., Path]:
 def test_a_broken_cell_ends_the_campaign_and_its_test_is_not_complete(
     short: Callable[..., Path], tmp_path: Path, volts: float
 ) -> None:
-    rig = simulated(faults=[f"broken-cell={volts}@18s"], in_process=True)
+    rig = simulated(faults=[f"broken-cell={volts}@18s"])
     with pytest.raises(RigFault, match="the test is spoiled: the force stands at"):
         perform(short(), rig, tmp_path / "out")
     assert not rig.board.simulator.twin.enabled
@@ -350,7 +350,7 @@ def test_a_broken_cell_ends_the_campaign_and_its_test_is_not_complete(
 def test_a_drifting_cell_is_marked_and_told_where_its_records_are_used(
     short: Callable[..., Path], tmp_path: Path
 ) -> None:
-    folder = perform(short(), simulated(faults=["drifting-cell=5@2s"], in_process=True), tmp_path / "out")
+    folder = perform(short(), simulated(faults=["drifting-cell=5@2s"]), tmp_path / "out")
     recorded = records.read_campaign(folder)
     assert all(record.marks and "the force's zero drifts" in record.marks[0] for record in recorded)
     assert all("the force's zero drifts" in test.reason for test in read_journal(folder)[0])
@@ -369,7 +369,7 @@ def test_a_drifting_cell_is_marked_and_told_where_its_records_are_used(
 
 @pytest.mark.prove
 def test_no_kind_of_step_is_marked_where_nothing_is_wrong(tmp_path: Path) -> None:
-    folder = perform(EXAMPLES / "every_kind.toml", simulated(in_process=True), tmp_path / "out")
+    folder = perform(EXAMPLES / "every_kind.toml", simulated(), tmp_path / "out")
     assert {record.name: record.marks for record in records.read_campaign(folder) if record.marks} == {}
 
 
@@ -392,7 +392,7 @@ def test_a_force_that_grows_from_one_slow_sample_to_the_next_does_not_leap(tmp_p
     base = RigSettings()
     rig = replace(base, board=replace(base.board, rate=200.0, velocity_bandwidth=50.0))
     step = {"kind": "sine", "amplitude": "8 mm", "frequency": "1 Hz", "cycles": 6, "voltage": "3.2 V"}
-    folder = perform(campaign_of({"step": [step]}), simulated(rig, in_process=True), tmp_path / "out")
+    folder = perform(campaign_of({"step": [step]}), simulated(rig), tmp_path / "out")
     (record,) = records.read_campaign(folder)
     assert np.abs(np.diff(record.force)).max() > 50.0
     assert record.marks == ()
@@ -440,7 +440,7 @@ def test_a_drift_in_a_short_test_is_seen_on_the_way_past_the_index(tmp_path: Pat
     path = tmp_path / "short.toml"
     path.write_text(f'check_amplitude = "0 mm"\n[[step]]\n{step}\nvoltage = "1 V"\n', "utf-8")
     for faults, count in (([], 0), ([f"drifting-cell={rate}@5s"], 1)):
-        rig = simulated(faults=faults, in_process=True)
+        rig = simulated(faults=faults)
         folder = perform(path, rig, tmp_path / f"out{count}")
         (path_of_record,) = folder.glob("*.h5")
         record = records.read(path_of_record)
@@ -452,6 +452,6 @@ def test_a_cell_whose_wires_are_swapped_ends_the_campaign(tmp_path: Path, check:
     path = tmp_path / "short.toml"
     text = SHORT.format(voltage='"1 V"').replace('"0 mm"', f'"{check} mm"')
     path.write_text(text, "utf-8")
-    rig = simulated(faults=["inverted-cell@0s"], in_process=True)
+    rig = simulated(faults=["inverted-cell@0s"])
     with pytest.raises(RigFault, match="sign inverted"):
         perform(path, rig, tmp_path / "out")

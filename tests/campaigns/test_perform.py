@@ -56,7 +56,7 @@ def two(tmp_path: Path) -> Path:
 
 
 def rig(*faults: str) -> Rig:
-    return simulated(faults=faults, in_process=True)
+    return simulated(faults=faults)
 
 
 def test_each_test_is_a_file_that_says_everything(two: Path, tmp_path: Path) -> None:
@@ -261,7 +261,7 @@ CROWDED = textwrap.dedent("""
     if reserved == "no":  # as where a file system takes a write anew that was reserved before, or others use up the room
         record_test.check_disk_space = lambda *_: None
         os.posix_fallocate = lambda *_: None
-    simulated(in_process=True).board.simulator.run_unattended(0.01)  # compiled once, for every host that is forked
+    simulated().board.simulator.run_unattended(0.01)  # compiled once, for every host that is forked
     print("ready", flush=True)
     for line in sys.stdin:
         host = os.fork()
@@ -271,7 +271,7 @@ CROWDED = textwrap.dedent("""
             if way == "limit":
                 resource.setrlimit(resource.RLIMIT_FSIZE, (int(line) * 1024,) * 2)
             try:
-                cli.main(["run", campaign, "--in-process", "--out", str(out)])
+                cli.main(["run", campaign, "--out", str(out)])
             except SystemExit as ended:
                 os._exit(ended.code)
         print(os.waitstatus_to_exitcode(os.waitpid(host, 0)[1]), flush=True)
@@ -368,7 +368,8 @@ HOST = textwrap.dedent("""
     import sys
     from dampyr.campaigns import perform
     from dampyr.records.files.recording import Recording
-    from dampyr.rig import RigSettings, simulated
+    from dampyr.rig import RigSettings
+    from tests.rig.wires.process import over_wires
 
     campaign, folder, box = sys.argv[1:4]
     append = Recording.append
@@ -380,7 +381,7 @@ HOST = textwrap.dedent("""
         return rows
 
     Recording.append = told
-    with simulated(black_box=box) as rig:
+    with over_wires(black_box=box) as rig:
         sys.stdout.write("ready\\n")
         sys.stdout.flush()
         perform(campaign, rig, folder)
@@ -394,7 +395,8 @@ def killed(campaign: Path, folder: Path, after: float, rows: int = 0) -> tuple[d
     acknowledged, whether it had ended, and the black box of its rig."""
     box = folder.parent / f"box-{time.monotonic_ns()}.jsonl"
     command = [sys.executable, "-c", HOST, str(campaign), str(folder), str(box)]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as host:
+    path = os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=path) as host:
         assert host.stdout is not None
         assert host.stdout.readline() == "ready\n"
         said = []
@@ -461,13 +463,13 @@ FORKING = textwrap.dedent("""
         return rows
 
     Recording.append = told
-    simulated(in_process=True).board.simulator.run_unattended(0.01)  # compiled once, for every host that is forked
+    simulated().board.simulator.run_unattended(0.01)  # compiled once, for every host that is forked
     print("ready", flush=True)
     for line in sys.stdin:
         campaign, folder, after = line.rstrip().split("|")
         host = os.fork()
         if not host:
-            perform(campaign, simulated(in_process=True), folder)
+            perform(campaign, simulated(), folder)
             os.write(1, b"complete\\n")
             os._exit(0)
         until = time.monotonic() + float(after)
@@ -564,7 +566,7 @@ def test_counts_that_were_lost_since_the_last_campaign_are_seen_before_the_next(
 
 def test_the_settings_are_those_of_the_rig_file(two: Path, tmp_path: Path) -> None:
     (tmp_path / "rig.toml").write_text('[board]\nrate = "500 Hz"\n', encoding="utf-8")
-    with simulated(tmp_path / "rig.toml", in_process=True) as opened:
+    with simulated(tmp_path / "rig.toml") as opened:
         assert opened.settings.board.rate == 500.0
         perform(two, opened, tmp_path / "out")
     assert records.read_campaign(tmp_path / "out")[0].dt == pytest.approx(0.002)

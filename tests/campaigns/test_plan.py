@@ -49,7 +49,7 @@ def test_the_duration_counts_rests_and_the_stroke_before():
 
 @pytest.mark.by_hand  # minutes of simulated time
 def test_a_campaign_takes_as_long_as_its_plan_says_and_homing(tmp_path: Path) -> None:
-    with simulated(in_process=True) as rig:
+    with simulated() as rig:
         campaign_plan = plan(campaigns.read(EXAMPLES / "every_kind.toml"), rig.settings)
         with rig.armed() as table:
             table.home()

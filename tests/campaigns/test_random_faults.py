@@ -431,7 +431,7 @@ def test_a_motor_that_stands_on_the_way_to_a_test_ends_the_campaign_as_a_fault(
     tmp_path: Path, start: float, check: int
 ) -> None:
     (tmp_path / "short.toml").write_text(SHORT.format(check=check), "utf-8")
-    rig = simulated(faults=[FaultSpec("stalled-motor", start, np.inf)], in_process=True)
+    rig = simulated(faults=[FaultSpec("stalled-motor", start, np.inf)])
     with pytest.raises(RigFault, match=r"look at the motor|is the motor blocked"):
         perform(tmp_path / "short.toml", rig, tmp_path / "out")
 

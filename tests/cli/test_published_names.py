@@ -14,7 +14,6 @@ from dampyr.models import published
 from dampyr.records import write
 from dampyr.rig import RigSettings, diagnosis
 from dampyr.rig.settings import Specimen
-from dampyr.rig.simulation import process
 from dampyr.rig.specimen import specimen_of
 from dampyr.studies import load_damper, raminelli_2020
 
@@ -84,11 +83,6 @@ def test_a_file_of_the_same_name_comes_first(tmp_path: Path, monkeypatch: pytest
         load_damper("no.toml")
 
 
-def test_a_run_without_the_extra_says_how_to_install_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(process, "find_spec", lambda name: None if name == "grpc" else object())
-    refused = run("run", EXAMPLES / "quick_campaign.toml", "--out", tmp_path / "out")
-    assert refused.exit_code == 2
-    assert 'needs grpcio for its wires; install the extra: pip install "dampyr[rig]", or simulate it' in refused.stderr
-    assert "grpc'" not in refused.stderr
+def test_the_doctor_says_how_to_install_what_a_rig_needs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(diagnosis.metadata, "version", missing)
-    assert {finding.repair for finding in diagnosis.diagnose(in_process=True)[:3]} == {'pip install "dampyr[rig]"'}
+    assert {finding.repair for finding in diagnosis.diagnose()[:3]} == {'pip install "dampyr[rig]"'}

@@ -100,7 +100,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder in which the first test is complete and the second failed."""
     folder = tmp_path_factory.mktemp("recorded")
     (folder / "short.toml").write_text(SHORT)
-    done = run(folder / "short.toml", "--in-process", "--out", folder / "out", "--fault", "stalled-motor@14s")
+    done = run(folder / "short.toml", "--out", folder / "out", "--fault", "stalled-motor@14s")
     assert done.exit_code == 3
     assert [test.state for test in read_journal(folder / "out")[0]] == ["complete", "failed"]
     return folder
@@ -136,7 +136,7 @@ def test_a_journal_that_was_lost_is_made_anew_from_the_files(lab: Path, how: str
     out, before = lab / "out", sums(lab / "out")
     assert len(before) == 2
     lose(how, out / "journal.sqlite")
-    done = run(lab / "short.toml", "--in-process", "--out", out)
+    done = run(lab / "short.toml", "--out", out)
     assert done.exit_code == 0, done.output
     assert "was missing or empty and is made anew from the files of 2 of its 2 tests: 1 complete, 1 not" in done.stderr
     tests, events = read_journal(out)
@@ -150,7 +150,7 @@ def test_a_journal_that_was_lost_is_made_anew_from_the_files(lab: Path, how: str
     assert set(after) - set(before) == {f"{SECOND}.try2.h5"}
     assert len(records.read_campaign(out)) == 2
     lose(how, out / "journal.sqlite")
-    done = run(lab / "short.toml", "--in-process", "--out", out)
+    done = run(lab / "short.toml", "--in-process", "--out", out)  # an option that has no effect any more
     assert done.exit_code == 0
     assert "2 of 2 tests complete" in done.stdout
     assert sums(out) == after
@@ -167,13 +167,13 @@ def test_another_campaign_with_the_same_names_takes_no_files_over(lab: Path, how
     before = sums(out)
     lose(how, out / "journal.sqlite")
     (lab / "short.toml").write_text(SHORT.replace("cycles = 2", "cycles = 1"))
-    done = run(lab / "short.toml", "--in-process", "--out", out)
+    done = run(lab / "short.toml", "--out", out)
     assert done.exit_code == 2
     assert f"has no journal of its tests, and its file {FIRST}.h5 is not of the campaign 'short'" in done.stderr
     assert "give another --out, or move the files that are there to another folder" in done.stderr
     assert sums(out) == before
     (lab / "short.toml").write_text(SHORT)  # and its own campaign goes on
-    assert run(lab / "short.toml", "--in-process", "--out", out).exit_code == 0
+    assert run(lab / "short.toml", "--out", out).exit_code == 0
     assert {name: sums(out)[name] for name in before} == before
 
 
@@ -181,7 +181,7 @@ def test_files_of_other_tests_are_not_taken_for_a_campaign(lab: Path) -> None:
     before = sums(lab / "out")
     (lab / "out/journal.sqlite").unlink()
     (lab / "short.toml").write_text(SHORT.replace("4 mm", "5 mm"))
-    done = run(lab / "short.toml", "--in-process", "--out", lab / "out")
+    done = run(lab / "short.toml", "--out", lab / "out")
     assert done.exit_code == 2
     assert "is not of the campaign 'short'" in done.stderr
     assert sums(lab / "out") == before
@@ -190,7 +190,7 @@ def test_files_of_other_tests_are_not_taken_for_a_campaign(lab: Path) -> None:
 def test_a_file_that_cannot_be_read_is_told_before_anything_moves(lab: Path) -> None:
     (lab / "out/journal.sqlite").unlink()
     (lab / "out" / f"{FIRST}.h5").write_bytes(b"")
-    done = run(lab / "short.toml", "--in-process", "--out", lab / "out")
+    done = run(lab / "short.toml", "--out", lab / "out")
     assert done.exit_code == 2
     assert "has no journal of its tests, and a file cannot be read" in done.stderr
 
@@ -199,7 +199,7 @@ def test_a_try_that_the_journal_does_not_know_is_not_written_over(lab: Path) -> 
     out = lab / "out"
     (out / f"{SECOND}.try2.h5").write_bytes((out / f"{SECOND}.h5").read_bytes())
     before = sums(out)
-    assert run(lab / "short.toml", "--in-process", "--out", out).exit_code == 0
+    assert run(lab / "short.toml", "--out", out).exit_code == 0
     after = sums(out)
     assert {name: after[name] for name in before} == before
     assert set(after) - set(before) == {f"{SECOND}.try3.h5"}
@@ -212,7 +212,7 @@ def test_what_a_killed_host_left_of_a_copy_goes_away(lab: Path) -> None:
         base.execute("UPDATE tests SET state = 'running' WHERE name = ?", (SECOND,))
     base.close()
     (out / f".{SECOND}.h5.abcd1234.part").write_bytes(b"half")
-    assert run(lab / "short.toml", "--in-process", "--out", out).exit_code == 0
+    assert run(lab / "short.toml", "--out", out).exit_code == 0
     assert not list(out.glob(".*"))
 
 
@@ -235,19 +235,19 @@ def test_a_file_with_few_samples_is_listed_as_such(lab: Path) -> None:
 
 def test_a_test_is_recorded_again_by_its_name(lab: Path) -> None:
     out = lab / "out"
-    assert run(lab / "short.toml", "--in-process", "--out", out).exit_code == 0
+    assert run(lab / "short.toml", "--out", out).exit_code == 0
     (out / f"{FIRST}.h5").unlink()
-    done = run(lab / "short.toml", "--in-process", "--out", out)
+    done = run(lab / "short.toml", "--out", out)
     assert done.exit_code == REFUSED  # nothing has moved
     assert f"{FIRST} (gone); run the same command with --again {FIRST} to record them again" in done.stderr
     assert "1 of 2 tests complete" in done.stdout
     assert f"next: run the same command with --again {FIRST}" in " ".join(done.stdout.split())
-    listed = json.loads(run(lab / "short.toml", "--in-process", "--out", out, "--json").stdout)
+    listed = json.loads(run(lab / "short.toml", "--out", out, "--json").stdout)
     assert [test["state"] for test in listed["tests"]] == ["gone", "complete"]
-    done = run(lab / "short.toml", "--in-process", "--out", out, "--again", FIRST)
+    done = run(lab / "short.toml", "--out", out, "--again", FIRST)
     assert done.exit_code == 0
     assert h5.state(out / f"{FIRST}.try2.h5").complete
-    assert "again" not in run(lab / "short.toml", "--in-process", "--out", out).stderr
+    assert "again" not in run(lab / "short.toml", "--out", out).stderr
 
 
 class Broken(io.TextIOBase):
@@ -294,7 +294,7 @@ def test_a_warning_that_cannot_be_shown_ends_nothing(monkeypatch: pytest.MonkeyP
 @pytest.mark.parametrize("end", ["2>&1 | head -1", "2>/dev/full", "<&- >&- 2>&-"])
 def test_a_campaign_goes_on_whatever_becomes_of_its_streams(tmp_path: Path, end: str) -> None:
     (tmp_path / "short.toml").write_text(SHORT)
-    command = f"({sys.executable} -m dampyr run short.toml --in-process --out out; echo $? > code) {end}"
+    command = f"({sys.executable} -m dampyr run short.toml --out out; echo $? > code) {end}"
     done = subprocess.run(["sh", "-c", command], cwd=tmp_path, check=False, capture_output=True, text=True)
     assert "Traceback" not in done.stderr
     assert (tmp_path / "code").read_text().strip() == "0"
@@ -308,7 +308,7 @@ def test_a_campaign_goes_on_whatever_becomes_of_its_streams(tmp_path: Path, end:
 
 def ended(tmp_path: Path, *more: str, text: str = SHORT) -> tuple[int, str]:
     (tmp_path / "short.toml").write_text(text)
-    done = run(tmp_path / "short.toml", "--in-process", "--out", tmp_path / "out", *more)
+    done = run(tmp_path / "short.toml", "--out", tmp_path / "out", *more)
     return done.exit_code, done.stderr
 
 
@@ -370,7 +370,7 @@ def test_exit_codes_of_a_run_that_is_ended(
     "fault", ["stuck-encoder@4.9s for 120ms", "stuck-encoder@7.2s for 60ms", "slipped-encoder=0.1mm@8s"]
 )
 def test_lost_counts_end_no_campaign_complete(tmp_path: Path, fault: str) -> None:
-    done = run(EXAMPLES / "quick_campaign.toml", "--in-process", "--out", tmp_path / "out", "--fault", fault)
+    done = run(EXAMPLES / "quick_campaign.toml", "--out", tmp_path / "out", "--fault", fault)
     assert done.exit_code == 3, done.output
     assert "nothing moved" in done.stderr or "index" in done.stderr
     for test in read_journal(tmp_path / "out")[0]:
@@ -385,14 +385,14 @@ def test_a_check_that_is_left_out_is_told_in_the_plan_the_run_and_the_record(tmp
     words = "whether the load cell's sign is right and the encoder's scale is"
     (tmp_path / "short.toml").write_text(SHORT.replace('"0 V", "0.8712 V"', '"0 V"'))
     assert words in run(tmp_path / "short.toml", "--dry-run").stdout.replace("\n", " ")
-    done = run(tmp_path / "short.toml", "--in-process", "--out", tmp_path / "out")
+    done = run(tmp_path / "short.toml", "--out", tmp_path / "out")
     assert (done.exit_code, words in done.stderr) == (0, True)
     (record,) = records.read_campaign(tmp_path / "out")
     assert words in record.provenance["preliminary_check"]
     (tmp_path / "short.toml").write_text(
         SHORT.replace('"0 V", "0.8712 V"', '"0 V"').replace("check_amplitude = 0.0", "check_amplitude = 0.001")
     )
-    done = run(tmp_path / "short.toml", "--in-process", "--out", tmp_path / "checked")
+    done = run(tmp_path / "short.toml", "--out", tmp_path / "checked")
     assert (done.exit_code, words in done.stderr) == (0, False)
     (record,) = records.read_campaign(tmp_path / "checked")
     assert record.provenance["preliminary_check"] == "passed"

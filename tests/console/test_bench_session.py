@@ -390,7 +390,10 @@ from pathlib import Path
 from dampyr.console.bench_session import Bench
 from dampyr.errors import InputError
 from dampyr.rig import simulated
-bench = Bench(Path("."), lambda *_: simulated(real_time=sys.argv[2] == "real", black_box=sys.argv[1]))
+from tests.rig.wires.process import over_wires
+real = sys.argv[2] == "real"
+connect = simulated if real else over_wires
+bench = Bench(Path("."), lambda *_: connect(black_box=sys.argv[1], **({"real_time": True} if real else {})))
 bench.clients.join("a")
 
 def wait(phase):
@@ -418,12 +421,19 @@ def test_when_the_server_dies_the_rig_comes_to_rest(tmp_path: Path, bench_time: 
     box = tmp_path / "box.jsonl"
     kind = "lockstep" if isinstance(bench_time, SimulatedTime) else "real"
     command = [sys.executable, "-c", DYING, str(box), kind]
-    server = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True)
+    path = os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])}
+    server = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True, env=path)
     assert server.stdout is not None
     assert server.stdout.readline() == "jogs\n"
     os.kill(server.pid, signal.SIGKILL)
     server.wait()
     server.stdout.close()
+    if kind == "real":  # the process that reads it, and simulates it, stops it in order
+        RealTime().until(lambda: box.read_text().count('"enable low"') == box.read_text().count('"enable high"'), HANG)
+        RealTime().until(
+            lambda: json.loads(box.read_text().splitlines()[-1])["event"] in ("at rest", "coil dead"), HANG
+        )
+        return
     RealTime().until(lambda: '"ends"' in box.read_text(), HANG)
     events = [json.loads(line)["event"] for line in box.read_text().splitlines()]
     closed = events.index("serial closed")

@@ -35,10 +35,10 @@ voltage = "0.8712 V"
 """
 
 
-def fast(in_process: bool) -> Opener:
-    """Two channels at 10 kHz in lockstep: as quick as this machine is, each second the same work as a real one."""
+def fast(real_time: bool) -> Opener:
+    """Two channels at 10 kHz; in lockstep as quick as this machine is, each second the same work as a real one."""
     settings = RigSettings(board=Board(rate=RATE), wires=Wires(temperature="ai1"))
-    return lambda *_: simulated(settings, in_process=in_process)
+    return lambda *_: simulated(settings, real_time=real_time)
 
 
 class Page(threading.Thread):
@@ -70,7 +70,7 @@ def memory() -> int:
 def test_minutes_at_10_khz(data: Path, endurance: Endurance) -> None:
     seconds = endurance.count(600)
     (data / "long.toml").write_text(CAMPAIGN.format(cycles=seconds - 2))
-    with TestClient(app(data, opener=fast(in_process=not endurance.full)), base_url=HERE) as client:
+    with TestClient(app(data, opener=fast(real_time=endurance.full)), base_url=HERE) as client:
         bench = client.app.inner.state.dampyr.own["bench"]
         pages = [Page(client, f"page-number-{k}") for k in range(2)]
         for page in pages:

@@ -54,7 +54,7 @@ def run(folder: Path, rig: Rig, **changes: object) -> HybridResult:
 def done(tmp_path_factory: pytest.TempPathFactory) -> tuple[HybridResult, Rig, Path]:
     """A test at 0.8712 V, begun with the table in mid-stroke."""
     folder = tmp_path_factory.mktemp("hybrid")
-    with simulated(in_process=True) as rig:
+    with simulated() as rig:
         with rig.armed() as table:
             table.home()
             table.go(0.011)
@@ -127,7 +127,7 @@ def test_a_page_of_it(done, tmp_path):
 def test_a_record_of_another_kind_is_refused(done, tmp_path):
     step = {"kind": "sine", "amplitude": "4 mm", "frequency": "1 Hz", "cycles": 1}
     campaign = campaigns.campaign_of({"check_amplitude": 0, "step": [step]})
-    with simulated(in_process=True) as rig:
+    with simulated() as rig:
         perform(plan(campaign), rig, tmp_path)
     with pytest.raises(InputError, match="'sine', and not hybrid"):
         hybrid_result(next(tmp_path.glob("*.h5")))
@@ -166,7 +166,7 @@ def test_a_slower_clock_is_refused_for_a_damper_that_depends_on_the_velocity(tmp
 
 def test_it_stops_where_the_error_of_energy_passes_its_limit(tmp_path, monkeypatch):
     monkeypatch.setattr("dampyr.campaigns.steps.hybrid.LAG_ERROR", 0.0)  # or the plan would refuse it
-    with simulated(in_process=True) as rig:
+    with simulated() as rig:
         with pytest.raises(
             RigFault, match=r"stopped after \d\.\d\d s of the structure's time: the table's lag put 0 % of"
         ):
@@ -184,7 +184,7 @@ def test_it_stops_where_the_damper_is_twice_as_strong_as_its_model(tmp_path):
         for name, law in damper.all_laws.items()
     }
     card = replace(damper, laws=laws, covariance=None).save(tmp_path / "weak.toml")
-    with simulated(in_process=True) as rig:
+    with simulated() as rig:
         with pytest.raises(RigFault, match=r"the building wants to move at \d+ mm/s, the limit is 120 mm/s"):
             run(tmp_path, rig, structure="heavy_two_storey", voltage=3.212, model=str(card), scale=1.0)
         assert rig.uno.heartbeat().speed == 0
@@ -201,7 +201,7 @@ def test_the_way_back_ends_at_rest_in_the_middle():
 def test_the_command_plans_runs_and_goes_on(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "heavy.toml").write_text(HEAVY)
-    words = ["hybrid", "--structure", "heavy.toml", "--duration", "2", "--scale", "0.1", "--in-process", "--out", "out"]
+    words = ["hybrid", "--structure", "heavy.toml", "--duration", "2", "--scale", "0.1", "--out", "out"]
     missing = CliRunner().invoke(cli, words[:-2])
     assert (missing.exit_code, "--out is missing" in missing.stderr) == (2, True)
     first = CliRunner().invoke(cli, [*words, "--json", "--report", "page.html"])
@@ -233,7 +233,7 @@ def test_the_command_says_what_is_wrong(tmp_path, monkeypatch):
 @pytest.mark.prove
 @pytest.mark.parametrize("voltage", [0.0, 2.0])
 def test_at_other_voltages_over_ten_seconds(tmp_path, voltage):
-    with simulated(in_process=True) as rig:
+    with simulated() as rig:
         result = run(tmp_path, rig, voltage=voltage, duration=10.0, scale=1.0)
     assert np.abs(result.differences).max() < 0.05
 

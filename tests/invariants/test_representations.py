@@ -248,7 +248,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimpleNamespace]:
     made.journal.plan("1234", [test.name for test in made.campaign.tests], {"name": "a notebook"})
     finding = dp.studies.raminelli_2020.ComparedValue("table 4.1", "kx", 0.802, 0.8017, "N s/mm", "agrees", "")
     made.study = Study((Part("a title", [finding], []),), None, ())
-    with dp.rig.simulated(in_process=True) as made.rig, made.rig.armed() as made.table:
+    with dp.rig.simulated() as made.rig, made.rig.armed() as made.table:
         yield made
     made.journal.close()
 

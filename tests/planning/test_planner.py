@@ -15,7 +15,7 @@ QUICK = {"bandwidth": BANDWIDTH, "seconds": 4.0, "voltages": (0.0, 1.98), "kinds
 
 def perform(folder: Path, **given: object) -> Planned:
     settings = laboratory(folder.parent / "rig", DAHL)
-    with simulated(settings, seed=5, in_process=True) as rig:
+    with simulated(settings, seed=5) as rig:
         return plan_and_perform(DAHL, rig, folder, **{**QUICK, **given})  # type: ignore[arg-type]
 
 

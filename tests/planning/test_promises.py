@@ -30,7 +30,7 @@ def test_intervals_shrink_as_promised(damper: Damper, fixed: dict[str, float], t
     settings = laboratory(tmp_path / "rig", damper)
     logarithms = []
     for seed in SEEDS:
-        with simulated(settings, seed=seed, in_process=True) as rig:
+        with simulated(settings, seed=seed) as rig:
             planned = plan_and_perform(
                 damper, rig, tmp_path / f"{seed}", tests=12, per_round=6, seconds=12.0, bandwidth=BANDWIDTH, fixed=fixed,
                 voltages=VOLTAGES,
@@ -55,7 +55,7 @@ def test_the_interval_of_a_peak_shrinks_as_promised(tmp_path: Path) -> None:
     ratios = []
     for voltage, scale in ((0.8712, 0.3), (1.98, 1.0)):
         peak = Peak(structures.two_storey(), ground_motions.el_centro().scaled(scale), voltage)
-        with simulated(settings, seed=1, in_process=True) as rig:
+        with simulated(settings, seed=1) as rig:
             planned = plan_and_perform(
                 DAHL, rig, tmp_path / f"{voltage}", tests=12, per_round=6, seconds=12.0, bandwidth=BANDWIDTH, voltages=VOLTAGES,
                 goal="peak", peak=peak,
@@ -108,11 +108,11 @@ def test_twelve_chosen_tests_tell_the_shape_as_well_as_a_grid_of_forty(tmp_path:
     seconds = sum(test.duration for test in campaigns.plan(campaign, settings, DAHL).tests)
     labels = [f"dahl.rho @ {u:g} V" for u in VOLTAGES]
     truth = [float(DAHL.all_laws["dahl.rho"](u)) for u in VOLTAGES]
-    with simulated(settings, seed=UNSEEN, in_process=True) as rig:
+    with simulated(settings, seed=UNSEEN) as rig:
         campaigns.perform(campaign, rig, tmp_path / "grid")
     by_grid = fit("dahl", read_campaign(tmp_path / "grid"), "polynomial:3", bandwidth=BANDWIDTH)
     aims = {label: half_width(by_grid, label) for label in labels}
-    with simulated(settings, seed=UNSEEN, in_process=True) as rig, warnings.catch_warnings():
+    with simulated(settings, seed=UNSEEN) as rig, warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)
         planned = plan_and_perform(
             DAHL, rig, tmp_path / "chosen", tests=12, per_round=4, seconds=55.0, bandwidth=BANDWIDTH,

@@ -27,21 +27,22 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, precondition, rule, run_state_machine_as_test
 from tests.endurance import Endurance
+from tests.rig.wires.clock import Clock
+from tests.rig.wires.daqmx_service import start_server
+from tests.rig.wires.serial_wire import Serial
 
 from dampyr.campaigns import Control, Progress, Stopped, perform
 from dampyr.errors import DampyrWarning, InputError, RigFault
 from dampyr.rig import Drive, Rig, RigSettings, Table
 from dampyr.rig.firmware.protocol import State
 from dampyr.rig.instruments.arduino_uno.driver import Uno
-from dampyr.rig.instruments.arduino_uno.simulated import Serial
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
 from dampyr.rig.instruments.connection import open_instruments
-from dampyr.rig.instruments.ni_daqmx.daqmx_service import start_server
 from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
 from dampyr.rig.interlock import Samples
 from dampyr.rig.session import no_check
 from dampyr.rig.simulation import plant
-from dampyr.rig.simulation.clock import Clock, EventLog
+from dampyr.rig.simulation.event_log import EventLog
 from dampyr.rig.simulation.faults import KINDS, FaultSpec
 from dampyr.rig.simulation.simulator import Simulator
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rig.wires.process import over_wires
 
 from dampyr.cli import cli
 from dampyr.errors import FileError, InputError, RigFault
@@ -59,7 +60,7 @@ def test_a_reading_without_a_step_and_one_with_a_bouncing_switch_are_refused() -
 
 
 def test_a_reading_at_the_end_of_the_boards_range_is_no_calibration() -> None:
-    with simulated(RIG, in_process=True, faults=["broken-cell=10@5s"]) as rig:
+    with simulated(RIG, faults=["broken-cell=10@5s"]) as rig:
         steps = Calibrating(rig, 0.5)
         steps.zero()
         rig.board.simulator.run_unattended(6.0)
@@ -72,7 +73,7 @@ def test_a_reading_at_the_end_of_the_boards_range_is_no_calibration() -> None:
 
 def test_the_noise_is_that_of_the_scale_that_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     readings = iter([(0.0, 1e-5), (1.0, 1e-5)])
-    with simulated(RIG, in_process=True) as rig:
+    with simulated(RIG) as rig:
         steps = Calibrating(rig)
         steps.noise = 0.613
         monkeypatch.setattr(steps, "_volts", lambda: next(readings))
@@ -83,7 +84,7 @@ def test_the_noise_is_that_of_the_scale_that_is_measured(monkeypatch: pytest.Mon
 
 
 def test_the_coils_heat_is_that_of_the_resistance_that_was_measured() -> None:
-    with simulated(RIG, in_process=True) as rig:
+    with simulated(RIG) as rig:
         rig.use(replace(calibration_of(RIG), resistance=8.8, resistance_uncertainty=0.1))
         assert rig.warmth.rig.supply.resistance == 8.8
 
@@ -91,7 +92,7 @@ def test_the_coils_heat_is_that_of_the_resistance_that_was_measured() -> None:
 @pytest.mark.parametrize(("resistance", "inductance", "gain"), [(4.4, 0.044, 1.0), (4.0, 0.08, 0.9), (6.0, 0.006, 1.1)])
 def test_a_coil_is_identified_from_steps_of_its_voltage(resistance: float, inductance: float, gain: float) -> None:
     true = replace(RIG, supply=replace(RIG.supply, resistance=resistance, inductance=inductance, gain=gain))
-    with simulated(RIG, in_process=True, parts=true) as rig:
+    with simulated(RIG, parts=true) as rig:
         coil = measure_coil(rig)
         assert np.ptp(rig.board.simulator.truth.position) < 1e-6  # nothing has moved
         assert rig.board.simulator.truth.voltage[-1] == 0.0
@@ -116,11 +117,11 @@ def test_a_coil_in_closed_form() -> None:
 
 
 def test_a_coil_without_a_shunt_or_without_a_current_is_said_so() -> None:
-    with simulated(in_process=True) as rig, pytest.raises(InputError, match=r"wires\.coil_current"):
+    with simulated() as rig, pytest.raises(InputError, match=r"wires\.coil_current"):
         measure_coil(rig)
     assert not rig.was_armed
     with (
-        simulated(RIG, in_process=True, faults=["open-coil@0s"]) as rig,
+        simulated(RIG, faults=["open-coil@0s"]) as rig,
         pytest.raises(RigFault, match="the current changed"),
     ):
         measure_coil(rig)
@@ -149,7 +150,7 @@ def test_a_calibration_changes_what_the_rig_is_taken_to_be_and_survives_its_file
     assert rig.supply.gain_uncertainty == RIG.supply.gain_uncertainty  # it was not measured
     assert loaded.corrected(rig) == rig
     (tmp_path / "rig.toml").write_text("")
-    with simulated(tmp_path / "rig.toml", in_process=True) as opened:
+    with simulated(tmp_path / "rig.toml") as opened:
         assert opened.settings.supply.resistance == 4.0
         assert opened.board.simulator.settings.supply.resistance == 4.4  # what it really is does not change
 
@@ -175,7 +176,7 @@ def test_a_reading_says_its_uncertainty() -> None:
     """The spread of zeros over many readings is what each of them states."""
     zeros, stated = [], []
     for seed in range(12):
-        with simulated(RIG, seed=seed, in_process=True) as rig:
+        with simulated(RIG, seed=seed) as rig:
             steps = Calibrating(rig)
             zeros.append(steps.zero())
             stated.append(steps.calibration.zero_uncertainty)
@@ -206,7 +207,7 @@ def test_a_supply_whose_gain_was_calibrated_gets_its_whole_voltage(tmp_path: Pat
     save_calibration(replace(calibration_of(RIG), gain=0.5, gain_uncertainty=0.002), tmp_path)
     voltage = np.concatenate([np.zeros(5), np.full(30, 3.0), np.zeros(5)])
     true = replace(RigSettings(), supply=replace(RigSettings().supply, gain=0.5))
-    with simulated(tmp_path / "rig.toml", parts=true) as rig, rig.armed() as table:
+    with over_wires(tmp_path / "rig.toml", parts=true) as rig, rig.armed() as table:
         drive = Drive(0.01, np.full(40, table.position), voltage, standing=True)
         assert max(float(samples.voltage.max()) for samples, _ in table.play(drive)) == 3.0
 
@@ -216,7 +217,7 @@ def test_an_encoder_too_fine_for_the_uno_is_said_so() -> None:
     encoder, board = replace(usual.encoder, count=1e-6), replace(usual.board, encoder_filter=125e-9)
     fine = replace(usual, encoder=encoder, board=board)
     with (
-        simulated(fine, in_process=True) as rig,
+        simulated(fine) as rig,
         pytest.raises(InputError, match=r"limits\.speed of at most 40 mm/s"),
         rig.armed(),
     ):

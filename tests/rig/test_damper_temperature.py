@@ -101,7 +101,7 @@ def test_each_arming_saves_it(tmp_path: Path) -> None:
 def test_a_simulated_damper_is_a_new_one(tmp_path: Path) -> None:
     (tmp_path / "rig.toml").write_text("")
     save_temperature(tmp_path, 60.0)
-    with simulated(tmp_path / "rig.toml", in_process=True) as rig:
+    with simulated(tmp_path / "rig.toml") as rig:
         assert rig.warmth.temperature == 20.0
         with rig.armed() as table:
             table.rest(0.1)
@@ -147,7 +147,7 @@ def test_a_temperature_that_is_measured_is_that_of_the_coil() -> None:
     """The command rises with it, also where the damper is warmer than its own work has made it."""
     base = RigSettings()
     settings = replace(base, wires=replace(base.wires, temperature="ai1"))
-    rig = simulated(settings, faults=["hot-specimen=40@0s"], in_process=True)
+    rig = simulated(settings, faults=["hot-specimen=40@0s"])
     simulator = rig.board.simulator
     with rig.armed() as table:
         table.home()
@@ -170,7 +170,7 @@ WITH_THERMOCOUPLE = replace(
 
 def test_a_stuck_thermocouple_does_not_switch_the_guard_off(tmp_path: Path) -> None:
     (tmp_path / "hot.toml").write_text(HOT)
-    rig = simulated(WITH_THERMOCOUPLE, faults=["thermocouple-stuck@0s"], in_process=True)
+    rig = simulated(WITH_THERMOCOUPLE, faults=["thermocouple-stuck@0s"])
     with pytest.raises(RigFault, match=r"estimated temperature 31.*the thermocouple reads 20 degC, .* has not moved"):
         perform(tmp_path / "hot.toml", rig, tmp_path / "out")
     assert rig.board.simulator.truth.temperature.max() < 32.0
@@ -182,7 +182,7 @@ def test_a_thermocouple_that_parts_from_the_estimate_is_marked_and_a_good_one_is
     (tmp_path / "hot.toml").write_text(HOT.replace("repeats = 2", "").replace("cycles = 20", "cycles = 12"))
     settings = replace(WITH_THERMOCOUPLE, limits=RigSettings().limits)
     for faults, words in (([], ""), (["thermocouple-stuck@0s"], "the reading has not moved while")):
-        rig = simulated(settings, faults=faults, in_process=True)
+        rig = simulated(settings, faults=faults)
         out = perform(tmp_path / "hot.toml", rig, tmp_path / f"out{len(faults)}")
         record = records.read(next(out.glob("*.h5")))
         true = rig.board.simulator.truth.temperature[-1]

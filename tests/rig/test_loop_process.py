@@ -17,6 +17,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from tests.rig.wires.process import Process
 from tests.rig_time import HANG, SimulatedTime
 
 from dampyr.errors import FileError, InputError, RigFault
@@ -313,12 +314,14 @@ def stroke_until_killed(rig: Rig) -> None:
 @pytest.mark.by_hand
 def test_a_rig_whose_reader_is_killed_says_so_and_is_stopped_by_the_uno(tmp_path: Path) -> None:
     box = tmp_path / "events"
-    rig = simulated(real_time=True, black_box=box)
+    there = Process(RigSettings(), real_time=True, black_box=box)
+    rig = connect(replace(RigSettings(), wires=replace(RigSettings().wires, **there.wires)))
     with pytest.raises(RigFault, match="the process that reads the rig has ended; the Uno stops the table"):
         stroke_until_killed(rig)
     with pytest.raises(RigFault, match="has ended"):
         rig.uno.heartbeat()
     rig.close()
+    there.close()
     events = [json.loads(line)["event"] for line in box.read_text().splitlines()]
     assert events.index("coil dead") > 0
     assert "at rest" in events

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from tests.endurance import Endurance
+from tests.rig.wires.process import over_wires
 
 from dampyr import campaigns
 from dampyr.errors import InputError, RigFault
@@ -21,7 +22,7 @@ SOON = 0.100  # s of simulated time
 
 
 def made(*faults: str, interlocked: bool = True, settings: RigSettings | None = None) -> tuple[Rig, Simulator]:
-    rig = simulated(settings, faults=faults, in_process=True)
+    rig = simulated(settings, faults=faults)
     rig.interlocked = interlocked
     return rig, rig.board.simulator
 
@@ -363,8 +364,8 @@ def test_the_real_wires_give_what_the_plant_gives() -> None:
         return [float(v) for block, selected in table.play(sine(0.005, 1.0, 3.0)) for v in block.force[selected]]
 
     forces = []
-    for in_process in (True, False):
-        with simulated(in_process=in_process, seed=3) as rig, rig.armed() as table:
+    for connect in (simulated, over_wires):
+        with connect(seed=3) as rig, rig.armed() as table:
             table.home()
             table.go(0.0)
             forces.append(samples(table))
@@ -625,7 +626,7 @@ def test_arming_in_many_random_orders(endurance: Endurance) -> None:
 
 
 def test_a_rig_over_the_wires_is_armed_again_and_again() -> None:
-    with simulated() as rig:
+    with over_wires() as rig:
         with rig.armed() as table:
             table.home()
             table.go(0.005)
@@ -643,7 +644,7 @@ def test_a_rig_over_the_wires_is_armed_again_and_again() -> None:
 
 
 def test_a_rig_says_where_it_is() -> None:
-    with simulated() as wired, simulated(in_process=True) as here:
+    with over_wires() as wired, simulated() as here:
         assert "simulated in a process of its own" in repr(wired)
         assert "simulated in this process" in repr(here)
         assert wired.origin.kind == here.origin.kind == "simulated"
@@ -665,7 +666,7 @@ def test_a_request_that_the_uno_refuses_after_a_fault_of_its_own_names_the_fault
             rig.uno.points = late  # type: ignore[method-assign]
             list(table.play(sine(0.004, 1.0, 2.0)))
 
-    with simulated(in_process=True) as rig, pytest.raises(RigFault, match="the Uno stopped the table: it was aborted"):
+    with simulated() as rig, pytest.raises(RigFault, match="the Uno stopped the table: it was aborted"):
         requested(rig)
 
 
@@ -686,6 +687,6 @@ def test_an_uno_that_does_not_answer_is_not_asked_for_its_fault_before_the_way_t
             rig.uno.points = silent  # type: ignore[method-assign]
             list(table.play(sine(0.004, 1.0, 2.0)))
 
-    with simulated(in_process=True) as rig, pytest.raises(RigFault, match="does not answer SETPOINTS"):
+    with simulated() as rig, pytest.raises(RigFault, match="does not answer SETPOINTS"):
         requested(rig)
     assert requests[0] == "cut"

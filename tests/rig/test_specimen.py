@@ -35,6 +35,6 @@ def test_a_card_with_a_velocity_bandwidth_can_be_tested_on_the_simulated_rig(tmp
     other.write_text('[specimen]\ncard = "fitted.toml"\n', "utf-8")
     forces = []
     for settings in (None, other):
-        with simulated(settings, in_process=True) as rig, rig.armed() as table:
+        with simulated(settings) as rig, rig.armed() as table:
             forces.append(table.signal(0.2))
     assert forces[0] == forces[1]

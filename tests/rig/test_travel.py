@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.rig.wires.process import over_wires
 
 from dampyr.errors import RigFault
 from dampyr.rig import Drive, Reversals, Rig, RigSettings, Table
@@ -335,9 +336,7 @@ def test_board_and_uno_are_compared_at_each_rest(which: str, ms: int) -> None:
 
 
 def test_a_rig_over_the_wires_latches_the_index() -> None:
-    from dampyr.rig import simulated
-
-    with simulated(faults=["slipped-encoder=0.1mm@8s"]) as rig, rig.armed() as table:
+    with over_wires(faults=["slipped-encoder=0.1mm@8s"]) as rig, rig.armed() as table:
         table.home()
         table.go(0.0)
         seen = []
@@ -354,7 +353,7 @@ def test_a_rig_over_the_wires_latches_the_index() -> None:
 def test_a_rig_without_switches_is_told_so(tmp_path) -> None:
     for wired in (False, True):
         path = write_settings(settings(wired, wired, index="ctr1/PFI9" if wired else ""), tmp_path / "rig.toml")
-        repairs = {each.what: each.repair for each in diagnose(path, in_process=True)}
+        repairs = {each.what: each.repair for each in diagnose(path)}
         for what in ("end switches", "emergency stop", "encoder's index"):
             assert (repairs[what] is None) == wired
     assert "end switches now" not in repairs

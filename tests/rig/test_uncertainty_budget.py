@@ -67,7 +67,7 @@ def nine(opened: Rig, folder: Path) -> list[tuple[Record, dict[str, float]]]:
 
 @pytest.mark.prove
 def test_wrong_constants_are_covered_by_the_uncertainty_of_a_rig_that_was_not_calibrated(tmp_path: Path) -> None:
-    with simulated(replace(BELIEVED, wires=RigSettings().wires), in_process=True, parts=TRUE) as opened:
+    with simulated(replace(BELIEVED, wires=RigSettings().wires), parts=TRUE) as opened:
         for record, off in nine(opened, tmp_path):
             for name, error in off.items():
                 assert error < 3.0 * record.uncertainty[name].standard + 1e-4, (record.name, name)
@@ -75,7 +75,7 @@ def test_wrong_constants_are_covered_by_the_uncertainty_of_a_rig_that_was_not_ca
 
 def test_wrong_constants_are_found_by_calibration(tmp_path: Path) -> None:
     """Gain, resistance, scale, zero and bandwidth; then the uncertainty is small, and the records are within it."""
-    with simulated(BELIEVED, in_process=True, parts=TRUE) as opened:
+    with simulated(BELIEVED, parts=TRUE) as opened:
         calibrated = calibrate(opened)
         assert calibrated.resistance == pytest.approx(4.0, rel=0.01)
         assert calibrated.gain == pytest.approx(0.9, rel=0.005)
@@ -133,7 +133,7 @@ def test_a_supply_that_comes_late_is_in_the_uncertainty_of_a_voltage_that_change
 
 def test_a_test_that_was_stopped_states_the_warmth_of_its_coil(tmp_path: Path) -> None:
     step = {"kind": "sine", "amplitude": "8 mm", "frequency": "1 Hz", "cycles": 20, "voltage": "1.98 V"}
-    with simulated(in_process=True, faults=["board-overrun@20s"]) as opened:
+    with simulated(faults=["board-overrun@20s"]) as opened:
         opened.warmth.temperature = 40.0
         with pytest.raises(RigFault):
             perform(campaign_of({"step": [step]}), opened, tmp_path)

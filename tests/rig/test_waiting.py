@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 import pytest
+from tests.rig.wires.process import over_wires
 from tests.rig_time import SimulatedTime
 
 from dampyr.campaigns import Control, Stopped, campaign_of, perform
@@ -18,7 +19,7 @@ class Enough(Exception):
 
 def test_a_watcher_sees_every_sample_once() -> None:
     seen: list[Samples] = []
-    with simulated(in_process=True) as rig:
+    with simulated() as rig:
         rig.watchers.append(seen.append)
         with rig.armed() as table:
             table.home(here=True)
@@ -37,7 +38,7 @@ def test_a_check_ends_what_is_waited_for(motion: str) -> None:
         if blocks > 5:
             raise Enough
 
-    with simulated(in_process=True) as rig, rig.armed() as table:
+    with simulated() as rig, rig.armed() as table:
         table.home(here=True)
         table.check = check
         with pytest.raises(Enough):
@@ -60,7 +61,7 @@ def test_a_reader_that_fails_stops_the_rig_and_says_so() -> None:
 
 @pytest.mark.prove
 def test_the_rig_is_read_on_while_a_long_record_is_finished() -> None:
-    with simulated() as rig, rig.armed() as table:
+    with over_wires() as rig, rig.armed() as table:
         table.home(here=True)
         table.meanwhile(lambda: time.sleep(4.0))  # in lockstep the watchdog acts after three seconds of silence
         table.go(0.001)
@@ -72,7 +73,7 @@ def test_a_campaign_that_was_aborted_before_it_armed_moves_nothing(tmp_path) -> 
     campaign = campaign_of({"step": [{"kind": "sine", "amplitude": "2 mm", "frequency": "2 Hz", "cycles": 1}]})
     control = Control()
     control.abort("by a test")
-    with simulated(in_process=True) as rig, pytest.raises(RigFault, match="aborted: by a test"):
+    with simulated() as rig, pytest.raises(RigFault, match="aborted: by a test"):
         perform(campaign, rig, tmp_path, control=control)
 
 
@@ -80,7 +81,7 @@ def test_stop_is_heard_while_the_table_looks_for_its_index(tmp_path) -> None:
     campaign = campaign_of({"step": [{"kind": "sine", "amplitude": "2 mm", "frequency": "2 Hz", "cycles": 1}]})
     control, phases = Control(), []
 
-    with simulated(in_process=True) as rig:
+    with simulated() as rig:
         rig.watchers.append(lambda samples: control.stop() if phases == ["homing"] and samples.time[-1] > 0.5 else None)
         with pytest.raises(Stopped):
             perform(campaign, rig, tmp_path, lambda progress: phases.append(progress.phase), control)
@@ -90,7 +91,7 @@ def test_stop_is_heard_while_the_table_looks_for_its_index(tmp_path) -> None:
 def test_a_rig_in_this_process_waits_for_slow_work() -> None:
     """Its time passes only while it is read, so what follows does not depend on how long the work took."""
     seen: list[Samples] = []
-    with simulated(in_process=True) as rig, rig.armed() as table:
+    with simulated() as rig, rig.armed() as table:
         table.home(here=True)
         rig.watchers.append(seen.append)
         table.meanwhile(lambda: time.sleep(0.5))

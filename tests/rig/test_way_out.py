@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.rig.wires.process import over_wires
 
 from dampyr.errors import RigFault
 from dampyr.rig import Drive, Rig, RigSettings, Table, simulated
@@ -21,7 +22,7 @@ WITHOUT_ENABLE = replace(RigSettings(), supply=replace(RigSettings().supply, ena
 
 
 def made(settings: RigSettings | None = None) -> tuple[Rig, Simulator]:
-    rig = simulated(settings, in_process=True)
+    rig = simulated(settings)
     return rig, rig.board.simulator
 
 
@@ -170,7 +171,7 @@ def test_a_simulator_that_is_killed_leaves_the_first_reason() -> None:
     done: list[str] = []
 
     def run() -> None:
-        with simulated() as rig:
+        with over_wires() as rig:
             process = rig.on_close[0].__self__._process  # type: ignore[attr-defined]
             rig.on_close.append(lambda: done.append("closed"))
             with rig.armed() as table:

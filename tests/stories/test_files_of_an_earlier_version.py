@@ -188,7 +188,7 @@ def test_a_complete_campaign_is_not_run_again(files: Path) -> None:
     """Also where its journal was lost: its records say which tests are complete."""
     folder, campaign = files / "complete_campaign", files / "campaigns/two_tests.toml"
     before, (tests, events) = content(folder), dp.campaigns.read_journal(folder)
-    with dp.rig.simulated(files / "rig.toml", in_process=True) as rig:
+    with dp.rig.simulated(files / "rig.toml") as rig:
         dp.campaigns.perform(campaign, rig, folder, nothing_runs)
         assert dp.campaigns.read_journal(folder) == (tests, events)
         (folder / "journal.sqlite").unlink()
@@ -203,7 +203,7 @@ def test_a_complete_campaign_is_not_run_again(files: Path) -> None:
 def test_a_stopped_campaign_goes_on_where_it_stopped(files: Path) -> None:
     folder = files / "stopped_campaign"
     before, [first] = content(folder), dp.records.read_campaign(folder)
-    with dp.rig.simulated(files / "rig.toml", in_process=True) as rig:
+    with dp.rig.simulated(files / "rig.toml") as rig:
         dp.campaigns.perform(files / "campaigns/two_tests.toml", rig, folder)
     after, (tests, _) = content(folder), dp.campaigns.read_journal(folder)
     assert {name: after[name] for name in before} == before

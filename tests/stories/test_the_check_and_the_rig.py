@@ -16,7 +16,7 @@ RIG = RigSettings()
 
 def played(drive: Drive) -> np.ndarray:
     """Where the simulated table was, sample by sample [m]."""
-    with dp.rig.simulated(in_process=True) as rig, rig.armed() as table:
+    with dp.rig.simulated() as rig, rig.armed() as table:
         table.home()
         table.go(0.0)
         return np.concatenate([samples.displacement[selected] for samples, selected in table.play(drive)])

@@ -24,7 +24,7 @@ def run(*arguments: str) -> tuple[int, str]:
     return int(code or 0), result.output
 
 
-def test_three_tests_over_the_wires_and_their_fit(tmp_path: Path) -> None:
+def test_three_tests_and_their_fit(tmp_path: Path) -> None:
     code, output = run("run", str(ROOT / "examples/quick_campaign.toml"), "--out", str(tmp_path / "out"), "--json")
     assert code == 0, output
     assert {test.state for test in read_journal(tmp_path / "out")[0]} == {"complete"}
@@ -39,23 +39,18 @@ def test_three_tests_over_the_wires_and_their_fit(tmp_path: Path) -> None:
 def test_the_forty_tests_faster_than_real_time_and_their_parameters(tmp_path: Path, endurance: Endurance) -> None:
     """Tables 4.2 to 4.5 on the default simulated rig; the specimen's parameters come back.
 
-    In full length over its wires, else in one process, where nothing waits; tests/rig/test_session.py says that both are one.
-
     Of 24 intervals of 95 %, 1.2 miss by chance. What the encoder's steps and the 70 Hz of the velocity leave comes on top: it
     is below 1.5 % of every parameter (most: below 0.3 %), and moves a few of them out of intervals that are narrower still.
     """
     begun = time.monotonic()
-    where = [] if endurance.full else ["--in-process"]
-    code, output = run("run", str(ROOT / "examples/campaign.toml"), *where, "--out", str(tmp_path / "out"), "--json")
+    code, output = run("run", str(ROOT / "examples/campaign.toml"), "--out", str(tmp_path / "out"), "--json")
     took = time.monotonic() - begun
     assert code == 0, output[-2000:]
     campaign = records.read_campaign(tmp_path / "out")
     assert len(campaign) == 40
     assert sorted({record.voltage for record in campaign}) == [0.0, 0.8712, 1.98, 3.212]
     recorded = sum(float(record.time[-1] - record.time[0]) for record in campaign)
-    endurance.report(
-        "forty tests on a simulated rig over its wires", None, f"{recorded:.0f} s recorded in {took:.0f} s"
-    )
+    endurance.report("forty tests on a simulated rig", None, f"{recorded:.0f} s recorded in {took:.0f} s")
     if endurance.full:  # a busy machine takes longer
         assert took < recorded
     fit = identification.fit(MODEL, campaign)

@@ -89,7 +89,7 @@ def origins(data: Any) -> list[dict[str, Any]]:
 def made(tmp_path_factory: pytest.TempPathFactory) -> Made:
     lab = tmp_path_factory.mktemp("simulated")
     (lab / "campaign.toml").write_text(CAMPAIGN)
-    ran = CliRunner().invoke(cli, ["run", str(lab / "campaign.toml"), "--in-process", "--out", str(lab / "records")])
+    ran = CliRunner().invoke(cli, ["run", str(lab / "campaign.toml"), "--out", str(lab / "records")])
     assert ran.exit_code == 0, ran.output
     assert ran.stdout.splitlines()[0] == NOTICE
     records = read_campaign(lab / "records")
@@ -126,7 +126,7 @@ COMMANDS: dict[str, Callable[[Made], list[Any]]] = {
     "accept": lambda m: ["accept", m.card, m.folder],
     "simulate": lambda m: ["simulate", m.card, *SHAKE],
     "ensemble": lambda m: ["ensemble", m.card, *ENSEMBLE],
-    "run": lambda m: ["run", m.folder.parent / "campaign.toml", "--in-process", "--out", m.folder],
+    "run": lambda m: ["run", m.folder.parent / "campaign.toml", "--out", m.folder],
     "plan": lambda m: ["plan", "--card", m.card, "--tests", "1", "--seconds", "4", "--kind", "sine", "--at", "1.98"],
     "export": lambda m: ["export", m.card, "--to", "c", "--out", m.folder.parent / "c"],
 }

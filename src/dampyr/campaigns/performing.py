@@ -86,7 +86,7 @@ def perform(
     >>> import dampyr as dp
     >>> step = {"kind": "sine", "amplitude": "8 mm", "frequency": "1 Hz", "voltage": "1.98 V", "cycles": 2}
     >>> campaign = dp.campaigns.campaign_of({"name": "one", "operator": "me", "step": [step]})
-    >>> with dp.rig.simulated(in_process=True) as rig:
+    >>> with dp.rig.simulated() as rig:
     ...     folder = dp.campaigns.perform(campaign, rig, "one")
     >>> [record.name for record in dp.records.read_campaign(folder)]
     ['01-sine-8mm-1Hz-1.98V']

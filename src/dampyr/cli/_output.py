@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 as_json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for machines, in SI units.")
 """The option that every command takes; it comes as ``as_json``."""
 
+in_process_option = click.option("--in-process", is_flag=True, hidden=True, expose_value=False)
+"""Has no effect since 0.4.0: a simulated rig has no wires. To go in 0.5.0."""
+
 DASH = "–"
 NOTICE = "dampyr.origin"  # what the running command has to say of what it prints
 WIDTH_OF_A_FILE = 240  # characters: more than the widest table takes

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dampyr.cli._examples import examples
-from dampyr.cli._output import as_json_option, findings_below, print_json, print_table, state_origin
+from dampyr.cli._output import as_json_option, findings_below, in_process_option, print_json, print_table, state_origin
 from dampyr.cli._report import report_options
 from dampyr.cli.run import REFUSED, exit_code
 from dampyr.errors import DampyrError, InputError
@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 )
 @click.option("--dry-run", is_flag=True, help="Print what would be done and what is in the way; move nothing.")
 @report_options()
-@click.option("--in-process", is_flag=True, help="Simulate the rig without its wires (without the extra rig).")
+@in_process_option
 @click.option("--real-time", is_flag=True, help="Simulate the rig at the pace of a real one.")
 @as_json_option
 def command(
@@ -62,7 +62,6 @@ def command(
     lag_error: float,
     dry_run: bool,
     report: Path | None,
-    in_process: bool,
     real_time: bool,
     as_json: bool,
 ) -> int | None:
@@ -79,7 +78,7 @@ def command(
         "clock": clock, "duration": duration, "model": model,
     }  # fmt: skip
     if delay is not None:
-        if rig or out or dry_run or in_process or real_time:
+        if rig or out or dry_run or real_time:
             raise InputError("--delay computes the actuator too; leave --rig, --out and the rig's options out")
         if clock != 1.0:
             raise InputError("--delay is of the building's own time; leave --clock out")
@@ -101,7 +100,7 @@ def command(
         return REFUSED
     if dry_run or out is None:
         return None
-    code = _perform(plan, rig, out, {"in_process": in_process, "real_time": real_time})
+    code = _perform(plan, rig, out, {"real_time": real_time})
     if code:
         return code
     with findings_below():

@@ -10,7 +10,7 @@ import click
 from dampyr.cli._control import structure_of
 from dampyr.cli._examples import examples
 from dampyr.cli._motion import Ground, motion_options
-from dampyr.cli._output import as_json_option, print_json, print_table, state_origin
+from dampyr.cli._output import as_json_option, in_process_option, print_json, print_table, state_origin
 from dampyr.cli._progress import stages
 from dampyr.cli._records import Reading, gather, pairs
 from dampyr.errors import InputError
@@ -71,7 +71,7 @@ if TYPE_CHECKING:
 @click.option("--perform", is_flag=True, help="Run the tests round by round, and stop when it is known well enough.")
 @click.option("--mixed-origins", is_flag=True, help="Fit simulated or virtual records together with others.")
 @click.option("--per-round", type=int, default=4, metavar="N", help="Tests before the next look at them.  [default: 4]")
-@click.option("--in-process", is_flag=True, help="Simulate the rig without its wires (without the extra rig).")
+@in_process_option
 @click.option(
     "--figure",
     type=click.Path(path_type=Path),
@@ -103,7 +103,6 @@ def command(
     perform: bool,
     mixed_origins: bool,
     per_round: int,
-    in_process: bool,
     figure: Path | None,
     as_json: bool,
 ) -> None:
@@ -144,7 +143,7 @@ def command(
     if perform and out is None:
         raise InputError("--out is missing; give a folder for the rounds of tests")
     if perform:
-        _perform(evidence, rig, out, options, per_round, in_process, figure, as_json)
+        _perform(evidence, rig, out, options, per_round, figure, as_json)
         return
     if out is not None and out.exists():
         raise InputError(f"{out} is there already; give another --out, or remove it")
@@ -193,7 +192,6 @@ def _perform(
     out: Path | None,
     options: PlanOptions,
     per_round: int,
-    in_process: bool,
     figure: Path | None,
     as_json: bool,
 ) -> None:
@@ -203,7 +201,7 @@ def _perform(
     from dampyr.rig.connecting import open_rig
 
     assert out is not None
-    with stages() as show, stopped_by_signals(), open_rig(rig, in_process=in_process) as opened:
+    with stages() as show, stopped_by_signals(), open_rig(rig) as opened:
 
         def watch(now: Any) -> None:
             show(f"testing, {now.name}" if now.total > 1 else "testing", now.fraction)

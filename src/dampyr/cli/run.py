@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dampyr.cli._examples import examples
-from dampyr.cli._output import as_json_option, drop_unwritten, print_json, print_table, state_origin
+from dampyr.cli._output import as_json_option, drop_unwritten, in_process_option, print_json, print_table, state_origin
 from dampyr.cli._report import report_options
 from dampyr.errors import DampyrError, InputError, RigFault
 
@@ -41,7 +41,7 @@ FEW = 50  # rows of a table that are all printed; of more, only those that are n
 @click.option("--dry-run", is_flag=True, help="Print the plan and what the rig cannot do; move nothing.")
 @click.option("--seed", type=click.IntRange(0), help="Of the random order, instead of the campaign's.")
 @report_options("Write a page of the plan.")
-@click.option("--in-process", is_flag=True, help="Simulate the rig without its wires (without the extra rig).")
+@in_process_option
 @click.option("--real-time", is_flag=True, help="Simulate the rig at the pace of a real one.")
 @click.option(
     "--fault", "faults", multiple=True, metavar="FAULT", help='Of a simulated rig: "stalled-motor@60s for 2s".'
@@ -62,7 +62,6 @@ def command(
     dry_run: bool,
     seed: int | None,
     report: Path | None,
-    in_process: bool,
     real_time: bool,
     faults: tuple[str, ...],
     chip: tuple[Path, Path] | None,
@@ -93,7 +92,7 @@ def command(
             raise InputError(
                 "--out is missing; give the folder where the records go, or --dry-run to see the plan only"
             )
-        how = {"faults": faults, "in_process": in_process, "real_time": real_time, "chip": chip}
+        how = {"faults": faults, "real_time": real_time, "chip": chip}
         return _perform(plan, rig, out, again, as_json, how)
     return None
 

@@ -18,5 +18,5 @@ SHORT = {
 @cache
 def warm_up() -> None:
     """Run a campaign of a second on a rig simulated in this process, once."""
-    with tempfile.TemporaryDirectory(prefix="dampyr-") as folder, simulated(in_process=True) as rig:
+    with tempfile.TemporaryDirectory(prefix="dampyr-") as folder, simulated() as rig:
         perform(campaign_of(SHORT), rig, Path(folder) / "warm")

@@ -32,13 +32,13 @@ class RigCheck:
     repair: str | None = None
 
 
-def diagnose(settings: str | Path | None = None, in_process: bool = False) -> list[RigCheck]:
+def diagnose(settings: str | Path | None = None) -> list[RigCheck]:
     """Check everything, in the order of the wires; nothing is armed, nothing moves, the coil stays at 0 V."""
     try:
         rig = RigSettings() if settings is None else load_settings(settings)
     except DampyrError as problem:
         return [RigCheck("rig", "its settings are wrong", str(problem))]
-    return [*_libraries(), *_settings(rig, settings), *_instruments(rig, settings, in_process)]
+    return [*_libraries(), *_settings(rig, settings), *_instruments(settings)]
 
 
 def _libraries() -> Iterator[RigCheck]:
@@ -105,9 +105,9 @@ def _switches(rig: RigSettings) -> Iterator[RigCheck]:
     yield RigCheck("encoder's index", wires.index or "not read by the board", None if wires.index else index)
 
 
-def _instruments(rig: RigSettings, path: str | Path | None, in_process: bool) -> Iterator[RigCheck]:
+def _instruments(path: str | Path | None) -> Iterator[RigCheck]:
     try:
-        opened = open_rig(path, in_process=in_process)
+        opened = open_rig(path)
     except DampyrError as problem:
         yield RigCheck("connection", "none", str(problem))
         return

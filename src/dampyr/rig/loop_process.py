@@ -35,10 +35,11 @@ from dampyr.rig.interlock import Samples
 from dampyr.rig.player import Player
 from dampyr.rig.session import Rig
 from dampyr.rig.settings import RigSettings
-from dampyr.rig.simulation.shared_clock import SharedClock
+from dampyr.rig.simulation.instrument_ends import Simulation
 from dampyr.rig.thermal_model import Warmth
 
 START = 30.0  # s that the process may take to import what it needs on a busy machine
+COMPILED = 600.0  # s in which a simulated rig is compiled on a slow machine, the first time
 PATIENCE = 30.0  # s beyond which an answer will not come: the longest, a HELLO during a boot loader, takes 4 s
 ENDED = (
     "the process that reads the rig has ended; the Uno stops the table and cuts the coil by itself: look at both, then "
@@ -53,6 +54,8 @@ class Link:
         self._questions, self._blocks = questions, blocks
         self._numbers, self._lock, self._ended = count(), threading.Lock(), False
         self._waiting: dict[int, Future[Any]] = {}
+        self.held = 0.0
+        """s for which the clock of a simulated rig was held back, as of its last block."""
         self.on_block: Callable[[tuple[Any, ...]], None] = lambda _: None
         self._receiving = [
             threading.Thread(target=receive, name=f"rig {receive.__name__}", daemon=True)
@@ -61,8 +64,8 @@ class Link:
         for each in self._receiving:
             each.start()
 
-    def ask(self, what: str, *given: Any) -> Any:
-        """What the other process answers; what it raises is raised here."""
+    def ask(self, what: str, *given: Any, patience: float = PATIENCE) -> Any:
+        """What the other process answers, within ``patience`` s; what it raises is raised here."""
         answer: Future[Any] = Future()
         with self._lock:
             if self._ended:
@@ -74,9 +77,9 @@ class Link:
             except (OSError, ValueError) as problem:
                 raise RigFault(ENDED) from problem
         try:
-            return answer.result(PATIENCE)
+            return answer.result(patience)
         except Late:
-            raise RigFault(f"the process that reads the rig does not answer ({what}, {PATIENCE:g} s)") from None
+            raise RigFault(f"the process that reads the rig does not answer ({what}, {patience:g} s)") from None
 
     def _answers(self) -> None:
         try:
@@ -124,11 +127,11 @@ class Link:
 
 
 class LoopProcess(Link):
-    """A running ``python -m dampyr.rig.loop_server`` with the instruments at the wires of ``settings``; ``clock``: simulated
-    ones, by that time.
+    """A running ``python -m dampyr.rig.loop_server`` with the instruments at the wires of ``settings``, or those of a rig that
+    it simulates.
     """
 
-    def __init__(self, settings: RigSettings, clock: SharedClock | None = None) -> None:
+    def __init__(self, settings: RigSettings, simulation: Simulation | None = None) -> None:
         key = secrets.token_bytes(32)
         with tempfile.TemporaryDirectory(prefix="dampyr-loop-") as folder:
             address = None if sys.platform == "win32" else str(Path(folder) / "wire")
@@ -144,7 +147,7 @@ class LoopProcess(Link):
                     self._process.stdin.write(key)
                 super().__init__(*self._accepted(listener))
         try:
-            self.ask("open", settings, None if clock is None else str(clock.path))
+            self.ask("open", settings, simulation, patience=PATIENCE if simulation is None else COMPILED)
         except BaseException:
             self.close()
             raise
@@ -256,7 +259,7 @@ class RemoteLoop(Acquisition):
         if what == "stopped":
             self._stop(rebuilt_fault(values[0]))
             return
-        samples, calibration, warm, finished = values
+        samples, calibration, warm, finished, self.process.held = values
         self.status, self.warmth.state = samples.status, warm
         with self.lock:
             self.calibration = calibration
@@ -361,9 +364,6 @@ def remote_rig(
     link: Link,
     settings: RigSettings,
     folder: Path | None = None,
-    on_close: Sequence[Callable[[], None]] = (),
-    damper_persists: bool = True,
-    clock: SharedClock | None = None,
     simulated: bool = False,
 ) -> Rig:
     """The rig whose instruments are open at the other end of ``link``; closing it closes the link."""
@@ -375,7 +375,6 @@ def remote_rig(
         )
 
     uno, board = StandIn(link, "uno"), StandIn(link, "board")
-    closing = [link.close, *on_close]
     return Rig(
         settings,
         cast(TableDrive, uno),
@@ -383,8 +382,8 @@ def remote_rig(
         threaded=False,
         folder=folder,
         acquisition=loop,
-        on_close=closing,
-        damper_persists=damper_persists,
-        shared_clock=clock,
+        on_close=[link.close],
+        damper_persists=not simulated,
+        held=lambda: link.held,
         simulated=simulated,
     )

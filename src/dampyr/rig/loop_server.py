@@ -30,10 +30,11 @@ from dampyr.rig.interlock import Interlock
 from dampyr.rig.loop_process import described, rebuilt_fault
 from dampyr.rig.priority import raise_priority
 from dampyr.rig.settings import RigSettings
-from dampyr.rig.simulation.shared_clock import SharedClock
+from dampyr.rig.simulation.instrument_ends import Simulation, simulate_instruments
+from dampyr.rig.simulation.real_time import RealTimeSimulator
 from dampyr.rig.thermal_model import Warmth, WarmthState
 
-Opener = Callable[[RigSettings, bool], tuple[Any, Any]]
+Opener = Callable[[RigSettings], tuple[Any, Any]]
 Clock = Callable[[], float]
 ANSWERING = 4  # threads: an abort does not wait behind what another thread of the host has asked
 
@@ -55,6 +56,7 @@ class LoopServer:
         self.uno: Any = None
         self.index: dict[int, int] = {}
         self.board: Any = None
+        self.simulator: RealTimeSimulator | None = None
         self.release_gc: Callable[[], None] = lambda: None
 
     def serve(self) -> None:
@@ -91,12 +93,15 @@ class LoopServer:
                 return getattr(instrument, name)(*given)
         return getattr(self, f"do_{what}")(*given)
 
-    def do_open(self, rig: RigSettings, shared_clock: str | None = None) -> None:
-        """Connect to the instruments; ``shared_clock``: the file that tells the time of simulated ones."""
+    def do_open(self, rig: RigSettings, simulation: Simulation | None = None) -> None:
+        """Connect to the instruments, or simulate the rig, whose time passes here then."""
         self.rig = rig
-        if shared_clock is not None:
-            self.clock = SharedClock(shared_clock)
-        self.uno, self.board = self.opener(rig, shared_clock is not None)
+        if simulation is None:
+            self.uno, self.board = self.opener(rig)
+        else:
+            self.simulator = simulation.in_real_time()
+            self.clock = self.simulator.clock
+            self.uno, self.board = simulate_instruments(rig, self.simulator)
         self.release_gc = disable_gc()
 
     def do_origin(self) -> OriginKind:
@@ -133,7 +138,8 @@ class LoopServer:
                     return
                 player = loop.player
                 finished = player.start if player is not None and player.finished else None
-                self.blocks.send(("block", block, loop.calibration, loop.warmth.state, finished))
+                held = 0.0 if self.simulator is None else self.simulator.held
+                self.blocks.send(("block", block, loop.calibration, loop.warmth.state, finished, held))
 
     def do_next(self) -> int:
         """The next sample that will be read."""
@@ -199,6 +205,8 @@ class LoopServer:
             steps += [self.board.stop, self.board.close]
         if self.uno is not None:
             steps += [self.uno.close]
+        if self.simulator is not None:
+            steps += [self.simulator.close]
         steps += [self.release_gc]
         for step in steps:
             with suppress(Exception):

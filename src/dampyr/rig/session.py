@@ -33,7 +33,6 @@ from dampyr.rig.interlock import Interlock, Samples
 from dampyr.rig.player import Player
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.signal_deferral import deferred_signals
-from dampyr.rig.simulation.shared_clock import SharedClock
 from dampyr.rig.thermal_model import Warmth
 
 Array = NDArray[np.float64]
@@ -62,7 +61,7 @@ class Rig(Representation):
     ``clocked_by_reads``: its time passes only while it is read, as that of a rig simulated in this process.
     ``clock``: the host's monotonic time [s], by which late readings are noticed.
     ``acquisition`` makes the loop that reads it where that is not in this process.
-    ``shared_clock``: that of a simulated rig in real time.
+    ``held``: s for which the clock of a simulated rig in real time was held back so far.
     ``damper_persists``: the damper is as warm as the last host left it; that of a simulated rig is a new one.
     ``simulated``: it is one that `dampyr.rig.simulated` has made.
     Each of ``watchers`` is called with every block of samples, by the thread that reads them: it has to be quick. Each of
@@ -83,7 +82,7 @@ class Rig(Representation):
     watchers: list[Callable[[Samples], None]] = field(default_factory=list)
     on_energy: list[Callable[[bool], None]] = field(default_factory=list)
     damper_persists: bool = True
-    shared_clock: SharedClock | None = None
+    held: Callable[[], float] = lambda: 0.0
     simulated: bool = False
     warmth: Warmth = field(init=False)
     was_armed: bool = field(init=False, default=False)
@@ -127,7 +126,7 @@ class Rig(Representation):
         """s for which the clock of a simulated rig in real time was held back since it was connected, as this machine was too
         busy for it; 0 for any other rig.
         """
-        return 0.0 if self.shared_clock is None else self.shared_clock.held
+        return self.held()
 
     @contextmanager
     def armed(self) -> Iterator[Table]:

@@ -164,7 +164,7 @@ def _perform(folder: Path, progress: Progress) -> tuple[list[Record], list[Recor
     progress(stage, 0.0)
     for old in [*folder.glob("*.h5"), *folder.glob(f"{JOURNAL}*")]:
         old.unlink()
-    with simulated(rig_settings(), seed=SEED, in_process=True) as rig:
+    with simulated(rig_settings(), seed=SEED) as rig:
         campaigns.perform(campaign(), rig, folder, lambda now: progress(stage, now.done / now.total))
     for path in sorted(folder.glob("*.h5"))[-len(HELD_OUT) :]:
         write(read(path).replace(note="held out of the fit", role="validation"), path)

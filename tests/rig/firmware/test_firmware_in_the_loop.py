@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.rig.firmware.chip import build
+from tests.rig.wires.process import over_wires
 
 from dampyr import records
 from dampyr.campaigns import perform
@@ -42,16 +43,21 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
 
 
 def test_a_campaign_on_the_binary_is_that_on_the_simulated_rig(tmp_path: Path, built: tuple[Path, Path]) -> None:
-    """Strokes within 2 %, and forces; over pyserial on a pseudo-terminal, and nidaqmx on its gRPC server."""
+    """Strokes within 2 %, and forces; over pyserial on a pseudo-terminal and nidaqmx on its gRPC server, and without wires."""
     (tmp_path / "both.toml").write_text(CAMPAIGN)
     elf, program = built
-    with simulated(chip=(program, elf)) as rig:
-        assert rig.identity
-        mine = perform(tmp_path / "both.toml", rig, tmp_path / "mine")
-    with simulated(in_process=True) as rig:
-        its = perform(tmp_path / "both.toml", rig, tmp_path / "its")
-    pairs = list(zip(records.read_campaign(mine), records.read_campaign(its), strict=True))
-    assert len(pairs) == 3
+    folders = []
+    for connect, how in (
+        (over_wires, {"chip": (program, elf)}),
+        (simulated, {"chip": (program, elf)}),
+        (simulated, {}),
+    ):
+        with connect(**how) as rig:  # type: ignore[operator]
+            assert rig.identity
+            folders.append(perform(tmp_path / "both.toml", rig, tmp_path / f"{len(folders)}"))
+    *ours, model = [list(records.read_campaign(folder)) for folder in folders]
+    pairs = [pair for own in ours for pair in zip(own, model, strict=True)]
+    assert len(pairs) == 6
     for one, other in pairs:
         assert np.ptp(one.displacement) == pytest.approx(np.ptp(other.displacement), rel=0.02)
         sizes = [np.ptp(np.quantile(each.force, [0.02, 0.98])) for each in (one, other)]

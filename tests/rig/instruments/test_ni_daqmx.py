@@ -12,17 +12,18 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rig.wires.clock import Clock
+from tests.rig.wires.serial_wire import Serial
 
 from dampyr.cli import cli
 from dampyr.errors import FileError, InputError, RigFault
 from dampyr.rig import Drive, Rig, RigSettings, load_settings
 from dampyr.rig.diagnosis import diagnose
 from dampyr.rig.instruments.arduino_uno.driver import Uno
-from dampyr.rig.instruments.arduino_uno.simulated import Serial
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
 from dampyr.rig.instruments.ni_daqmx.driver import NiBoard, signed
 from dampyr.rig.settings import Board, Limits, Supply
-from dampyr.rig.simulation.clock import Clock, EventLog
+from dampyr.rig.simulation.event_log import EventLog
 from dampyr.rig.simulation.simulator import Simulator
 
 nidaqmx = pytest.importorskip("nidaqmx", reason="the extra rig is not installed: pip install dampyr[rig]")
@@ -34,7 +35,7 @@ Open = Callable[..., tuple[NiBoard, Clock]]
 @pytest.fixture
 def connect() -> Iterator[Open]:
     """A driver and the simulated board at the other end of its wire, both in this process."""
-    from dampyr.rig.instruments.ni_daqmx.daqmx_service import start_server
+    from tests.rig.wires.daqmx_service import start_server
 
     ends: list[Callable[[], Any]] = []
 
@@ -140,7 +141,7 @@ def test_the_driver_itself_refuses_what_gets_past_the_check(connect: Open, monke
 
 
 def test_pulses_on_the_encoders_lines_are_filtered(connect: Open) -> None:
-    from dampyr.rig.instruments.ni_daqmx import daqmx_service
+    from tests.rig.wires import daqmx_service
 
     seen: list[daqmx_service.Board] = []
     made = daqmx_service.Board.__init__

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+import socket
+import threading
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
@@ -20,6 +22,7 @@ from dampyr.rig import Drive, Rig, RigSettings, load_settings, simulated
 from dampyr.rig.diagnosis import diagnose
 from dampyr.rig.instruments import catalogue
 from dampyr.rig.settings_file import write_settings
+from dampyr.rig.simulation.simulator import Simulator
 
 PAGE = (Path(__file__).parents[3] / "docs/how-to/add-an-instrument.md").read_text("utf-8")
 FILE = re.compile(r"^```\w+ name=(\S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -77,41 +80,72 @@ def agree(ours: list[Record], theirs: list[Record], skip: float = 0.0) -> None:
 @pytest.fixture(scope="module")
 def usual(tmp_path_factory: pytest.TempPathFactory) -> list[Record]:
     """The records of the NI board."""
-    return records_of(simulated(in_process=True), tmp_path_factory.mktemp("usual") / "out")
+    return records_of(simulated(), tmp_path_factory.mktemp("usual") / "out")
 
 
 def test_the_page_shows_files_that_are_there(laboratory: Path) -> None:
     rig = load_settings(laboratory / "rig.toml")
     assert (rig.wires.acquisition, rig.wires.supply) == ("./our_board", "./bench_supply")
     assert load_settings(write_settings(rig, laboratory / "written.toml")) == rig
-    with simulated(laboratory / "rig.toml", in_process=True) as opened:
+    with simulated(laboratory / "rig.toml") as opened:
         assert "OUR-BOARD 7, supply simulated BENCH 30V" in opened.identity
         assert "up to 90 ms late" in opened.identity
 
 
 def test_an_acquisition_of_ones_own_gives_the_record_of_the_usual_one(laboratory: Path, usual: list[Record]) -> None:
     path = rig_file(laboratory, acquisition="./our_board")
-    ours = records_of(simulated(path, in_process=True), laboratory / "out")
+    ours = records_of(simulated(path), laboratory / "out")
     agree(ours, usual)
     for own, other in zip(ours, usual, strict=True):  # the same calls: to the last bit
         np.testing.assert_array_equal(own.force, other.force)
 
 
-@pytest.mark.prove
-def test_an_acquisition_of_ones_own_over_its_wire(laboratory: Path, usual: list[Record]) -> None:
-    path = rig_file(laboratory, acquisition="./our_board")
-    ours = records_of(simulated(path), laboratory / "out")
-    agree(ours, usual)
-    assert ours[0].provenance["board"].startswith("simulated OUR-BOARD 7")
+def test_the_driver_of_ones_own_over_its_wire(laboratory: Path) -> None:
+    """The page's driver speaks to its simulated end over TCP, and gives what it gives without a wire."""
+    rig = replace(RigSettings(), wires=replace(RigSettings().wires, acquisition=str(laboratory / "our_board")))
+    end, driver = (catalogue.part(rig, "acquisition", name) for name in ("simulated", "driver"))
+    simulators = [Simulator(RigSettings(), 1) for _ in range(2)]
+    listener = socket.create_server(("127.0.0.1", 0))
+
+    def serve() -> None:
+        client, _ = listener.accept()
+        with client, client.makefile("rw", encoding="utf-8") as lines:
+            for line in lines:
+                request = json.loads(line)
+                try:
+                    reply = end.answer(simulators[0], request.pop("do"), **request)
+                except InputError as problem:
+                    reply = {"error": str(problem)}
+                lines.write(json.dumps(reply) + "\n")
+                lines.flush()
+
+    threading.Thread(target=serve, daemon=True).start()
+    address = f"127.0.0.1:{listener.getsockname()[1]}"
+    there = driver.connect(replace(rig, wires=replace(rig.wires, acquisition_address=address)))
+    here = end.in_process(simulators[1])
+    with pytest.raises(RigFault, match=r"our board gives an error: .*no sampled task runs"):
+        there.read(10)
+    seen = []
+    for board in (there, here):
+        board.start(1000.0, [1.0] * 100)
+        board.queue([2.0] * 50)
+        seen.append(board.read(40))
+        board.write(0.5)
+        assert board.identity() == "simulated OUR-BOARD 7"
+        assert board.index_counts().size == 0
+        board.stop()
+    for ours, theirs in zip(*seen, strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+    assert simulators[0].command == simulators[1].command == pytest.approx(0.5, abs=1e-3)
+    there.close()
+    listener.close()
 
 
-def test_the_wires_of_both_lead_to_the_simulated_rig(laboratory: Path) -> None:
+def test_the_supply_of_ones_own_without_a_wire_says_what_it_is(laboratory: Path) -> None:
     with simulated(laboratory / "rig.toml") as rig:
         volts, counts = rig.listen(0.2)
         assert (volts.shape, counts.shape) == ((1, 200), (200,))
         assert rig.identity.startswith("simulated OUR-BOARD 7, supply simulated BENCH 30V (no sample clock")
-        with pytest.raises(RigFault, match=r"our board gives an error: .*no sampled task runs"):
-            rig.board.read(10)
 
 
 def test_dampyr_run_takes_it(laboratory: Path) -> None:
@@ -125,7 +159,6 @@ def test_dampyr_run_takes_it(laboratory: Path) -> None:
         str(laboratory / "one.toml"),
         "--rig",
         str(path),
-        "--in-process",
         "--out",
         str(laboratory / "out"),
     ]
@@ -135,21 +168,16 @@ def test_dampyr_run_takes_it(laboratory: Path) -> None:
     assert record.provenance["board"].startswith("simulated OUR-BOARD 7")
 
 
-@pytest.mark.parametrize("in_process", [True, pytest.param(False, marks=pytest.mark.prove)])
-def test_a_supply_without_a_clock_holds_constant_voltages(
-    laboratory: Path, usual: list[Record], in_process: bool
-) -> None:
+def test_a_supply_without_a_clock_holds_constant_voltages(laboratory: Path, usual: list[Record]) -> None:
     path = rig_file(laboratory, supply="./bench_supply")
-    ours = records_of(simulated(path, in_process=in_process), laboratory / "out")
+    ours = records_of(simulated(path), laboratory / "out")
     agree(ours, usual, skip=0.3)
     assert "(no sample clock: its voltage comes up to 90 ms late)" in ours[0].provenance["board"]
 
 
 def test_a_step_of_its_voltage_is_told_with_its_latency(laboratory: Path) -> None:
-    from dampyr.rig.simulation.simulator import Simulator
-
     drive = Drive(0.01, np.zeros(100), np.r_[np.zeros(50), np.full(50, 2.0)])
-    with simulated(rig_file(laboratory, supply="./bench_supply"), in_process=True) as rig:
+    with simulated(rig_file(laboratory, supply="./bench_supply")) as rig:
         simulator: Simulator = rig.board.acquisition.simulator  # type: ignore[attr-defined]
         with rig.armed() as table:
             table.home(here=True)
@@ -162,12 +190,12 @@ def test_a_step_of_its_voltage_is_told_with_its_latency(laboratory: Path) -> Non
     truth = simulator.truth
     late = truth.time[np.flatnonzero(truth.voltage > 1.9)[0]] - begin - commanded
     assert 0.02 < late <= rig.command_delay == pytest.approx(0.09)
-    with simulated(in_process=True) as rig:
+    with simulated() as rig:
         assert rig.command_delay == 0.0
 
 
 def test_a_cut_is_not_followed_by_what_was_queued(laboratory: Path) -> None:
-    with simulated(rig_file(laboratory, supply="./bench_supply"), in_process=True) as rig:
+    with simulated(rig_file(laboratory, supply="./bench_supply")) as rig:
         board, simulator = rig.board, rig.board.acquisition.simulator  # type: ignore[attr-defined]
         board.start(1000.0, np.r_[np.full(100, 2.0), np.full(300, 3.0)])
         board.read(80)
@@ -193,7 +221,7 @@ class OurDrive(Uno):
         self.jogs += 1
         super().jog(speed, time_ms)
 
-def connect(rig, simulated=False):
+def connect(rig):
     return OurDrive(open_wire(rig.wires.serial, rig.wires.baud))
 
 def in_process(simulator):
@@ -205,7 +233,7 @@ def test_a_drive_of_ones_own(tmp_path: Path) -> None:
     (tmp_path / "our_drive").mkdir()
     (tmp_path / "our_drive" / "driver.py").write_text(DRIVE)
     (tmp_path / "our_drive" / "simulated.py").write_text("from .driver import in_process\n")
-    with simulated(rig_file(tmp_path, drive="./our_drive"), in_process=True) as rig:
+    with simulated(rig_file(tmp_path, drive="./our_drive")) as rig:
         assert "drive's firmware" in rig.identity
         with rig.armed() as table:
             table.home()
@@ -262,30 +290,30 @@ def test_an_instrument_that_is_none_is_a_sentence(tmp_path: Path, wires: dict[st
     (tmp_path / "poor").mkdir()
     methods = "start = read = write = stop = close = identity = lambda self, *given: None"
     (tmp_path / "poor" / "driver.py").write_text(
-        f"class Poor:\n    {methods}\n\ndef connect(rig, simulated):\n    return Poor()\n"
+        f"class Poor:\n    {methods}\n\ndef connect(rig):\n    return Poor()\n"
     )
     (tmp_path / "poor" / "simulated.py").write_text(
         "from .driver import Poor\n\ndef in_process(simulator):\n    return Poor()\n"
     )
     path = rig_file(tmp_path, **wires)
     with pytest.raises(InputError, match=words):
-        simulated(path, in_process=True)
+        simulated(path)
     [(role, name)] = wires.items()
-    findings = {each.what: each for each in diagnose(path, in_process=True)}
+    findings = {each.what: each for each in diagnose(path)}
     assert findings[role].observed == name
     assert re.search(words, str(findings["connection"].repair))
 
 
-def test_over_the_wires_it_is_the_same_sentence(tmp_path: Path) -> None:
-    with pytest.raises(RigFault, match=r"did not start: wires.acquisition = 'ni-daqm' is not known"):
-        simulated(rig_file(tmp_path, acquisition="ni-daqm"))
+def test_in_real_time_it_is_the_same_sentence(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"wires.acquisition = 'ni-daqm' is not known"):
+        simulated(rig_file(tmp_path, acquisition="ni-daqm"), real_time=True)
 
 
-def test_one_simulated_end_of_two_says_which_is_missing(laboratory: Path) -> None:
+def test_a_simulated_end_without_its_function_says_what_is_missing(laboratory: Path) -> None:
     path = laboratory / "our_board" / "simulated.py"
     path.write_text(path.read_text().replace("def in_process(", "def in_this_process("))
-    with pytest.raises(FileError, match=r"has no in_process\(\); simulate it over its wires"):
-        simulated(rig_file(laboratory, acquisition="./our_board"), in_process=True)
+    with pytest.raises(FileError, match=r"simulated.py has no in_process\(\)"):
+        simulated(rig_file(laboratory, acquisition="./our_board"))
 
 
 def test_what_was_opened_is_closed_where_another_fails(tmp_path: Path) -> None:
@@ -303,12 +331,12 @@ def test_what_was_opened_is_closed_where_another_fails(tmp_path: Path) -> None:
 
 
 def test_doctor_lists_the_instruments(laboratory: Path) -> None:
-    findings = {each.what: each for each in diagnose(laboratory / "rig.toml", in_process=True)}
+    findings = {each.what: each for each in diagnose(laboratory / "rig.toml")}
     assert findings["acquisition"].observed == "./our_board"
     assert findings["drive"].observed == "arduino-uno"
     assert findings["supply"].observed == "./bench_supply"
     assert "OUR-BOARD 7" in findings["board"].observed
-    usual = {each.what: each for each in diagnose(None, in_process=True)}
+    usual = {each.what: each for each in diagnose(None)}
     assert usual["supply"].observed == "an output of the acquisition"
 
 

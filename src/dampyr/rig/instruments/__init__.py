@@ -1,7 +1,6 @@
 """Instruments of a rig: one folder each, with driver and simulated end.
 
-``driver.py`` has ``connect(rig, simulated)``, which gives the instrument; ``simulated.py`` has ``in_process(simulator)``, the
-instrument of a rig that is simulated in this process, and ``serve(clock)``, the other end of its wire. What each has to offer
-is in `contract`. A folder of this package says in its ``ROLE`` what it is for; another laboratory's lies beside its
-``rig.toml``.
+``driver.py`` has ``connect(rig)``, which gives the instrument; ``simulated.py`` has ``in_process(simulator)``, the instrument
+of a simulated rig. What each has to offer is in `contract`. A folder of this package says in its ``ROLE`` what it is for;
+another laboratory's lies beside its ``rig.toml``.
 """

@@ -18,7 +18,7 @@ from dampyr.rig.settings import RigSettings
 ROLES = ("acquisition", "drive", "supply")
 OUTPUT = "analogue-output"  # the supply that follows an output of the acquisition
 PACKAGE = "dampyr.rig.instruments"
-FUNCTIONS = {"driver": ("connect",), "simulated": ("in_process", "serve")}
+FUNCTIONS = {"driver": ("connect",), "simulated": ("in_process",)}
 
 
 def available(role: str) -> list[str]:

@@ -31,13 +31,13 @@ def roles_of(rig: RigSettings) -> list[str]:
     return [role for role in ROLES if getattr(rig.wires, role) != OUTPUT]
 
 
-def open_instruments(rig: RigSettings, simulated: bool = False) -> tuple[TableDrive, Board]:
-    """The drive and the board at the wires of ``rig``, in this process; ``simulated``: their other end may answer late.
+def open_instruments(rig: RigSettings) -> tuple[TableDrive, Board]:
+    """The drive and the board at the wires of ``rig``, in this process.
 
     Raises :class:`~dampyr.errors.InputError` for an instrument that is none, before any is opened.
     """
     drivers = {role: part(rig, role, "driver") for role in roles_of(rig)}
-    return assembled(rig, {role: partial(driver.connect, rig, simulated) for role, driver in drivers.items()})
+    return assembled(rig, {role: partial(driver.connect, rig) for role, driver in drivers.items()})
 
 
 def assembled(rig: RigSettings, makers: Mapping[str, Callable[[], Any]]) -> tuple[TableDrive, Board]:

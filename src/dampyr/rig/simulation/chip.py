@@ -10,6 +10,7 @@ from __future__ import annotations
 import struct
 import subprocess
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -88,7 +89,8 @@ class Chip:
         self._process.wait()
         for stream in (self._process.stdin, self._process.stdout):
             if stream is not None:
-                stream.close()
+                with suppress(BrokenPipeError):  # a program that has ended takes no more of what was written
+                    stream.close()
 
 
 class ChipFirmware:

@@ -1,39 +1,66 @@
-"""Simulated ends of the instruments that a rig names: in this process, or behind their wires."""
+"""A simulated rig, made of its parts, and the simulated ends of the instruments that it names."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from pathlib import Path
+from typing import Any, TypeVar
 
 from dampyr.errors import FileError
+from dampyr.models import Damper
 from dampyr.rig.instruments.catalogue import part, place
 from dampyr.rig.instruments.connection import assembled, roles_of
 from dampyr.rig.instruments.contract import Board, TableDrive
 from dampyr.rig.settings import RigSettings
-from dampyr.rig.simulation.clock import Clock
+from dampyr.rig.simulation.event_log import EventLog
+from dampyr.rig.simulation.faults import FaultSpec
+from dampyr.rig.simulation.real_time import RealTimeSimulator
 from dampyr.rig.simulation.simulator import Simulator
+
+S = TypeVar("S", bound=Simulator)
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """What a simulated rig is made of; it can be sent to the process that reads it.
+
+    ``settings`` are what the rig really is, ``specimen`` the damper on its table. ``seed``, ``faults`` and ``chip`` as in
+    `dampyr.rig.simulation.simulator.Simulator`; ``black_box`` is a file for a line of JSON per event.
+    """
+
+    settings: RigSettings
+    specimen: Damper
+    seed: int = 0
+    faults: tuple[FaultSpec, ...] = ()
+    black_box: str | Path | None = None
+    chip: tuple[str | Path, str | Path] | None = None
+
+    def in_lockstep(self) -> Simulator:
+        """The rig whose time passes while it is read."""
+        return self._made(Simulator)
+
+    def in_real_time(self) -> RealTimeSimulator:
+        """The rig that follows the wall clock, once all that its first samples need is compiled: nobody waits for that then."""
+        other = Simulator(self.settings, specimen=self.specimen)
+        other.start(self.settings.board.rate)
+        other.advance_to(0.05)
+        return self._made(RealTimeSimulator)
+
+    def _made(self, cls: type[S]) -> S:
+        log = None if self.black_box is None else EventLog(self.black_box)
+        return cls(self.settings, self.seed, self.faults, self.specimen, on_event=log, chip=self.chip)
 
 
 def simulate_instruments(rig: RigSettings, simulator: Simulator) -> tuple[TableDrive, Board]:
-    """The drive and the board of a rig that is simulated in this process; ``rig`` is what it is taken to be."""
-    instead = "simulate it over its wires (without in_process, --in-process)"
-    ends = {role: _function(rig, role, "in_process", instead) for role in roles_of(rig)}
-    return assembled(rig, {role: partial(end, simulator) for role, end in ends.items()})
+    """The drive and the board of a simulated rig; ``rig`` is what it is taken to be."""
+    return assembled(rig, {role: partial(_end(rig, role), simulator) for role in roles_of(rig)})
 
 
-def serve_instruments(rig: RigSettings, clock: Clock) -> dict[str, str]:
-    """Serve the simulated ends of the wires; the settings of `dampyr.rig.settings.Wires` that lead to them."""
-    instead = "simulate it in this process (in_process=True, --in-process)"
-    wires: dict[str, str] = {}
-    for serve in [_function(rig, role, "serve", instead) for role in roles_of(rig)]:
-        wires |= serve(clock)
-    return wires
-
-
-def _function(rig: RigSettings, role: str, name: str, instead: str) -> Callable[[Any], Any]:
-    """A function of an instrument's simulated end."""
-    function: Callable[[Any], Any] | None = getattr(part(rig, role, "simulated"), name, None)
+def _end(rig: RigSettings, role: str) -> Callable[[Simulator], Any]:
+    """What gives an instrument's simulated end."""
+    function: Callable[[Simulator], Any] | None = getattr(part(rig, role, "simulated"), "in_process", None)
     if not callable(function):
-        raise FileError(place(rig, role), f"its simulated.py has no {name}(); {instead}")
+        raise FileError(place(rig, role), "its simulated.py has no in_process(), so it cannot be simulated; write one")
     return function

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from time import sleep
@@ -143,7 +144,11 @@ class Simulator:
             raise InputError(f"only the firmware's model knows the fault {', '.join(strange)}; leave the binary out")
         mark = self.constants.mark + int(self.counters[plant.N_UNO])
         self.twin = ChipFirmware(Chip(program, elf, mark))
-        self.advance_to(self.time + START_UP)
+        try:
+            self.advance_to(self.time + START_UP)
+        except BaseException:
+            self.close()
+            raise
 
     # requests of the host
 
@@ -156,6 +161,11 @@ class Simulator:
     def sampling(self) -> bool:
         """Whether the sampled task runs."""
         return self._task is not None
+
+    @contextmanager
+    def at_one_time(self) -> Iterator[None]:
+        """Requests between which no time passes; in real time, too, where no other thread's comes between them."""
+        yield
 
     def serial(self, data: bytes) -> bytes:
         """Bytes from the host -> the bytes of the Uno's reply."""
@@ -256,6 +266,11 @@ class Simulator:
     def run_unattended(self, seconds: float) -> None:
         """Advance the clock without a host."""
         self.advance_to(self.time + seconds)
+
+    def close(self) -> None:
+        """End the program that runs the firmware's binary, if one does."""
+        if isinstance(self.twin, ChipFirmware):
+            self.twin.chip.close()
 
     # ground truth
 

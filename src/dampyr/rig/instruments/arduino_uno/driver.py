@@ -232,10 +232,9 @@ class Uno:
         raise RigFault(f"the Uno refused {kind.name}: {reason}", "firmware")
 
 
-def connect(rig: RigSettings, simulated: bool = False) -> Uno:
-    """The Uno at the serial wire of ``rig``; ``simulated``: its other end's time waits for the host, and it may answer late."""
-    wire = open_wire(rig.wires.serial, rig.wires.baud)
-    return Uno(wire, wait=0.25, tries=20) if simulated else Uno(wire)
+def connect(rig: RigSettings) -> Uno:
+    """The Uno at the serial wire of ``rig``."""
+    return Uno(open_wire(rig.wires.serial, rig.wires.baud))
 
 
 def moving(status: Status) -> bool:

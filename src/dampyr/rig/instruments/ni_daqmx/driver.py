@@ -294,7 +294,7 @@ class NiBoard:
             ) from problem
 
 
-def connect(rig: RigSettings, simulated: bool = False) -> NiBoard:
+def connect(rig: RigSettings) -> NiBoard:
     """The board that ``rig`` names."""
     return NiBoard(rig)
 

@@ -1,4 +1,4 @@
-"""Simulated end of the NI board: in this process for the demo and tests, or NI-DAQmx's gRPC service on the loopback."""
+"""Simulated end of the NI board."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from dampyr.errors import RigFault
 from dampyr.rig.simulation.board_signals import BoardError
-from dampyr.rig.simulation.clock import Clock
 from dampyr.rig.simulation.simulator import Simulator
 from dampyr.rig.simulation.timed_command import TimedCommand
 
@@ -26,10 +25,11 @@ class InProcessBoard:
 
     def start(self, rate: float, ahead: Array) -> None:
         """Start sampling, and the command with ``ahead``."""
-        self.stop()
-        self.simulator.start(rate)
-        if len(ahead):
-            self.simulator.timed, self._timed = TimedCommand(self.simulator.time, rate, ahead), True
+        with self.simulator.at_one_time():
+            self.stop()
+            self.simulator.start(rate)
+            if len(ahead):
+                self.simulator.timed, self._timed = TimedCommand(self.simulator.time, rate, ahead), True
 
     def read(self, n: int) -> tuple[Array, NDArray[np.int64]]:
         """The next n samples."""
@@ -46,13 +46,15 @@ class InProcessBoard:
 
     def write(self, volts: float) -> None:
         """Set the command now."""
-        self._end_command()
-        _call(lambda: self.simulator.write(volts))
+        with self.simulator.at_one_time():
+            self._end_command()
+            _call(lambda: self.simulator.write(volts))
 
     def stop(self) -> None:
         """Stop sampling."""
-        self._end_command()
-        self.simulator.stop()
+        with self.simulator.at_one_time():
+            self._end_command()
+            self.simulator.stop()
 
     def _end_command(self) -> None:
         """End the timed command, if it is this board's."""
@@ -78,12 +80,3 @@ def _call(call: Callable[[], T]) -> T:
 def in_process(simulator: Simulator) -> InProcessBoard:
     """The board of a rig that is simulated in this process."""
     return InProcessBoard(simulator)
-
-
-def serve(clock: Clock) -> dict[str, str]:
-    """Serve NI-DAQmx's gRPC interface on the loopback; the wire to it."""
-    from dampyr.rig.instruments.ni_daqmx.daqmx_service import start_server
-
-    server, port = start_server(clock)
-    clock.on_end.append(lambda: server.stop(0.2).wait())
-    return {"grpc": f"127.0.0.1:{port}"}

@@ -12,9 +12,9 @@ import numpy as np
 from nidaqmx._stubs import nidaqmx_pb2 as pb
 from nidaqmx._stubs import nidaqmx_pb2_grpc as service
 from numpy.typing import NDArray
+from tests.rig.wires.clock import Clock
 
 from dampyr.rig.simulation.board_signals import BOARD_MESSAGES, BoardError
-from dampyr.rig.simulation.clock import Clock
 
 PRODUCT, SERIAL = "PCI-6221", 0x01A2B3C4
 # NI-DAQmx's numbers of these errors

@@ -16,8 +16,8 @@ import numpy as np
 from nidaqmx._stubs import nidaqmx_pb2 as pb
 from nidaqmx._stubs import nidaqmx_pb2_grpc as service
 from numpy.typing import NDArray
-
-from dampyr.rig.instruments.ni_daqmx.daqmx_identity import (
+from tests.rig.wires.clock import Clock
+from tests.rig.wires.daqmx_identity import (
     BEYOND_LIMITS,
     EMPTY,
     FILTER_DIFFERS,
@@ -35,8 +35,8 @@ from dampyr.rig.instruments.ni_daqmx.daqmx_identity import (
     DaqTask,
     Identity,
 )
+
 from dampyr.rig.simulation.board_signals import OVERRUN, RANGE, TIMEOUT, UNDERFLOW, BoardError
-from dampyr.rig.simulation.clock import Clock
 from dampyr.rig.simulation.timed_command import TimedCommand
 
 # NI-DAQmx's numbers of these settings
@@ -64,7 +64,7 @@ DEFAULT_LINES = {"ctr0": ("pfi8", "pfi10", "pfi9"), "ctr1": ("pfi3", "pfi11", "p
 
 
 class Board(Identity):
-    """The simulated PCI-6221 of a :class:`~dampyr.rig.simulation.clock.Clock`."""
+    """The simulated PCI-6221 of a :class:`~tests.rig.wires.clock.Clock`."""
 
     # tasks
 
@@ -441,6 +441,13 @@ class RefuseUnsupported(grpc.ServerInterceptor):
             context.abort(grpc.StatusCode.UNIMPLEMENTED, f"the simulated board does not answer {name}")
 
         return grpc.unary_unary_rpc_method_handler(refuse)
+
+
+def serve(clock: Clock) -> dict[str, str]:
+    """Serve NI-DAQmx's gRPC interface on the loopback; the wire to it."""
+    server, port = start_server(clock)
+    clock.on_end.append(lambda: server.stop(0.2).wait())
+    return {"grpc": f"127.0.0.1:{port}"}
 
 
 def start_server(clock: Clock) -> tuple[grpc.Server, int]:

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.rig.simulation.driver import Host, sine
+from tests.rig.wires import server
 
 from dampyr.rig.firmware.protocol import Reader, Request, State
-from dampyr.rig.simulation import server
 
 grpc = pytest.importorskip("grpc", reason="the extra rig is not installed: pip install dampyr[rig]")
 nidaqmx = pytest.importorskip("nidaqmx", reason="the extra rig is not installed: pip install dampyr[rig]")
@@ -32,8 +32,9 @@ class Served:
     """A rig's process, and its clients."""
 
     def __init__(self, box: Path, *options: str) -> None:
-        command = [sys.executable, "-m", "dampyr.rig.simulation.server", "--black-box", str(box), *options]
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+        command = [sys.executable, "-m", "tests.rig.wires.server", "--black-box", str(box), *options]
+        path = os.environ | {"PYTHONPATH": str(Path(__file__).parents[3])}
+        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=path)
         assert self.process.stdout is not None
         self.where = json.loads(self.process.stdout.readline())
         self.box, self.tasks, self.channel, self.wire = box, [], None, None
@@ -263,7 +264,7 @@ def test_a_killed_client_leaves_a_dead_coil_and_a_table_at_rest(serve: Start, tm
     code = (
         "import sys, time\n"
         "from pathlib import Path\n"
-        "from tests.rig.simulation.test_server import Served, moving\n"
+        "from tests.rig.wires.test_server import Served, moving\n"
         "rig = Served.__new__(Served)\n"
         "import json\n"
         "rig.where, rig.tasks, rig.channel = json.loads(sys.argv[1]), [], None\n"

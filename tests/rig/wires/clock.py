@@ -1,49 +1,33 @@
 """Clock of a simulated rig in a process of its own: advanced by the host in lockstep, by itself, or by the wall clock.
 
 In lockstep the host's reads and heartbeats advance it. When the host's connection closes, or after three seconds of silence
-while the rig is armed or moves, it runs unattended: the firmware's watchdog has to act. In real time it follows the wall clock,
-and is held back where the machine is too busy for the host or for the simulation itself to keep up.
+while the rig is armed or moves, it runs unattended: the firmware's watchdog has to act. In real time it follows the wall clock
+and waits for nobody.
 """
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from threading import Condition, Event, RLock, Thread, local
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.rig.simulation.board_signals import TIMEOUT, BoardError
-from dampyr.rig.simulation.shared_clock import MAX_HOLD, SharedClock
+from dampyr.rig.simulation.event_log import EventLog
 from dampyr.rig.simulation.simulator import Simulator
 
 SILENCE = 3.0  # s of the wall clock: longer than a slow disk delays a live host
 STRIDE = 0.01  # s simulated at once when unattended: short against the watchdog's 0.15 s
-STALL = 0.05  # s between two steps of a clock that runs: more is a machine that is too busy for it
 PATIENCE = 60.0  # s of the wall clock until a client must have connected: a server that is never used ends
-
-
-class EventLog:
-    """A file with a line of JSON per event, written as it happens."""
-
-    def __init__(self, path: str | Path | None) -> None:
-        self.path = None if path is None else Path(path)
-
-    def __call__(self, when: float, event: str) -> None:
-        if self.path is not None:
-            with self.path.open("a", encoding="utf-8") as file:
-                file.write(json.dumps({"time": round(when, 6), "event": event}) + "\n")
 
 
 class Clock:
     """A simulator shared by the threads that serve its wires.
 
-    ``real_time``: it follows the wall clock, but runs no more than two blocks ahead of a host that reads samples, unless that
-    has read none for a second; by how much it was held back is in ``held`` [s] and in ``shared``.
+    ``real_time``: it follows the wall clock.
     ``terminal``: its serial wire is a pseudo-terminal, and no TCP port.
     ``once``: `finished` is set when the last client has disconnected and the table has been at rest for a second, simulated.
     """
@@ -54,14 +38,10 @@ class Clock:
         event_log: EventLog,
         real_time: bool = False,
         once: bool = False,
-        shared: SharedClock | None = None,
         terminal: bool = False,
     ) -> None:
         self.rig, self.event_log, self.real_time, self.once = rig, event_log, real_time, once
-        self.shared, self.held, self.terminal = shared, 0.0, terminal
-        self._read_at = -np.inf
-        self._stepped_at = np.inf
-        self._wanted, self._unheld = 0, 0
+        self.terminal = terminal
         rig.delay_read = self._defer_delay
         if real_time:
             rig.heartbeat_interval = 0.0
@@ -110,45 +90,25 @@ class Clock:
 
     def read(self, n: int, timeout: float) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         """Samples of the board; in real time, when they exist. The caller holds the lock."""
-        deadline = self._now() + (timeout if timeout >= 0.0 else 1e9)
-        self._read_at = time.monotonic()
-        self._wanted = n
-        try:
-            while self.real_time and self.rig.waiting < n:
-                if not self.advanced.wait(max(0.0, deadline - self._now())):
-                    self._step()  # which is late itself where the machine is busy
-                    if self._now() >= deadline and self.rig.waiting < n:
-                        raise BoardError(TIMEOUT)
-        finally:
-            self._wanted, self._read_at = 0, time.monotonic()
+        deadline = time.monotonic() + (timeout if timeout >= 0.0 else 1e9)
+        while self.real_time and self.rig.waiting < n:
+            if not self.advanced.wait(max(0.0, deadline - time.monotonic())):
+                self._step()  # which is late itself where the machine is busy
+                if self.rig.waiting < n:
+                    raise BoardError(TIMEOUT)
         return self.rig.read(n)
 
     def space(self, size: int, wanted: int, timeout: float) -> int:
         """The samples that a command's buffer of ``size`` can take; in real time it waits for ``wanted`` of them. The caller
         holds the lock.
         """
-        deadline = self._now() + (timeout if timeout >= 0.0 else 1e9)
-        with self._not_held():
-            while True:
-                free = size - (0 if self.rig.timed is None else self.rig.timed.held(self.rig.time))
-                left = deadline - self._now()
-                if free >= wanted or not self.real_time or left <= 0.0:
-                    return max(0, free)
-                self.advanced.wait(left)
-
-    @contextmanager
-    def _not_held(self) -> Iterator[None]:
-        """Meanwhile the host waits for the rig, and not the other way round."""
-        self._unheld += 1
-        try:
-            yield
-        finally:
-            self._unheld -= 1
-            self._read_at = time.monotonic()
-
-    def _now(self) -> float:
-        """s of the wall clock, less what this one was held back."""
-        return time.monotonic() - self.held
+        deadline = time.monotonic() + (timeout if timeout >= 0.0 else 1e9)
+        while True:
+            free = size - (0 if self.rig.timed is None else self.rig.timed.held(self.rig.time))
+            left = deadline - time.monotonic()
+            if free >= wanted or not self.real_time or left <= 0.0:
+                return max(0, free)
+            self.advanced.wait(left)
 
     def _defer_delay(self, seconds: float) -> None:
         self._deferred.delay = seconds
@@ -158,8 +118,7 @@ class Clock:
         late = getattr(self._deferred, "delay", 0.0)
         self._deferred.delay = 0.0
         if late:
-            with self._not_held():
-                time.sleep(late)
+            time.sleep(late)
 
     @property
     def hazardous(self) -> bool:
@@ -180,7 +139,7 @@ class Clock:
 
     def _step(self) -> None:
         if self.real_time:
-            self._follow()
+            self.rig.advance_to(self.time_at_start + time.monotonic() - self.started_at)
             self.advanced.notify_all()
         elif self.unattended and not self.rested:
             self._run_until_rest()
@@ -188,25 +147,6 @@ class Clock:
             self.log("silence: runs on alone")
             self._run_until_rest()
             self.last_heard = time.monotonic()
-
-    def _follow(self) -> None:
-        """Advance to the wall clock's time, or less far where the host is late."""
-        now = time.monotonic()
-        self._read_at += max(
-            0.0, now - self._stepped_at - STALL
-        )  # while this process did not run the host was not silent
-        self._stepped_at = now
-        due = self.time_at_start + now - self.held - self.started_at
-        holds = self.clients and not self._unheld and now - self._read_at <= MAX_HOLD
-        if holds and self.rig.sampling:
-            block = round(self.rig.settings.board.block * self.rig.settings.board.rate)
-            allowed = max(2 * block, self._wanted + block) - self.rig.waiting
-            latest = self.rig.time + max(0, allowed) / self.rig.settings.board.rate
-            self.held += max(0.0, due - latest)
-            due = min(due, latest)
-        self.rig.advance_to(due)
-        if self.shared is not None:
-            self.shared.write(self.held, now)
 
     def _run_until_rest(self) -> None:
         """Advance until the table has been at rest for a second, unarmed; the watchdog stops it."""

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.rig.wires.clock import Clock
 
 from dampyr.rig import RigSettings
-from dampyr.rig.simulation.clock import Clock, EventLog
+from dampyr.rig.simulation.event_log import EventLog
 from dampyr.rig.simulation.simulator import Simulator
 
 grpc = pytest.importorskip("grpc", reason="the extra rig is not installed: pip install dampyr[rig]")
@@ -20,7 +21,7 @@ class Wired:
     """Tasks at the simulated board."""
 
     def __init__(self) -> None:
-        from dampyr.rig.instruments.ni_daqmx.daqmx_service import start_server
+        from tests.rig.wires.daqmx_service import start_server
 
         self.clock = Clock(Simulator(RigSettings()), EventLog(None))
         self.server, port = start_server(self.clock)

@@ -1,8 +1,8 @@
-"""Server of the simulated rig, a process of its own: ``python -m dampyr.rig.simulation.server --rig rig.toml --seed 0``.
+"""Server of the simulated rig behind the wires of a real one: ``python -m tests.rig.wires.server --rig rig.toml --seed 0``.
 
-It prints one line of JSON when it is ready, the settings of ``[wires]`` that lead to it: those of the original rig are
-``{"serial": "socket://127.0.0.1:PORT", "grpc": "127.0.0.1:PORT"}``, the Uno's serial wire for pyserial and NI-DAQmx's gRPC
-device server for nidaqmx. Both listen on the loopback only. Needs the extra ``rig``.
+It prints one line of JSON when it is ready, the settings of ``[wires]`` that lead to it, such as
+``{"serial": "socket://127.0.0.1:PORT", "grpc": "127.0.0.1:PORT"}``: the Uno's serial wire for pyserial and NI-DAQmx's gRPC
+device server for nidaqmx. Both listen on the loopback only. It outlives a host that is killed.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from tests.rig.wires import daqmx_service, serial_wire
+from tests.rig.wires.clock import Clock
+
 from dampyr.errors import DampyrError
 from dampyr.models import Damper
 from dampyr.rig.gc_control import freeze_objects
-from dampyr.rig.instruments.catalogue import with_absolute_folders
 from dampyr.rig.priority import raise_priority
 from dampyr.rig.settings import RigSettings, load_settings
-from dampyr.rig.simulation.clock import Clock, EventLog
+from dampyr.rig.simulation.event_log import EventLog
 from dampyr.rig.simulation.faults import FaultSpec
-from dampyr.rig.simulation.instrument_ends import serve_instruments
-from dampyr.rig.simulation.shared_clock import SharedClock
 from dampyr.rig.simulation.simulator import Simulator
 from dampyr.rig.specimen import specimen_of
 
@@ -30,7 +30,7 @@ from dampyr.rig.specimen import specimen_of
 def parse_options(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     """The command line."""
     parser = argparse.ArgumentParser(
-        prog="python -m dampyr.rig.simulation.server", description=(__doc__ or "").split("\n")[0]
+        prog="python -m tests.rig.wires.server", description=(__doc__ or "").split("\n")[0]
     )
     parser.add_argument("--rig", metavar="FILE", help="the rig's settings; without it, the original rig's")
     parser.add_argument("--seed", type=int, default=0, help="of noise and lost bytes")
@@ -45,11 +45,6 @@ def parse_options(arguments: Sequence[str] | None = None) -> argparse.Namespace:
     )
     parser.add_argument("--black-box", metavar="FILE", help="a line of JSON per event")
     parser.add_argument(
-        "--shared-clock",
-        metavar="FILE",
-        help="with --real-time: a file that tells by how much the clock was held back on a busy machine",
-    )
-    parser.add_argument(
         "--once", action="store_true", help="end when the last client has disconnected and the table is at rest"
     )
     return parser.parse_args(arguments)
@@ -58,14 +53,13 @@ def parse_options(arguments: Sequence[str] | None = None) -> argparse.Namespace:
 def build_clock(parsed: argparse.Namespace) -> Clock:
     """The rig of the command line."""
     folder = Path(parsed.rig).parent if parsed.rig else None
-    settings = with_absolute_folders(load_settings(parsed.rig) if parsed.rig else RigSettings(), folder)
+    settings = load_settings(parsed.rig) if parsed.rig else RigSettings()
     faults = [FaultSpec.parse(text) for text in parsed.fault]
     specimen = specimen_of(settings, folder)
     event_log = EventLog(parsed.black_box)
     _warm_up(settings, specimen)
     rig = Simulator(settings, parsed.seed, faults, specimen, on_event=event_log, chip=parsed.chip)
-    shared = SharedClock(parsed.shared_clock) if parsed.shared_clock else None
-    return Clock(rig, event_log, parsed.real_time, parsed.once, shared, parsed.terminal)
+    return Clock(rig, event_log, parsed.real_time, parsed.once, parsed.terminal)
 
 
 def _warm_up(settings: RigSettings, specimen: Damper) -> None:
@@ -86,7 +80,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if parsed.real_time:
         raise_priority()  # it stands for hardware, which waits for nobody; before its threads, which inherit it
     try:
-        wires = serve_instruments(clock.rig.settings, clock)
+        wires = serial_wire.serve(clock) | daqmx_service.serve(clock)
     except DampyrError as problem:
         print(problem, file=sys.stderr)
         return 2
