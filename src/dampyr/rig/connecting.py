@@ -108,7 +108,6 @@ def open_rig(
     settings: RigSettings | str | Path | None = None,
     seed: int = 0,
     faults: Sequence[FaultSpec | str] = (),
-    in_process: bool = True,
     real_time: bool = False,
     chip: tuple[str | Path, str | Path] | None = None,
 ) -> Rig:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -47,11 +48,13 @@ class Truth:
 
 
 class TruthLog:
-    """Collects the rows of the ground truth; ``on_event`` is called with the time and a sentence for each event in them."""
+    """Collects the rows of the ground truth, ``capacity`` of them; ``on_event`` is called with the time and a sentence for each
+    event in them.
+    """
 
-    def __init__(self, on_event: Callable[[float, str], None] | None = None) -> None:
-        self.on_event = on_event
-        self.chunks: list[Array] = []
+    def __init__(self, on_event: Callable[[float, str], None] | None = None, capacity: int = MAX_ROWS) -> None:
+        self.on_event, self.capacity = on_event, capacity
+        self.chunks: deque[Array] = deque()
         self.count = 0
         self.at_rest_since = self.coil_dead_since = 0.0
         self._reported = {"rest": True, "dead": True}
@@ -68,8 +71,8 @@ class TruthLog:
             return
         self.chunks.append(rows)
         self.count += len(rows)
-        while self.count - len(self.chunks[0]) >= MAX_ROWS:
-            self.count -= len(self.chunks.pop(0))
+        while self.chunks and self.count - len(self.chunks[0]) >= self.capacity:
+            self.count -= len(self.chunks.popleft())
         self.at_rest_since = _since(rows, np.abs(rows[:, V]) < RESTING, self.at_rest_since)
         alive = (rows[:, U] != 0.0) | (np.abs(rows[:, AMPERE]) >= DEAD)
         self.coil_dead_since = _since(rows, ~alive, self.coil_dead_since)
