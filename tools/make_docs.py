@@ -30,7 +30,8 @@ from dampyr import registry
 from dampyr.cli import cli
 from dampyr.cli._examples import examples_of
 from dampyr.config import origin, split
-from dampyr.models import part, published
+from dampyr.models import published
+from dampyr.models.part import part
 from dampyr.records.datasets import available_data_sets, data_set
 from dampyr.units import Quantity, for_people
 

@@ -9,7 +9,7 @@ import pytest
 pytest.importorskip("fastapi")
 
 from dampyr import registry
-from dampyr.models import part
+from dampyr.models.part import part
 from dampyr.records import Record, write
 from dampyr.studies import raminelli_2020
 

@@ -8,9 +8,9 @@ import pytest
 
 from dampyr.errors import InputError
 from dampyr.export import export
-from dampyr.models import Damper, available_parts, compose, part
+from dampyr.models import Damper, available_parts, compose
 from dampyr.models.codegen.series import UNKNOWN
-from dampyr.models.part_definition import Scale
+from dampyr.models.part import Scale, part
 from dampyr.models.path_integration import along, along_with_columns
 
 FORCEFUL = [name for name in available_parts() if part(name).force is not None]

@@ -19,9 +19,10 @@ from numba.core.dispatcher import Dispatcher
 
 from dampyr.ground_motions import oscillator
 from dampyr.identification.search import bounded_least_squares, normal_equations
-from dampyr.models import available_parts, part, path_integration
+from dampyr.models import available_parts, path_integration
 from dampyr.models.codegen.composition import compose
 from dampyr.models.codegen.kernels import bind, compile_cached
+from dampyr.models.part import part
 from dampyr.rig.simulation import plant
 from dampyr.structures import two_storey
 from dampyr.structures.batch.engine import engine
@@ -31,7 +32,8 @@ from dampyr.structures.time_history.time_stepping import integrate as coupled
 PROBE = """
 import sys
 import numpy as np
-from dampyr.models import available_parts, part, path_integration
+from dampyr.models import available_parts, path_integration
+from dampyr.models.part import part
 from dampyr.models.codegen.composition import compose
 t = np.linspace(0.0, 1.0, 200)
 for name in sys.argv[1:]:

@@ -14,7 +14,8 @@ from scipy.signal import lfilter
 
 from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.identification import score, validate
-from dampyr.models import Constant, Damper, Interpolation, Polynomial, available_parts, part
+from dampyr.models import Constant, Damper, Interpolation, Polynomial, available_parts
+from dampyr.models.part import part
 from dampyr.models.prediction_error import (
     HARMONICS,
     PredictionError,

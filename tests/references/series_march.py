@@ -26,7 +26,7 @@ import numpy as np
 from numba.extending import register_jitable
 from scipy.optimize import brentq
 
-from dampyr.models import part
+from dampyr.models.part import part
 
 WHAT_TO_ADD = (
     "{0} has no reference: write its documented equations into EQUATIONS of tests/references/series_march.py, "

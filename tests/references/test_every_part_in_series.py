@@ -27,8 +27,9 @@ from tests.references.series_march import (
 
 from dampyr.errors import DampyrWarning
 from dampyr.ground_motions import GroundMotion
-from dampyr.models import Damper, Polynomial, available_parts, part, path_integration
+from dampyr.models import Damper, Polynomial, available_parts, path_integration
 from dampyr.models.codegen import kernels, series
+from dampyr.models.part import part
 from dampyr.structures import respond, shear_building
 
 FULL, SMALL = 0.010, 5e-6  # m

@@ -77,7 +77,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.models.part_definition import checked
+from dampyr.models.part import checked
 from dampyr.structures.building import Building
 from dampyr.units import Quantity
 
@@ -235,7 +235,7 @@ from dampyr.cli._output import as_json_option, print_json
 def command(containing: str, as_json: bool) -> None:
     """List the parts of dampers."""
     from dampyr import registry
-    from dampyr.models.part_definition import REGISTRY
+    from dampyr.models.part import REGISTRY
 
     selected = [name for name in registry.names(REGISTRY) if containing in name]
     if as_json:

@@ -9,7 +9,8 @@ from tests.identification.synthetic import sine
 from dampyr.errors import DampyrWarning
 from dampyr.ground_motions import GroundMotion
 from dampyr.identification import fit
-from dampyr.models import Damper, available_parts, part
+from dampyr.models import Damper, available_parts
+from dampyr.models.part import part
 from dampyr.structures import ensemble, respond, two_storey
 
 WORDS = "sigmoid is not for a building: its shift was read off cycles of sine"

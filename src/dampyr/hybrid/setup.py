@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.representation import Representation, Summary
 from dampyr.structures import Building
-from dampyr.structures.time_history.propagator import transition
+from dampyr.structures.propagator import transition
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from dampyr.models import published
 from dampyr.models.codegen.composition import Composition, compose
 from dampyr.models.damper import Damper
 from dampyr.models.laws import Constant, Interpolation, Law, Polynomial, WithTemperature
-from dampyr.models.part_definition import REGISTRY, part
+from dampyr.models.part import REGISTRY
 from dampyr.registry import names
 
 __all__ = [
@@ -22,7 +22,6 @@ __all__ = [
     "Polynomial",
     "WithTemperature",
     "compose",
-    "part",
     "published",
 ]
 

@@ -17,7 +17,7 @@ from dampyr.findings import Finding
 from dampyr.models import card
 from dampyr.models.codegen.composition import Composition, compose
 from dampyr.models.laws import Constant, Law, WithTemperature, onto_limits
-from dampyr.models.part_definition import part_name
+from dampyr.models.part import part_name
 from dampyr.models.prediction_error import (
     PredictionError,
     at_level,

@@ -47,9 +47,8 @@ def _symbol(name: str, title: str) -> str:
 @lru_cache(maxsize=1)
 def _names() -> re.Pattern[str]:
     """Every parameter of the catalogue after its part, as laws are called; a part that is there twice has a number."""
-    from dampyr import models
+    from dampyr.models import available_parts
+    from dampyr.models.part import part
 
-    pairs = "|".join(
-        f"(?:{part}_?\\d*)\\.(?:{'|'.join(models.part(part).parameters)})" for part in models.available_parts()
-    )
+    pairs = "|".join(f"(?:{name}_?\\d*)\\.(?:{'|'.join(part(name).parameters)})" for name in available_parts())
     return re.compile(rf"(?<![\w./])(?=(?:{pairs})(?!\.?\w))(\w+)\.(\w+)( @ )?")

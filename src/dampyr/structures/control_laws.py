@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from dampyr import registry
 from dampyr.errors import InputError
 from dampyr.models.codegen.formula import read
-from dampyr.models.part_definition import quantities
+from dampyr.models.part import quantities
 
 Array = NDArray[np.float64]
 REGISTRY = "dampyr.structures.control"

@@ -9,7 +9,8 @@ from tests.invariants.test_every_part import MAIN, SERIES, run_c, typical
 
 from dampyr.errors import InputError
 from dampyr.export import export
-from dampyr.models import Constant, Damper, Interpolation, Polynomial, available_parts, part
+from dampyr.models import Constant, Damper, Interpolation, Polynomial, available_parts
+from dampyr.models.part import part
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is missing: the C export cannot be compiled")
 

@@ -12,7 +12,8 @@ from tests.export.kinds.test_c import everything
 from tests.invariants.test_every_part import SERIES, typical
 
 from dampyr.export import export
-from dampyr.models import Damper, available_parts, part
+from dampyr.models import Damper, available_parts
+from dampyr.models.part import part
 
 needs_octave = pytest.mark.skipif(
     shutil.which("octave-cli") is None, reason="GNU Octave is missing: the MATLAB export cannot be run"

@@ -5,7 +5,7 @@ import pytest
 
 from dampyr.models import compose
 from dampyr.models.codegen.batched_path import write_step_block
-from dampyr.models.part_definition import REGISTRY, part
+from dampyr.models.part import REGISTRY, part
 from dampyr.models.path_integration import along_with_columns, products_along
 from dampyr.registry import names
 

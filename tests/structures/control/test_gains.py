@@ -6,7 +6,7 @@ import pytest
 from dampyr.errors import InputError
 from dampyr.structures import Building, control_law, single_mass, two_storey
 from dampyr.structures.control_laws import gains
-from dampyr.structures.time_history.propagator import system
+from dampyr.structures.propagator import system
 
 
 def sensed(name, place=1, building=None, **settings):

@@ -29,7 +29,8 @@ from dampyr.identification.scoring.splits import PARTS, split_tasks
 from dampyr.identification.scoring.validation import Validation, cross_validate
 from dampyr.identification.search.fit_data import WEIGHTINGS
 from dampyr.identification.search.robust import LOSSES, check_loss
-from dampyr.models import Damper, available_parts, compose, part
+from dampyr.models import Damper, available_parts, compose
+from dampyr.models.part import part
 from dampyr.models.prediction_error import check_prior
 from dampyr.origin import Origin, check_one_kind
 from dampyr.records import Record, nominal_inputs

@@ -58,7 +58,8 @@ from dampyr.identification.scoring.scoring_window import SETTLING, scorable, too
 from dampyr.identification.scoring.splits import split_tasks
 from dampyr.identification.scoring.validation import Fold, Validation, validation_jobs
 from dampyr.identification.search.work import OUT_OF_WORK
-from dampyr.models import available_parts, compose, part
+from dampyr.models import available_parts, compose
+from dampyr.models.part import part
 from dampyr.origin import NOT_STATED, Origin, check_one_kind, combined
 from dampyr.records import Record, cut
 from dampyr.records.conditioning.velocity import check_bandwidth

@@ -17,7 +17,7 @@ from dampyr.identification.search.variable_projection import (
 )
 from dampyr.identification.search.work import Work
 from dampyr.models import Composition
-from dampyr.models.part_definition import Scale
+from dampyr.models.part import Scale
 
 MAX_STARTS = 48  # proposals that are tried: each costs one evaluation of two shortened records
 THINNED_SAMPLES = 1500  # of each record in the searches of several starts

@@ -15,7 +15,7 @@ from dampyr.errors import InputError
 from dampyr.models.codegen import batched_path, parallel_parts, series
 from dampyr.models.codegen.formula import Formula, read
 from dampyr.models.codegen.layout import SIGNATURES, Function, Layout
-from dampyr.models.part_definition import Part, part
+from dampyr.models.part import Part, part
 from dampyr.units import Quantity
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from dampyr.models.codegen.formula import Formula
-from dampyr.models.part_definition import Part
+from dampyr.models.part import Part
 
 #: Arguments of the functions that every composition has, by name: what the drivers of `dampyr.models.codegen.kernels` call.
 SIGNATURES = {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dampyr.models.codegen.formula import partials_of, read, tangent, tangents
 from dampyr.models.codegen.layout import SIGNATURES, Function, Layout, Slot, call, indexed
-from dampyr.models.part_definition import Part
+from dampyr.models.part import Part
 
 
 def functions(layout: Layout) -> list[Function]:

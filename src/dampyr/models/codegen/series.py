@@ -25,7 +25,7 @@ from dataclasses import dataclass
 
 from dampyr.models.codegen.formula import Formula, tangents
 from dampyr.models.codegen.layout import SIGNATURES, Function, Layout, Slot, call
-from dampyr.models.part_definition import Part
+from dampyr.models.part import Part
 
 FORCE = "series.f"
 RATE = "series.rate"

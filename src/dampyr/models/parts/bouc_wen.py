@@ -20,7 +20,7 @@ from typing import Annotated
 
 from dampyr.errors import InputError
 from dampyr.models.numerics.bouc_wen_exact import flow
-from dampyr.models.part_definition import Scale, checked
+from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
 NOT_DISSIPATIVE = "stable, but the element is not dissipative on every path"

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from math import copysign, exp
 from typing import Annotated
 
-from dampyr.models.part_definition import Scale, checked
+from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
 STATES = {"w": (-1.0, 1.0)}  # the equation cannot leave it

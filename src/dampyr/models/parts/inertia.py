@@ -12,7 +12,7 @@ Smith (2002), IEEE Transactions on Automatic Control 47, 1648.
 from dataclasses import dataclass
 from typing import Annotated
 
-from dampyr.models.part_definition import checked
+from dampyr.models.part import checked
 from dampyr.units import Quantity
 
 ADD_ON = True

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 from math import copysign, exp
 from typing import Annotated
 
-from dampyr.models.part_definition import Scale, checked
+from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
 SPEED = "vs"  # friction falls within it, so that samples which step over it miss that

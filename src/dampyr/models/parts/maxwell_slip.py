@@ -20,7 +20,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated
 
-from dampyr.models.part_definition import Scale, checked
+from dampyr.models.part import Scale, checked
 from dampyr.models.parts._slip import slip
 from dampyr.units import Quantity
 

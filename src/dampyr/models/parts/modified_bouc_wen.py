@@ -28,7 +28,7 @@ from typing import Annotated
 
 from dampyr.errors import InputError
 from dampyr.models.numerics.bouc_wen_exact import flow
-from dampyr.models.part_definition import Scale, checked
+from dampyr.models.part import Scale, checked
 from dampyr.models.parts import bouc_wen
 from dampyr.models.parts._series import extension, held_rate, slope
 from dampyr.units import Quantity

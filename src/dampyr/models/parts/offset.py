@@ -8,7 +8,7 @@ A building is at rest in its equilibrium with it, so the response of a building 
 from dataclasses import dataclass
 from typing import Annotated
 
-from dampyr.models.part_definition import checked
+from dampyr.models.part import checked
 from dampyr.units import Quantity
 
 ADD_ON = True

@@ -28,7 +28,7 @@ from dataclasses import dataclass
 from math import tanh
 from typing import Annotated
 
-from dampyr.models.part_definition import Scale, checked
+from dampyr.models.part import Scale, checked
 from dampyr.models.parts._slip import slip
 from dampyr.units import Quantity
 

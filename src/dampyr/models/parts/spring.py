@@ -9,7 +9,7 @@ Equation (2.1) of Raminelli (2020) has the two together: k0 (x - x0).
 from dataclasses import dataclass
 from typing import Annotated
 
-from dampyr.models.part_definition import checked
+from dampyr.models.part import checked
 from dampyr.units import Quantity
 
 ADD_ON = True

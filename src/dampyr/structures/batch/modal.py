@@ -3,7 +3,7 @@ r"""The building's step in the coordinates in which a kernel takes it, and what 
 .. math:: \zeta_1 = \Phi \zeta_0 + g_0 a_0 + g_1 a_1 + P_0 f_0 + P_h f_h + P_1 f_1
 
 with the ground's acceleration linear and the dampers' forces quadratic over the step (see
-`dampyr.structures.time_history.propagator`). Up to two degrees of freedom the state is displacements and velocities; beyond,
+`dampyr.structures.propagator`). Up to two degrees of freedom the state is displacements and velocities; beyond,
 it is that of the building's modes, so that
 :math:`\Phi` has blocks of two and the cost grows with the number of modes and not with its square: amplitude and rate of each
 mode where the damping is classical, and otherwise the complex modes in real pairs.
@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.structures.building import Building
-from dampyr.structures.time_history.propagator import system, transition
+from dampyr.structures.propagator import system, transition
 
 Array = NDArray[np.float64]
 DENSE_UP_TO = 2  # degrees of freedom

@@ -20,7 +20,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.models.part_definition import checked
+from dampyr.models.part import checked
 from dampyr.structures.building import Building
 from dampyr.units import Quantity
 

@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.models.part_definition import checked
+from dampyr.models.part import checked
 from dampyr.structures.building import Building
 from dampyr.structures.control._sensed import weighted
-from dampyr.structures.time_history.propagator import system
+from dampyr.structures.propagator import system
 from dampyr.units import Quantity
 
 

@@ -18,7 +18,7 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.models.part_definition import checked
+from dampyr.models.part import checked
 from dampyr.structures.building import Building
 from dampyr.structures.control._sensed import absolute
 from dampyr.units import Quantity

@@ -17,9 +17,9 @@ from dampyr.ground_motions import GroundMotion
 from dampyr.models.laws import polynomial_table
 from dampyr.structures.building import Building
 from dampyr.structures.control_laws import gains, lag_of, settings, source
+from dampyr.structures.propagator import propagator, system
 from dampyr.structures.sites import Site, connections, describe_place, drifts
 from dampyr.structures.time_history.linear_response import bare_response
-from dampyr.structures.time_history.propagator import propagator, system
 from dampyr.structures.time_history.response import Decisions, Output, Run, output
 
 Array = NDArray[np.float64]

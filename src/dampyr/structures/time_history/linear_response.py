@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from dampyr.ground_motions import GroundMotion
 from dampyr.structures.building import Building
+from dampyr.structures.propagator import system, transition
 from dampyr.structures.sites import drifts
 from dampyr.structures.time_history.kernel_math import turning_point
-from dampyr.structures.time_history.propagator import system, transition
 from dampyr.structures.time_history.response import Output, output
 
 Array = NDArray[np.float64]

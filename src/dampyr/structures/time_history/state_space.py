@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from dampyr.representation import Representation, Summary
 from dampyr.structures.building import Building
-from dampyr.structures.time_history.propagator import system
+from dampyr.structures.propagator import system
 
 Array = NDArray[np.float64]
 

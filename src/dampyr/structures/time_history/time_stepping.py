@@ -1,6 +1,6 @@
 r"""The time-stepping kernel: a linear building and its dampers, step by step through a ground motion.
 
-Over one step the building follows its exact propagator (:mod:`dampyr.structures.time_history.propagator`); every damper force
+Over one step the building follows its exact propagator (:mod:`dampyr.structures.propagator`); every damper force
 is the quadratic through its values at 0, h/2 and h. Those values are the dampers' own laws, followed along the path of the
 step, so they are solved for by Newton's method with the dampers' own slopes. Where the stroke turns inside a half step, the
 path is split at the turning point of the cubic through the displacements and velocities at both ends, because hysteresis is
