@@ -22,6 +22,7 @@ from schemathesis.specs.openapi.checks import (
     response_schema_conformance,
     status_code_conformance,
 )
+from tests.rig_time import HANG
 
 from dampyr import records
 from dampyr.console import app
@@ -169,8 +170,9 @@ def test_what_is_there_is_told_and_changed_without_a_fault(full_console):
 
 
 def settled(client):
-    """The bench, once it is no more on the way from one state to another."""
-    for _ in range(200):
+    """The bench, once it is no more on the way from one state to another; the first rig is compiled before it is connected."""
+    until = time.monotonic() + HANG
+    while time.monotonic() < until:
         bench_state = client.get("/api/bench", headers=HERE).json()
         if not bench_state["phase"].endswith("ing"):
             return bench_state

@@ -39,7 +39,7 @@ def test_what_is_wrong_is_said(name, settings, message):
 
 
 def test_a_law_imports_from_modules_that_stay():
-    """Its source, imports included, is in the digest by which an ensemble's file is taken up: a new place would end old files."""
+    """Its source, imports included, is in the digest by which an ensemble's file is taken up: another place ends old files."""
     stay = {
         "errors", "units", "models.part", "structures.building", "structures.propagator", "structures.control._sensed",
     }  # fmt: skip
