@@ -29,6 +29,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, precondition,
 from tests.endurance import Endurance
 from tests.rig.wires.clock import Clock
 from tests.rig.wires.daqmx_service import start_server
+from tests.rig.wires.process import open_wired
 from tests.rig.wires.serial_wire import Serial
 
 from dampyr.campaigns import Control, Progress, Stopped, perform
@@ -37,7 +38,6 @@ from dampyr.rig import Drive, Rig, RigSettings, Table
 from dampyr.rig.firmware.protocol import State
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
-from dampyr.rig.instruments.connection import open_instruments
 from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
 from dampyr.rig.interlock import Samples
 from dampyr.rig.session import no_check
@@ -490,7 +490,7 @@ class WiredBench(Bench):
         until = time.monotonic() + 10.0
         while self.serial.busy and time.monotonic() < until:  # the server sees a moment later that a host has gone
             time.sleep(0.002)
-        uno, board = open_instruments(self.wired, simulated=True)
+        uno, board = open_wired(self.wired)
         return Rig(self.simulator.settings, uno, board, threaded=False)
 
     def idle(self, seconds: float) -> None:

@@ -92,6 +92,11 @@ class Process:
                 stream.close()
 
 
+def open_wired(wired: RigSettings) -> tuple[Uno, NiBoard]:
+    """The drivers at the wires of a simulated rig, which may answer late."""
+    return Uno(open_wire(wired.wires.serial, wired.wires.baud), wait=0.25, tries=20), NiBoard(wired)
+
+
 def over_wires(
     settings: RigSettings | str | Path | None = None,
     seed: int = 0,
@@ -112,8 +117,7 @@ def over_wires(
     process = Process(true, folder, seed, faults, black_box=black_box, chip=chip)
     try:
         wired = replace(rig, wires=replace(rig.wires, **process.wires))
-        uno = Uno(open_wire(wired.wires.serial, wired.wires.baud), wait=0.25, tries=20)  # it may answer late
-        board = NiBoard(_calibrated(wired, folder))
+        uno, board = open_wired(_calibrated(wired, folder))
         return Rig(
             rig,
             uno,
