@@ -111,8 +111,8 @@ import numpy as np
 
 from dampyr.atomic_write import write_whole
 from dampyr.errors import FileError
-from dampyr.records.record import Record
 from dampyr.records.files.record_files import Request
+from dampyr.records.record import Record
 
 CHANNELS = ("time", "displacement", "force")
 
