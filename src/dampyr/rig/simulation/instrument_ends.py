@@ -42,7 +42,7 @@ class Simulation:
         return self._made(Simulator)
 
     def in_real_time(self) -> RealTimeSimulator:
-        """The rig that follows the wall clock, once all that its first samples need is compiled: nobody waits for that then."""
+        """The rig that follows the wall clock; its kernels are compiled before, so that the first samples are not late."""
         other = Simulator(self.settings, specimen=self.specimen)
         other.start(self.settings.board.rate)
         other.advance_to(0.05)

@@ -29,7 +29,7 @@ class RealTimeSimulator(Simulator):
 
     A thread advances it to the wall clock's time, and so does each request before it is answered. While it samples it runs no
     more than two blocks ahead of what has been read, unless nothing has been read for a second; by how much its clock was held
-    back is in ``held`` [s]. Of the truth it tells the events, and keeps no rows.
+    back is in ``held`` [s]. It reports events, and stores no rows of the ground truth.
     """
 
     def __init__(self, *given: Any, **named: Any) -> None:
@@ -61,7 +61,7 @@ class RealTimeSimulator(Simulator):
         super().close()
 
     def _rests(self) -> bool:
-        """Whether it has been at rest for as long as its log asks for before it says so."""
+        """Whether table and coil have been at rest for longer than `LASTING`, after which the log reports it."""
         with self._lock:
             return not self.twin.enabled and self.time - max(self.at_rest_since, self.coil_dead_since) > LASTING
 
@@ -69,7 +69,7 @@ class RealTimeSimulator(Simulator):
 
     @contextmanager
     def at_one_time(self) -> Iterator[None]:
-        """Requests at the wall clock's time: between them none passes, and no other thread's comes."""
+        """Requests at the wall clock's time; no time passes between them, and no request of another thread comes between."""
         with self._lock:
             if not self._depth:
                 self._follow()
@@ -135,7 +135,7 @@ class RealTimeSimulator(Simulator):
     # the clock
 
     def _defer(self, seconds: float) -> None:
-        """Delay a reading once others may use the rig."""
+        """Delay a reading by so much once its lock is released, so that other requests do not wait."""
         self._delay = seconds
 
     def _sleep(self, seconds: float) -> None:

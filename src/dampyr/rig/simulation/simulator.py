@@ -164,7 +164,7 @@ class Simulator:
 
     @contextmanager
     def at_one_time(self) -> Iterator[None]:
-        """Requests between which no time passes; in real time, too, where no other thread's comes between them."""
+        """Requests between which no time passes, in real time, too, and no request of another thread comes."""
         yield
 
     def serial(self, data: bytes) -> bytes:
