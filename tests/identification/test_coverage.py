@@ -33,22 +33,27 @@ def campaign(seed: int, per_voltage: int) -> list[Record]:
 
 
 @pytest.mark.prove
+@pytest.mark.endure
 @pytest.mark.parametrize("per_voltage", [8, pytest.param(10, marks=pytest.mark.by_hand)])
-def test_intervals_hold_the_truth_as_often_as_they_say(per_voltage: int) -> None:
+def test_intervals_hold_the_truth_as_often_as_they_say(per_voltage: int, endurance: Endurance) -> None:
+    campaigns = endurance.count(CAMPAIGNS, part=5)
     truth = np.concatenate([law.values for law in LAWS.values()])
     held, naive = np.zeros(truth.size), np.zeros(truth.size)
-    for seed in range(CAMPAIGNS):
+    for seed in range(campaigns):
         fit_result = fit("dahl", campaign(seed, per_voltage))
         assert fit_result.clusters == "record"
         values = np.array(list(fit_result.parameters.values()))
         spans = np.array(list(fit_result.intervals(0.95).values()))
         held += (spans[:, 0] <= truth) & (truth <= spans[:, 1])
         naive += np.abs(values - truth) <= 1.96 * np.array(list(fit_result.naive_stderr.values()))
-    shares = 100 * held / CAMPAIGNS
-    print("intervals", shares, "naive", 100 * naive / CAMPAIGNS)
+    shares = 100 * held / campaigns
+    print("intervals", shares, "naive", 100 * naive / campaigns)
     # Without gains of the records the degrees of freedom are fewer than need be, and the intervals a little wide.
-    assert np.all((shares >= 91.0) & (shares <= 99.5)), shares
-    assert np.min(naive) < 0.8 * CAMPAIGNS
+    # 91 % of 200 campaigns lie 2.6 standard errors of a share below 95 %; of few campaigns one number is held in all by chance.
+    low = 95.0 - 4.0 * np.sqrt(CAMPAIGNS / campaigns)
+    assert np.all(shares >= low), shares
+    assert np.max(shares if endurance.full else np.mean(shares)) <= 99.5, shares
+    assert np.min(naive) < 0.8 * campaigns
 
 
 TESTED = (0.0, 0.8712, 1.98, 3.212)

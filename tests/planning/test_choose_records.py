@@ -16,7 +16,7 @@ from dampyr.records import Record, read_campaign
 RATIO = 1.1  # of the error of fits to all others
 STATED = [
     pytest.param("dahl", 3000, {"all": [0.920, 0.952], "every voltage": [0.887, 0.932]}, marks=pytest.mark.by_hand),
-    ("hyperbolic_tangent + compliance + spring", 500, {"all": [0.968, 0.989], "every voltage": [0.956, 0.985]}),
+    ("hyperbolic_tangent + compliance + spring", 150, {"all": [0.968, 0.989], "every voltage": [0.956, 0.985]}),
 ]
 
 
@@ -125,5 +125,7 @@ def test_eight_chosen_records_predict_the_rest(
     assert worse["all"][1] > 0.95
     # docs/how-to/plan-tests.md and decision 37 say so
     assert ours[1] == pytest.approx(0.99, abs=0.006)
-    for of, shares in stated.items():
-        assert worse[of].tolist() == pytest.approx(shares, abs=0.02), of  # by 40,000 choices, see decision 37
+    for of, shares in stated.items():  # by 40,000 choices, see decision 37
+        number = draws if of == "all" else len(full)
+        for own, share in zip(worse[of], shares, strict=True):
+            assert own == pytest.approx(share, abs=2.5 * np.sqrt(share * (1.0 - share) / number)), of
