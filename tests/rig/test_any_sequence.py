@@ -548,7 +548,7 @@ def test_any_sequence() -> None:
 @pytest.mark.prove
 @pytest.mark.endure
 def test_many_sequences(endurance: Endurance) -> None:
-    count = 2000 if endurance.full else 20
+    count = 2000 if endurance.full else 8
     run(Bench, count, 16)
     endurance.report(
         "what a person may do with a rig in random order, with faults between, from anywhere",

@@ -615,7 +615,7 @@ def test_arming_in_a_random_order() -> None:
 @pytest.mark.endure
 @pytest.mark.filterwarnings("ignore:the Uno had stopped by itself")  # a host that comes after a fault
 def test_arming_in_many_random_orders(endurance: Endurance) -> None:
-    count = endurance.count(200, part=40)
+    count = endurance.count(200, part=100)
     for seed in range(3, 3 + count):
         in_a_random_order(seed, 25)
     endurance.report(
