@@ -60,7 +60,7 @@ class RealTime:
             self.sleep(0.01)
 
     @contextmanager
-    def passing(self, factor: float = 1.0) -> Iterator[None]:
+    def passing(self, factor: float | Callable[[], float] = 1.0) -> Iterator[None]:
         """Time passes by itself."""
         yield
 
@@ -144,9 +144,11 @@ class SimulatedTime(RealTime):
             self.sleep(STEP)
 
     @contextmanager
-    def passing(self, factor: float = np.inf) -> Iterator[None]:
-        """Time passes by itself, at most ``factor`` times as fast as the wall clock's; it lags where the machine is busy."""
+    def passing(self, factor: float | Callable[[], float] = np.inf) -> Iterator[None]:
+        """Time passes by itself, at most ``factor`` times as fast as the wall clock's, which may change; it lags where the
+        machine is busy."""
         over = threading.Event()
+        now_factor = factor if callable(factor) else lambda: factor
 
         def on() -> None:
             before = time.monotonic()
@@ -154,7 +156,7 @@ class SimulatedTime(RealTime):
                 now = time.monotonic()
                 with self._changed:
                     limit = max(self._next, self._now + 1.0)
-                    self._allowed = min(self._allowed + factor * (now - before), limit)
+                    self._allowed = min(self._allowed + now_factor() * (now - before), limit)
                     self._changed.notify_all()
                 before = now
 

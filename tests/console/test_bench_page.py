@@ -4,6 +4,7 @@ import os
 import re
 import signal
 import socket
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
@@ -31,6 +32,7 @@ rest_before = "0.3 s"
 LAGGING = """
 import argparse
 import json
+from pathlib import Path
 from dampyr.console import clients
 from dampyr.console.http_server import serve
 from tests.rig_time import SimulatedTime
@@ -40,8 +42,8 @@ parser.add_argument("--port", type=int)
 parser.add_argument("--data")
 given, _ = parser.parse_known_args()
 clients.SILENCE = 120.0  # a browser on a busy machine is not gone
-rig_time = SimulatedTime()
-with rig_time.passing(1.0):
+rig_time, hurry = SimulatedTime(), Path(given.data).parent / "hurry"
+with rig_time.passing(lambda: 8.0 if hurry.exists() else 1.0):
     serve(given.data, port=given.port, browser=False, opener=rig_time.open,
         tell=lambda address: print(json.dumps({"address": address}), flush=True))
 """
@@ -67,6 +69,19 @@ def data(tmp_path: Path) -> Path:
     (folder / "campaigns").mkdir(parents=True)
     (folder / "campaigns" / "sines.toml").write_text(CAMPAIGN)
     return folder
+
+
+@pytest.fixture
+def hurrying(tmp_path: Path):
+    """``with hurrying():`` simulated time passes faster than the wall clock's, where the page but waits for a test to end."""
+
+    @contextmanager
+    def hurry():
+        (tmp_path / "hurry").touch()
+        yield
+        (tmp_path / "hurry").unlink()
+
+    return hurry
 
 
 def connected(page):
@@ -133,14 +148,15 @@ def fact(page, name):
     )
 
 
-def test_a_campaign_is_started_paused_and_aborted(address, new_page, accessible, data):
+def test_a_campaign_is_started_paused_and_aborted(address, new_page, accessible, data, hurrying):
     page = new_page(f"{address}#/bench")
     connected(page)
     accessible(page)
     started(page)
     page.locator("#pause").click()
     page.locator("#resume").wait_for()
-    runs(page, "paused")
+    with hurrying():
+        runs(page, "paused")
     assert fact(page, "tests") == "1 of 2 complete"
     page.locator("#resume").click()
     runs(page, "testing")
@@ -187,14 +203,15 @@ def test_two_pages_see_the_same_and_one_holds_control(address, new_page):
     second.get_by_text("aborted: by page 1").wait_for()
 
 
-def test_a_campaign_goes_on_while_its_page_is_loaded_anew(address, new_page):
+def test_a_campaign_goes_on_while_its_page_is_loaded_anew(address, new_page, hurrying):
     page = new_page(f"{address}#/bench")
     connected(page)
     started(page)
     page.reload()
     page.get_by_text("This page holds control").wait_for()
     page.locator("#stop").wait_for()
-    runs(page, "2 of 2 complete")
+    with hurrying():
+        runs(page, "2 of 2 complete")
     assert fact(page, "state") == "complete"
 
 
@@ -359,7 +376,7 @@ def test_leaving_the_bench_says_nothing(address, new_page):
     assert page.locator(".notice").count() == 0
 
 
-def test_what_is_asked_before_a_run_and_folders_that_are_taken(address, new_page, accessible, data):
+def test_what_is_asked_before_a_run_and_folders_that_are_taken(address, new_page, accessible, hurrying):
     page = new_page(f"{address}#/bench")
     connected(page)
     page.locator("#start:enabled").click()
@@ -378,11 +395,13 @@ def test_what_is_asked_before_a_run_and_folders_that_are_taken(address, new_page
     assert page.locator("#campaign").input_value() == "sines"
     assert fact(page, "operator") == "A. Operator"
     page.locator("#stop").click()
-    runs(page, "stopped")
+    with hurrying():
+        runs(page, "stopped")
     page.get_by_role("button", name="Continue sines-").click()
     page.get_by_text(re.compile("0 of 2 tests are recorded there; the others are run")).wait_for()
     page.locator("#start-now:enabled").click()
-    runs(page, "complete")
+    with hurrying():
+        runs(page, "complete")
     page.wait_for_function("() => document.documentElement.dataset.announced?.includes('complete')")
     page.locator("#start:enabled").click()
     page.locator("#start-now:enabled").wait_for()
@@ -445,13 +464,14 @@ def test_a_page_opened_while_the_console_is_away_opens_itself_later(data, chromi
     page.close()
 
 
-def test_the_first_page_shows_the_rig_the_runs_and_the_disk(address, new_page, accessible):
+def test_the_first_page_shows_the_rig_the_runs_and_the_disk(address, new_page, accessible, hurrying):
     page = new_page(f"{address}#/bench")
     connected(page)
     start(page, "first")
     runs(page, "testing")
     page.locator("#stop:enabled").click()
-    runs(page, "stopped")
+    with hurrying():
+        runs(page, "stopped")
     page.goto(f"{address}#/")
     page.get_by_role("cell", name="first simulated", exact=True).wait_for()
     page.get_by_role("cell", name="interrupted").wait_for()
@@ -460,7 +480,7 @@ def test_the_first_page_shows_the_rig_the_runs_and_the_disk(address, new_page, a
     accessible(page)
 
 
-def test_the_guide_step_by_step_twice_with_one_rig(address, new_page):
+def test_the_guide_step_by_step_twice_with_one_rig(address, new_page, hurrying):
     """docs/how-to/bench.md: connect, arm, home, jog, start, pause, stop, start again, abort, arm, start."""
     page = new_page(f"{address}#/bench")
     connected(page)
@@ -471,7 +491,8 @@ def test_the_guide_step_by_step_twice_with_one_rig(address, new_page):
         page.locator("#bench-state", has_text="armed").wait_for()
         if k > 0:  # the second time the short way
             started(page, f"run{k}")
-            runs(page, "2 of 2 complete")
+            with hurrying():
+                runs(page, "2 of 2 complete")
             break
         page.locator("#jog-out:enabled").dispatch_event("pointerdown")
         page.wait_for_timeout(1000)
@@ -480,18 +501,21 @@ def test_the_guide_step_by_step_twice_with_one_rig(address, new_page):
         started(page, f"run{k}")
         page.locator("#pause").click()
         page.locator("#resume:enabled").wait_for()
-        runs(page, "paused")
+        with hurrying():
+            runs(page, "paused")
         page.locator("#resume").click()
         runs(page, "testing")
         page.locator("#stop").click()
-        runs(page, "stopped")
+        with hurrying():
+            runs(page, "stopped")
         started(page, f"run{k}")  # it goes on
         page.keyboard.press("Escape")
         runs(page, "aborted")
         page.locator("#arm:enabled").click()
         page.locator("#disarm:enabled").wait_for()
         started(page, f"run{k}-b")
-        runs(page, "2 of 2 complete")
+        with hurrying():
+            runs(page, "2 of 2 complete")
         assert fact(page, "state") == "complete"
 
 
