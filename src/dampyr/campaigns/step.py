@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from functools import cache
 from typing import Any, ClassVar, Protocol, get_type_hints
 
 from dampyr.config import split
@@ -73,18 +74,23 @@ def words(kind: str, step: Any) -> str:
     return f"{kind.replace('_', ' ')} {first}" + (f" at {', '.join(others)}" if others else "")
 
 
+@cache
+def _quantities(kind: Any) -> dict[str, Quantity | None]:
+    """What the fields of a kind of step mean; many steps are made where a campaign is planned."""
+    return {name: split(hint)[1] for name, hint in get_type_hints(kind, include_extras=True).items()}
+
+
 def quantity_of(step: Any, field: str) -> Quantity:
     """What a field means."""
-    quantity = split(get_type_hints(type(step), include_extras=True)[field])[1]
+    quantity = _quantities(step.__class__)[field]
     assert quantity is not None, f"{field} has no unit"
     return quantity
 
 
 def check_ranges(step: Any) -> None:
     """Raise :class:`InputError` where a value leaves its range: for steps made in Python, not read from a file."""
-    hints = get_type_hints(type(step), include_extras=True)
     for each in fields(step):
-        _, quantity = split(hints[each.name])
+        quantity = _quantities(step.__class__)[each.name]
         value = getattr(step, each.name)
         if quantity is not None and value is not None:
             for one in value if isinstance(value, tuple) else (value,):
