@@ -82,6 +82,7 @@ def test_the_levels_of_sessions_are_those_that_the_form_states(client, finished,
 
 
 @pytest.mark.prove
+@pytest.mark.by_hand  # tests/stories/test_one_job_three_ways.py asks for one too, and compares all of it
 def test_a_leaderboard_of_two(client, finished, campaign_folder):
     keys = [f"labcontrol/ensaio.{name}.mat" for name in ("A.1", "A.4", "A.8", "B.3", "B.8")]
     job = client.post("/api/identify/jobs", json={"records": keys, "tried": ["dahl", "bingham"]}).json()
