@@ -187,7 +187,7 @@ def upload(folder: Path) -> bytes:
 def test_a_campaign_in_real_time_beside_plans_uploads_fits_and_two_pages(
     data: Path, tmp_path: Path, endurance: Endurance
 ) -> None:
-    seconds = endurance.count(600)
+    seconds = endurance.count(600, part=60)
     tests = max(2, seconds // 60)
     voltages = [f"{0.1 * (k % 20):.1f} V" for k in range(tests)]
     counts = {"plans": 0, "uploads": 0, "fits": 0}
