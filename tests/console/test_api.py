@@ -58,7 +58,7 @@ def test_every_path_keeps_to_its_description(api, folder):
 
 @pytest.mark.prove
 def test_every_path_keeps_to_its_description_at_length(api, folder):
-    exercise(api, folder, 12)
+    exercise(api, folder, 6)
 
 
 def test_the_description_names_what_every_path_does(data):
