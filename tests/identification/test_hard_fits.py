@@ -133,7 +133,9 @@ def test_thirty_sines_and_a_random_record_of_another_laboratory(monkeypatch: pyt
     assert count < 40
 
 
-@pytest.mark.parametrize("model", [MODEL, f"{MODEL} + compliance", f"{MODEL} + delay"])
+@pytest.mark.parametrize(
+    "model", [pytest.param(MODEL, marks=pytest.mark.by_hand), f"{MODEL} + compliance", f"{MODEL} + delay"]
+)
 def test_the_published_campaign(model: str, campaign_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     records = [record for record in read_campaign(campaign_folder) if record.role != "validation"]
     fit_result, count = passes(monkeypatch, model, records)
