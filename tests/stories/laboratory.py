@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -80,12 +81,12 @@ def text(rows: Array, header: str = HEADER, delimiter: str = "\t", end: str = "\
     return end.join([header, *lines]) + end
 
 
-def write_laboratory(folder: Path) -> Path:
-    """All files of the laboratory, and a note that somebody left among them."""
+def write_laboratory(folder: Path, motions: Sequence[tuple[float, float]] = MOTIONS) -> Path:
+    """All files of the laboratory, or those of some motions, and a note that somebody left among them."""
     rng = np.random.default_rng(11)
     folder.mkdir()
     for current in CURRENTS:
-        for amplitude, frequency in MOTIONS:
+        for amplitude, frequency in motions:
             rows = columns(*sine(amplitude, frequency), current, rng)
             (folder / f"sine_{amplitude:g}mm_{frequency:g}Hz_{current:g}A.txt").write_text(text(rows))
     for seed, current in ((1, 0.7), (2, 1.2)):
