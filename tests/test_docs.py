@@ -17,6 +17,7 @@ from pathlib import Path
 import click
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from dampyr import registry
 from dampyr.cli import cli
@@ -49,6 +50,7 @@ NOT_RUN = {
     ("docs/how-to/opensees.md", "import mr_damper"): "a line of a model: tests/export/test_opensees.py",
     ("docs/how-to/opensees.md", "ops.element"): "a line of a model: tests/export/test_opensees.py",
     ("docs/how-to/opensees.md", "dampyr serve"): "serves until a model ends: tests/export/test_opensees.py",
+    ("docs/how-to/plan-tests.md", "dampyr plan --card damper.toml --tests 3"): "tests/cli/test_examples.py runs its like",
     ("docs/how-to/plan-tests.md", "dampyr plan --card damper.toml --goal"): "tests/cli/test_examples.py runs its like",
     ("docs/how-to/plan-tests.md", "dampyr plan --card damper.toml --tests 6 --per"): "tests/cli/test_examples.py runs its like",
     ("docs/how-to/rig.md", "dampyr doctor"): "needs a rig; on the simulated one tests/cli/test_doctor.py",
@@ -135,6 +137,9 @@ export -f dampyr
 """
 
 
+PLAIN = re.compile(r"(dampyr [^|<>;&$`()]*\n)+")  # lines that ask nothing of a shell but the names of files
+
+
 class Desk:
     """A folder in which a reader follows a page: its commands, its Python, and what it says these print."""
 
@@ -143,7 +148,14 @@ class Desk:
         self.names: dict[str, object] = {}
 
     def run(self, commands: str) -> None:
-        """Lines of a shell, as a user types them; a data set is fetched from this machine."""
+        """Lines of a shell, as a user types them; a data set is fetched from this machine.
+
+        Lines that do nothing but call dampyr are run in this process, which has loaded it already.
+        """
+        if PLAIN.fullmatch(commands):
+            for line in commands.replace("\\\n", " ").splitlines():
+                self.call(line)
+            return
         lines = re.sub(r"^(.*\S) +# exit code (\d+)$", r"expect \2 \1", commands, flags=re.MULTILINE)
         places = {"PYTHON": sys.executable, "ROOT": str(ROOT), "DATA": str(self.data)}
         done = subprocess.run(
@@ -151,6 +163,22 @@ class Desk:
             cwd=self.folder, capture_output=True, text=True, check=False, env={**os.environ, **places},
         )  # fmt: skip
         assert done.returncode == 0, f"{commands}\n{done.stdout[-2000:]}\n{done.stderr[-4000:]}"
+
+    def call(self, line: str) -> None:
+        """One line that calls dampyr; files that it names with an asterisk are those of the folder."""
+        expected = re.search(r"# exit code (\d+)$", line)
+        words = shlex.split(line, comments=True)[1:]
+        words = [each for word in words for each in (sorted(map(str, self.matching(word))) if "*" in word else [word])]
+        if words[:2] == ["datasets", "fetch"]:
+            words += ["--from", str(self.data)]
+        done = CliRunner().invoke(cli, words, prog_name="dampyr", catch_exceptions=False)
+        assert done.exit_code == (int(expected[1]) if expected else 0), f"{line}\n{done.output[-4000:]}"
+
+    def matching(self, pattern: str) -> list[Path]:
+        """The files of this name, as a shell tells them."""
+        files = [path.relative_to(self.folder) for path in self.folder.glob(pattern)]
+        assert files, pattern
+        return files
 
     def execute(self, text: str) -> None:
         """One block of Python; each ``print(...)  # so`` must print so."""
