@@ -45,7 +45,9 @@ def commands() -> Iterator[tuple[str, click.Command]]:
 
 def marked(line: str) -> object:
     typed = line.removeprefix("dampyr ")
-    if typed.startswith("demo"):  # tests/stories/test_the_chain.py runs it twice
+    if typed.startswith(
+        ("demo", "reproduce")
+    ):  # tests/stories/test_the_chain.py and a page of tests/test_docs.py run them
         return pytest.param(line, marks=pytest.mark.by_hand)
     return pytest.param(line, marks=[pytest.mark.prove] * any(typed.startswith(each) for each in LONG))
 
