@@ -330,10 +330,10 @@ def test_the_rise_of_a_sigmoid_does_not_ring_behind_a_compliance(rate: float) ->
 @pytest.mark.prove  # their kernels take long to compile
 @pytest.mark.parametrize("name", INNER)
 def test_no_part_in_series_rings_at_any_rate(name: str) -> None:
-    """At 1 kHz and 10 kHz, behind a compliance, free play and both: as above, of all parts, for ten seconds."""
+    """At 1 kHz and 10 kHz, behind a compliance, free play and both: as above, of all parts, for three seconds."""
     each = reference_of(name, FULL).with_numbers(RISE.get(name, {}))
     for rate in (1e3, 1e4):
-        t, x, v = slow_turns(rate, 10.0)
+        t, x, v = slow_turns(rate, 3.0)
         for stands in ("compliance", "free play", "both"):
             one = damper(name, each, elements(FULL)[stands], True)
             force = one.force(t, x, voltage=0.0, velocity=v)
