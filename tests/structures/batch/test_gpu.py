@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import subprocess
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
+from tests.structures.test_ensemble import of
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, el_centro
 from dampyr.models import Damper
 from dampyr.structures import ensemble, two_storey
-from dampyr.structures.batch.gpu import missing
+from dampyr.structures.batch.gpu import OWN, missing
 
 CARDS = {
     "dahl": {"dahl.kx": 1400.0, "dahl.kw": 227.0, "dahl.rho": 18800.0},
@@ -51,6 +54,37 @@ def test_the_simulated_card_gives_what_the_processor_gives(name: str) -> None:
         np.testing.assert_allclose(
             values, here[quantity], rtol=5e-4
         )  # peaks between steps: a quick reciprocal here, a division there
+
+
+KINDS = (
+    "dahl", "bouc_wen", "sigmoid", "hyperbolic_tangent + spring", "dahl + delay", "hyperbolic_tangent + delay",
+    "bouc_wen + delay", "dahl + compliance", "hyperbolic_tangent + compliance", "dahl + free_play",
+    "hysteretic_biviscous + spring + compliance", "dahl + compliance + delay", "dahl + inertia",
+)  # fmt: skip
+
+
+@pytest.mark.by_hand
+@pytest.mark.parametrize("name", KINDS)
+def test_a_card_gives_what_the_processor_gives(name: str) -> None:
+    """What the simulator cannot show: whether it compiles for a card, and what that computes."""
+    if reason := missing():
+        pytest.skip(reason)
+    motions = [GroundMotion(el_centro().acceleration[:n], 0.02) for n in (300, 200)]
+    quantities = ("drift", "displacement", "acceleration", "force", "energy")
+    case = (two_storey(), motions, of(name), [0.0], [1.0, 3.0])
+    card = ensemble(*case, device="gpu", quantities=quantities)
+    processor = ensemble(*case, quantities=quantities)
+    for quantity in quantities:
+        largest = float(np.max(processor[quantity]))
+        np.testing.assert_allclose(card[quantity], processor[quantity], rtol=0, atol=2e-5 * largest)
+
+
+def test_a_place_of_the_ring_is_a_whole_number_also_where_floor_gives_a_float() -> None:
+    names: dict[str, Any] = {"floor_of": lambda t: float(math.floor(t)), "eighth": 0.125}
+    exec(OWN, names)
+    for t, place in ((2.7, 2), (-0.5, -1)):
+        assert (names["floor"](t), type(names["floor"](t))) == (place, int)
+    assert names["eighth_over"](0.5) == 0.25
 
 
 def test_without_a_card_it_says_so() -> None:

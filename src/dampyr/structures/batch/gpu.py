@@ -109,11 +109,11 @@ def _compiled(source: str, compositions: tuple[Composition, ...], precision: int
     text = functions_of(compositions)
     tree, numbers = ast.parse(text), Numbers()
     numbers.visit(tree)
-    plain = (*MATH, "exp", "tanh", "copysign", "floor")
-    names: dict[str, Any] = {name: getattr(math, name) for name in plain}
+    plain = (*MATH, "exp", "tanh", "copysign")
+    names: dict[str, Any] = {name: getattr(math, name) for name in plain} | {"floor_of": math.floor}
     names |= {name: kind(value) for name, value in (CONSTANTS | numbers.exists | {"eighth": 0.125}).items()}
     names |= {"real": kind, "tiny": constants(precision)["tiny"], "cuda": cuda}
-    for part in (ast.unparse(ast.fix_missing_locations(tree)), EIGHTH):
+    for part in (ast.unparse(ast.fix_missing_locations(tree)), OWN):
         exec(compile(part, "<parts>", "exec"), names)
     for name, value in list(names.items()):
         if isinstance(value, FunctionType):
@@ -122,4 +122,11 @@ def _compiled(source: str, compositions: tuple[Composition, ...], precision: int
     return cuda.jit(fastmath=False)(names["integrate_history"])
 
 
-EIGHTH = "def eighth_over(t):\n    return eighth/t\n"
+# numba's floor is a whole number on the processor and a float on a card, where no place of the ring could be made of it
+OWN = """
+def eighth_over(t):
+    return eighth/t
+
+def floor(t):
+    return int(floor_of(t))
+"""
