@@ -18,7 +18,7 @@ PACKAGES = [
     "identification",
     "ground_motions",
     "structures",
-    "report",
+    "show",
     "export",
     "studies",
     "rig",

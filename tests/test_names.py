@@ -27,6 +27,10 @@ def check(root: Path) -> subprocess.CompletedProcess[str]:
             "2 modules are called 'a': models/a.py, records/a.py",
         ),
         (
+            {"src/dampyr/models/a.py": "", "src/dampyr/show/records/a.py": ""},
+            "2 modules are called 'a': models/a.py, show/records/a.py",
+        ),
+        (
             {
                 "src/dampyr/models/a.py": "from dampyr.models.b import y\nx = 1\n",
                 "src/dampyr/models/b.py": "y = 1\ndef f():\n    from dampyr.models.a import x\n    return x\n",
@@ -63,7 +67,7 @@ def test_a_planted_offence_is_refused(tmp_path: Path, files: dict[str, str], sen
         (tmp_path / folder).mkdir(parents=True)
     assert check(tmp_path).returncode == 0
     for name, text in files.items():
-        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)
     run = check(tmp_path)
     assert run.returncode == 1
@@ -72,6 +76,9 @@ def test_a_planted_offence_is_refused(tmp_path: Path, files: dict[str, str], sen
 
 def test_what_is_allowed_is_not_refused(tmp_path: Path) -> None:
     package = tmp_path / "src" / "dampyr"
+    for folder in ("rig", "show/rig"):
+        (package / folder).mkdir(parents=True)
+        (package / folder / "drive.py").write_text("")
     for folder in ("cli", "console/pages"):
         (package / folder).mkdir(parents=True)
         (package / folder / "identify.py").write_text('"""What was found and told."""\nname = "kept"\n')

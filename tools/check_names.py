@@ -10,7 +10,8 @@
   ``options``, ``cached``, ``request`` do). The names of test functions are sentences and may hold any word. `ALLOWED` lists
   the exceptions, each with its reason.
 - No two modules of ``src`` have the same name, except in the folders of `REGISTRIES`, whose files are named after what a
-  user types or chooses: there the same name in two folders means the same thing.
+  user types or chooses: there the same name in two folders means the same thing. A file of ``show/PACKAGE`` has the name of
+  the module of that package whose results it describes.
 - No name that a package imports is that of one of its own modules or sub-packages: ``dampyr.records.cycles`` would be the
   function, and the module of that name could be reached by ``from`` alone.
 - No modules import one another in a circle, neither when they are loaded nor inside of functions nor for types alone.
@@ -40,8 +41,8 @@ ALLOWED = {
     "room": "the temperature of the room, a key of rig.toml",
 }
 REGISTRIES = (
-    "campaigns/steps", "cli", "console/jobs", "console/pages", "export/kinds", "figures", "ground_motions/formats",
-    "models/parts", "models/published", "records/formats", "structures/control",
+    "campaigns/steps", "cli", "console/jobs", "console/pages", "export/kinds", "ground_motions/formats", "models/parts",
+    "models/published", "records/formats", "show/figures", "structures/control",
 )  # fmt: skip
 PARTS = ("driver.py", "simulated.py")  # of every folder of rig/instruments
 
@@ -76,8 +77,12 @@ def old_words(module: Module, root: Path) -> Iterator[str]:
 def repeated_modules(modules: list[Module], package: Path) -> Iterator[str]:
     """One line for each name that several modules outside of the registries have, or one outside and one in them."""
     places: dict[str, list[str]] = defaultdict(list)
+    inside = [module.path.relative_to(package) for module in modules]
+    described = {f"{place.parts[0]}/{place.stem}" for place in inside if len(place.parts) > 1}
     for module in modules:
         place = module.path.relative_to(package)
+        if place.parts[0] == "show" and f"{place.parts[1]}/{place.stem}" in described:
+            continue
         if not place.name.startswith("__") and place.parent.as_posix() not in REGISTRIES and place.name not in PARTS:
             places[place.stem].append(place.as_posix())
     for name, paths in sorted(places.items()):

@@ -62,6 +62,7 @@ set of packages; another processor may round differently, and is named beside th
 from __future__ import annotations
 
 import argparse
+import contextlib
 import hashlib
 import importlib
 import inspect
@@ -676,11 +677,9 @@ def texts(root: Path) -> str:
             warnings.simplefilter("ignore")
             thing = example(things)
         lines += [f"==== {name}", re.sub(r"/tmp/\S+", "FOLDER", VERSION.sub("VERSION", repr(thing)))]
-        if hasattr(thing, "to_dataframe"):
-            lines += [
-                "---- to_dataframe",
-                thing.to_dataframe().head(12).to_csv(index=False, float_format="%.6g").rstrip(),
-            ]
+        with contextlib.suppress(AttributeError, ValueError):  # what is not a table
+            frame = thing.to_dataframe().head(12)
+            lines += ["---- to_dataframe", frame.to_csv(index=False, float_format="%.6g").rstrip()]
     next(fixture, None)
     return "\n".join(lines) + "\n"
 

@@ -44,7 +44,7 @@ LISTED = re.compile(r"^- \[([^]]+)\]\(([^)\s]+)\)", re.MULTILINE)
 ALONE = ("errors", "units", "registry")  # modules of the public face that are no packages
 FACE = (
     "records", "models", "models.published", "identification", "ground_motions", "structures", "campaigns", "planning",
-    "hybrid", "rig", "figures", "report", "export", "studies", "console", *ALONE,
+    "hybrid", "rig", "show", "show.figures", "export", "studies", "console", *ALONE,
 )  # fmt: skip
 
 
@@ -216,7 +216,7 @@ def members(module: ModuleType) -> list[tuple[ModuleType, list[str]]]:
     """The public names of a package, by the module that they are taken from.
 
     They are in its ``__all__``. Without one they are what the module defines itself, and where that is nothing either, as in
-    ``dampyr.figures``, what each of its modules defines.
+    ``dampyr.show.figures``, what each of its modules defines.
     """
     if hasattr(module, "__all__"):
         return [(module, list(module.__all__))]

@@ -76,7 +76,7 @@ from typing import Any
 CHECKOUT = Path(__file__).resolve().parent.parent
 PACKAGE = "dampyr"
 OLD_WORDS = ("found", "told", "known", "kept", "asked")
-PAGE_PACKAGES = ("report", "figures")
+PAGE_PACKAGES = ("show", "report", "figures")  # the last two up to 0.3.0
 DIRECTIVE = re.compile(r"#\s*(fmt|type|ruff|mypy|pragma)\s*:|#\s*noqa")  # comments for tools give no reason
 LAYOUT = {tokenize.NL, tokenize.NEWLINE, tokenize.COMMENT, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
 
@@ -412,9 +412,7 @@ def traced_walks(root: Path) -> dict[str, Any]:
     records = synthetic_records(dp)
     dp.identification.fit("dahl", records)
     fit_trace, fit = traced(source, lambda progress: dp.identification.fit("dahl", records, progress=progress))
-    write_fit_page = (
-        getattr(dp.report, "write_fit_page", None) or import_module("dampyr.report.fit_page").write_fit_page
-    )
+    write_fit_page = import_module("dampyr.show" if hasattr(dp, "show") else "dampyr.report").write_fit_page
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "page.html"
         write_fit_page(fit, page)

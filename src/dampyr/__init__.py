@@ -17,7 +17,7 @@ __version__ = "0.4.0.dev0"
 
 _PACKAGES = (
     "records", "models", "identification", "ground_motions", "structures",
-    "figures", "report", "export", "studies", "rig", "hybrid", "campaigns", "planning", "errors", "units", "registry",
+    "show", "export", "studies", "rig", "hybrid", "campaigns", "planning", "errors", "units", "registry",
 )  # fmt: skip
 
 

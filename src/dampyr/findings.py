@@ -40,7 +40,7 @@ class Finding:
             raise InputError(f"severity = {self.severity!r} is not allowed; choose {', '.join(SEVERITIES)}")
 
     def __str__(self) -> str:
-        from dampyr.representation import listing  # with numpy, which a command line that only helps does not need
+        from dampyr.phrases import listing  # with numpy, which a command line that only helps does not need
 
         source = f"{self.source}: " if self.source else ""
         if not self.about:
@@ -51,7 +51,7 @@ class Finding:
     @property
     def sentence(self) -> str:
         """With a full stop, and a capital where it does not begin with the name of a record, which keeps its letters."""
-        from dampyr.representation import full_stop, sentence
+        from dampyr.phrases import full_stop, sentence
 
         return full_stop(str(self)) if self.about and not self.source else sentence(str(self))
 
@@ -77,6 +77,17 @@ class Finding:
 def as_dicts(findings: Iterable[Finding]) -> list[dict[str, Any]]:
     """The findings of a result for its JSON and for a card."""
     return [finding.as_dict() for finding in findings]
+
+
+def findings_row(findings: Sequence[Finding]) -> list[tuple[str, str]]:
+    """The worst of some `dampyr.findings` as a row, and one on how many more there are; no row where there are none."""
+    from dampyr.phrases import counted
+
+    if not findings:
+        return []
+    more = len(findings) - 1
+    worst = ("note" if findings[0].severity == "note" else "look at", str(findings[0]))
+    return [worst, ("", f"and {counted(more, 'more finding')}")] if more else [worst]
 
 
 class HasFindings(Protocol):

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, Protocol, get_args
 
 from dampyr.config import fill
 from dampyr.errors import InputError
-from dampyr.representation import listing
+from dampyr.phrases import listing
 from dampyr.source_digest import full_version
 from dampyr.source_file import SHOWN_DIGITS, SourceFile
 

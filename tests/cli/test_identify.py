@@ -33,7 +33,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.prove
 def test_the_table_says_where_there_is_no_interval(folder: Path) -> None:
-    done = run(folder, "--model", "dahl")
+    done = run(folder, "--model", "dahl", "--details")
     assert done.exit_code == 0, done.output
     rows = [line.split("  ") for line in done.stdout.splitlines() if line.strip().startswith("dahl.kw")]
     values, _, errors = [[cell.strip() for cell in row if cell.strip()] for row in rows]
@@ -44,7 +44,23 @@ def test_the_table_says_where_there_is_no_interval(folder: Path) -> None:
     assert "Between-record variance is not estimated from 1 record" in done.stdout
     # that sessions are not known, and how to settle it, is said once
     assert done.stdout.count("to settle it, repeat") == 1
-    assert "Not separated: voltage and session" not in done.stdout
+    assert "voltage and session" not in done.stdout
+
+
+def test_the_answer_is_one_screen_and_details_are_asked_for(folder: Path) -> None:
+    short, whole = run(folder, "--model", "dahl").stdout, run(folder, "--model", "dahl", "--details").stdout
+    assert len(short.splitlines()) <= 24  # of a terminal
+    short, whole = " ".join(short.split()), " ".join(whole.split())
+    assert short.count("parameter ") == 1
+    assert re.search(r"misfit [\d.]+ % of the force \(L1 ratio\)", short)
+    more = re.search(r"(\d+) more findings and (\d+) more tables: add --details\.", short)
+    assert more is not None
+    for said in ("Standard errors", "Goodness of fit", "What these records do not separate"):
+        assert said not in short
+        assert said in whole
+    findings = json.loads(run(folder, "--model", "dahl", "--json").stdout)["findings"]
+    assert sum(finding["words"][1:] in short for finding in findings) == len(findings) - int(more[1]) == 1
+    assert all(finding["words"][1:] in whole for finding in findings)
 
 
 def test_the_card_and_the_page_are_there_when_only_the_first_lines_are_read(
@@ -55,7 +71,7 @@ def test_the_card_and_the_page_are_there_when_only_the_first_lines_are_read(
     def closed(*_: object, **__: object) -> None:
         raise BrokenPipeError
 
-    monkeypatch.setattr(importlib.import_module("dampyr.cli.identify"), "print_table", closed)
+    monkeypatch.setattr(importlib.import_module("dampyr.cli._output"), "print_table", closed)
     card, page = tmp_path / "card.toml", tmp_path / "page.html"
     words = ["identify", str(folder), "--model", "dahl", "--save", str(card), "--report", str(page)]
     CliRunner().invoke(cli, words)
@@ -66,7 +82,7 @@ def test_the_card_and_the_page_are_there_when_only_the_first_lines_are_read(
 def test_a_card_that_cannot_be_written_is_an_error_below_the_result(folder: Path, tmp_path: Path) -> None:
     done = CliRunner().invoke(cli, ["identify", str(folder), "--model", "dahl", "--save", str(tmp_path)])
     assert done.exit_code == 2
-    assert "Goodness of fit" in done.stdout
+    assert "The search converged" in done.stdout
 
 
 def test_json_has_null_and_the_reason_where_there_is_no_interval(folder: Path) -> None:
@@ -103,7 +119,7 @@ def test_a_folder_without_velocity_is_ranked_although_speeds_differ(
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0})  # in this process
     done = run(different_speeds, "--try", "dahl", *options)
     assert done.exit_code == 0, done.output
-    assert f"velocity derived with {'20' if options else '40'} Hz" in done.stdout
+    assert f"The velocity is derived with {'20' if options else '40'} Hz" in done.stdout
 
 
 def test_a_search_that_is_cut_shows_what_it_has_and_writes_no_card(
@@ -133,19 +149,19 @@ def test_a_bandwidth_that_a_record_does_not_carry_is_one_sentence(different_spee
     )
 
 
-def test_the_goodness_of_fit_is_listed_by_rising_input(capsys: pytest.CaptureFixture[str]) -> None:
-    from dampyr.cli.identify import _print_groups
+def test_the_goodness_of_fit_is_listed_by_rising_input() -> None:
     from dampyr.identification import Score, Window
     from dampyr.records import Record
+    from dampyr.show.identification.score_groups import scores_by_input
 
     t = np.linspace(0.0, 1.0, 50)
     inputs = (10.0, 1.0, None, 0.25, 1.0)
     records = [Record(t, t, t, current=u, name=f"{k}") for k, u in enumerate(inputs)]
     score = Score(0.1, 0.1, 0.99, 0.1, 0.0, 0.0, 0.0, Window(0, 49, 0.0, 1.0), 1.1, 0.05)
-    _print_groups("by input", records, {r.name: score for r in records})
-    rows = [line.split() for line in capsys.readouterr().out.splitlines() if line.split()[-2:] == ["10", "5"]]
-    assert [row[0] for row in rows] == ["0.25", "1", "10", "–"]
-    assert [row[1] for row in rows] == ["1", "2", "1", "1"]
+    table = scores_by_input(records, {r.name: score for r in records}, "by input")
+    assert [row[:2] for row in table.rows] == [[0.25, 1], [1.0, 2], [10.0, 1], [None, 1]]
+    assert all(row[2:] == [pytest.approx(10.0), pytest.approx(10.0), pytest.approx(5.0)] for row in table.rows)
+    assert table.units[0] == "A"
 
 
 def test_its_defaults_are_those_of_python() -> None:

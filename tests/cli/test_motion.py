@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
-from tests.report.test_html_page import Reader
+from tests.show.pages.test_html_page import Reader
 
 from dampyr.cli import cli
 from dampyr.cli._motion import acceleration, ratio, spectral
@@ -55,7 +55,7 @@ def test_people_get_tables_in_their_units(file: Path) -> None:
     assert row == ["5", "0.5", "57.05", "717", "9.01", "0.9187"]
     drifting = run("motion", file, "--motion-unit", "cm/s^2", "--dt", "0.01").stdout
     assert "a raw record drifts" in drifting
-    assert "(--baseline)" in drifting
+    assert "(dampyr motion --baseline)" in drifting
     assert "drifts" not in run("motion", file, "--motion-unit", "cm/s^2", "--dt", "0.01", "--baseline").stdout
 
 

@@ -35,7 +35,7 @@ def test_a_plan_is_a_table_and_a_campaign_that_runs(card, tmp_path):
     assert done.exit_code == 0, done.stderr
     assert "2 tests for all parameters" in done.stdout
     assert "intervals that would be wider without it" in done.stdout
-    assert f"next: dampyr run {out}" in done.stdout
+    assert f"Next: dampyr run {out}" in done.stdout
     assert campaigns.plan(campaigns.read(out), RigSettings(), DAHL).refusals == ()
     assert (tmp_path / "tests.png").stat().st_size > 10_000
     again = plan("--card", card, *QUICK, "--out", out)

@@ -36,7 +36,7 @@ def test_without_data_it_does_the_rest_and_says_what_it_left_out(tmp_path: Path)
 def test_people_get_a_line_for_each_artefact(tmp_path: Path) -> None:
     result = run("--out", tmp_path / "out")
     assert result.exit_code == 0, result.stderr
-    for words in ("Table 4.1", "Figure 5.4", "left out: everything that needs the measured files", "reproduce.html"):
+    for words in ("Table 4.1", "Figure 5.4", "Left out: everything that needs the measured files", "reproduce.html"):
         assert words in result.stdout
 
 

@@ -36,7 +36,7 @@ def test_the_damper_stands_where_it_is_said(arguments, place, site):
 def test_it_goes_on_after_the_record():
     done = CliRunner().invoke(cli, ["simulate", "--voltage", "1.98", "--after", "2.5s"], catch_exceptions=False)
     text = " ".join(done.stdout.split())
-    assert "the response ends 2.5 s after the record" in text
+    assert "The response ends 2.5 s after the record" in text
     assert "% of a peak of displacement or drift, " in text  # what the error is of, and that of the others beside it
     assert "% of acceleration, " in text
     assert simulate("--after", "2500ms")["no damper"]["after_s"] == 2.5

@@ -10,7 +10,11 @@ from click.testing import CliRunner
 from tests.console.printed_pages import page_texts
 
 from dampyr.cli import cli
-from dampyr.report import FigureBlock, Section, Table, Text, Verdict, history, made_by, page, write_page
+from dampyr.show.figures.history import history
+from dampyr.show.pages.blocks import FigureBlock, Section, Text
+from dampyr.show.pages.how_made import made_by
+from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.table import Table, Verdict
 from dampyr.source_digest import full_version
 
 CAMPAIGN = """
@@ -249,7 +253,7 @@ def test_a_figure_is_saved_from_the_page(report, show, tmp_path):
 
 
 def test_what_a_page_embeds_is_what_the_console_serves(client):
-    own = Path(__file__).parents[2] / "src" / "dampyr" / "report" / "templates" / "look.css"
+    own = Path(__file__).parents[2] / "src" / "dampyr" / "show" / "pages" / "templates" / "look.css"
     answer = client.get("/static/look.css")
     assert answer.text == own.read_text("utf-8")
     assert answer.headers["content-type"].startswith("text/css")

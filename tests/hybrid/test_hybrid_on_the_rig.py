@@ -14,8 +14,8 @@ from dampyr.cli import cli
 from dampyr.errors import InputError, RigFault
 from dampyr.hybrid import HybridResult
 from dampyr.hybrid.rig_drive import STOPPING, way_back
-from dampyr.report import write_hybrid_page
 from dampyr.rig import Rig, simulated
+from dampyr.show.pages.hybrid_page import write_hybrid_page
 from dampyr.studies import raminelli_2020
 
 HEAVY = """name = "two storeys of 1.5 t"

@@ -8,9 +8,9 @@ import pytest
 
 from dampyr.errors import ExtrapolationWarning, InputError
 from dampyr.identification import Tolerance, accept, fit
-from dampyr.identification.acceptance_tests.acceptance import band
 from dampyr.models import Constant, Damper, published
 from dampyr.records import Record, read_campaign
+from dampyr.show.identification.acceptance import band
 from dampyr.studies import load_damper
 
 KX, KW, RHO = 900.0, 150.0, 3000.0

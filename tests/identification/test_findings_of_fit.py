@@ -13,7 +13,9 @@ from dampyr.findings import OF_DAMPER, handed_on
 from dampyr.identification import Fit, IdentifyOptions, accept_records, fit, identify, validate
 from dampyr.models import Damper
 from dampyr.records import Record, describe, write
-from dampyr.report import write_acceptance_page, write_fit_page, write_validate_page
+from dampyr.show.pages.acceptance_page import write_acceptance_page
+from dampyr.show.pages.fit_page import write_fit_page
+from dampyr.show.pages.validate_page import write_validate_page
 
 DAHL = Damper("dahl", {"dahl.kx": 1200.0, "dahl.kw": 200.0, "dahl.rho": 2000.0})
 SATURATED = "force may be saturated: "
@@ -120,7 +122,7 @@ def test_every_command_says_what_the_records_have_wrong(tmp_path: Path, json_too
         return str(done.stdout)
 
     files = tmp_path / "clipped.csv", "--voltage", "0"
-    of = {"identify": said("identify", *files, "--model", "dahl", "--save", card)}
+    of = {"identify": said("identify", *files, "--model", "dahl", "--details", "--save", card)}
     of["validate"] = said("validate", card, *files)
     of["accept"] = said("accept", card, *files)
     of["simulate"] = said("simulate", card, "--voltage", "0")

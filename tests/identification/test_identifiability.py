@@ -13,7 +13,7 @@ from dampyr.identification.parameter_uncertainty.candidate_motions import Envelo
 from dampyr.identification.search.fit_data import piece
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
-from dampyr.report import write_fit_page
+from dampyr.show.pages.fit_page import write_fit_page
 
 VOLTS = (0.0, 2.0)
 TWO = Damper(

@@ -33,7 +33,6 @@ from dampyr.identification.fits.identify import reasons_of_choice
 from dampyr.identification.model_choice import parallel, screening
 from dampyr.identification.model_choice.leaderboard import (
     Cut,
-    choice_in_words,
     enough_records,
     optimism,
     standard_error,
@@ -42,6 +41,7 @@ from dampyr.identification.model_choice.screening import CUT, NOT_BEGUN, Trial, 
 from dampyr.identification.scoring.scoring_window import Window
 from dampyr.models import Damper, Interpolation, available_parts, compose
 from dampyr.records import Record, read_campaign, with_velocity
+from dampyr.show.identification.leaderboard import choice_in_words, velocity_in_words
 from dampyr.to_json import plain
 
 VOLTS = (0.0, 1.0, 2.0)
@@ -198,7 +198,7 @@ def without_velocity(rate: float = 200.0, seconds: float = 45.0) -> list[Record]
 def test_records_without_velocity_may_differ_in_speed(bandwidth: float | None) -> None:
     ranking = leaderboard(without_velocity(), ("dahl",), (), bandwidth=bandwidth, budget=None)
     assert ranking.bandwidth == (bandwidth or 40.0)  # a fifth of the rate, less than 15 times 5 Hz
-    assert ranking.velocity == f"derived with {ranking.bandwidth:g} Hz"
+    assert velocity_in_words(ranking) == f"derived with {ranking.bandwidth:g} Hz"
     assert ranking.winner.fit is not None
     assert ranking.winner.fit.damper is not None
     assert ranking.winner.fit.damper.bandwidth == ranking.bandwidth
@@ -220,7 +220,7 @@ def test_records_whose_rates_no_bandwidth_serves_have_each_its_own() -> None:
     coarse = [r.thinned(20).replace(note="a slow logger", name=r.name) if "0.1Hz" in r.name else r for r in records]
     ranking = leaderboard(coarse, ("dahl",), (), budget=None)
     assert ranking.bandwidth is None
-    assert ranking.velocity == "as recorded, or derived with each record's own bandwidth"
+    assert velocity_in_words(ranking) == "as recorded, or derived with each record's own bandwidth"
     assert ranking.winner.error < 0.05
 
 

@@ -15,6 +15,7 @@ from dampyr.identification import Fit, ValidateOptions, fit, prediction_band, sc
 from dampyr.identification.parameter_uncertainty.levels import PRIOR_SESSION, _spread
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record, read_campaign
+from dampyr.show.descriptions import description_of
 
 VOLTS = (0.0, 1.0, 2.0)
 LAWS = {
@@ -107,7 +108,7 @@ def test_a_card_with_another_prior_is_that_of_a_fit_with_it(prior: float) -> Non
     assert scored.words.endswith(f"with a stated prior of {100 * prior:.3g} % between sessions")
     [line] = [
         row
-        for name, row in validate(made, [probe], ValidateOptions(session_prior=prior))._summary()[1]
+        for name, row in description_of(validate(made, [probe], ValidateOptions(session_prior=prior))).rows
         if name == "bands"
     ]
     assert line.endswith(f"with a stated prior of {100 * prior:.3g} % between sessions")

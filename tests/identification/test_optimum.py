@@ -15,7 +15,7 @@ from dampyr.identification.search import optimum
 from dampyr.identification.search.normal_equations import linearise, modelled_force
 from dampyr.identification.search.problem import Point
 from dampyr.models import Damper, Interpolation
-from dampyr.report import write_fit_page
+from dampyr.show.pages.fit_page import write_fit_page
 
 DAHL: dict[str, float | Interpolation] = {
     "dahl.kx": 900.0,

@@ -18,6 +18,7 @@ from dampyr.identification import Specimens, fit_specimens, score
 from dampyr.identification.parameter_uncertainty.random_effects import random_effects
 from dampyr.models import Damper
 from dampyr.records import Record, write
+from dampyr.show.identification.specimens import mean_and_spread
 
 TRUTH = {"dahl.kx": 1300.0, "dahl.kw": 210.0, "dahl.rho": 6000.0}
 SPREAD = 0.1
@@ -165,7 +166,8 @@ def test_the_table_is_relative_where_a_parameter_is_positive(five: Specimens) ->
         for name, shrunken in one.shrunken.items():
             assert min(one.mean, one.estimates[name]) - 1e-9 <= shrunken <= max(one.mean, one.estimates[name]) + 1e-9
         assert one.unit == five.fits["damper 1"].units[label]
-    heads, rows = five.by_number()
+    table = mean_and_spread(five)
+    heads, rows = table.columns, table.rows
     assert len(heads) == len(rows[0])
     assert rows[1][4].endswith(" %")
     assert list(five.to_dataframe().index) == list(five.spreads)

@@ -10,6 +10,7 @@ from dampyr.errors import InputError, RangeError
 from dampyr.identification import cross_validate, fit, score
 from dampyr.models import Constant, Damper, Interpolation, WithTemperature
 from dampyr.records import Record
+from dampyr.show.identification.result import parameter_table
 
 VOLTS, COLD, WARM = (0.0, 2.0), 15.0, 45.0
 TRUTH = Damper(
@@ -54,7 +55,7 @@ def test_what_follows_the_temperature_comes_back(records: list[Record]) -> None:
     assert damper is not None
     assert damper.temperatures == (COLD, WARM)
     np.testing.assert_allclose(damper.at_temperature(30.0).values(2.0)[0], 2150.0, rtol=0.01)
-    assert any(row[:2] == ["dahl.kx, 45 °C", "N s/mm"] for row in fit_result.by_input()[1])
+    assert any(row[:2] == ["dahl.kx, 45 °C", "N s/mm"] for row in parameter_table(fit_result).rows)
     plain = fit("dahl", records, laws={"dahl.rho": "constant"})
     assert max(s.l1 for s in fit_result.scores.values()) < 0.25 * max(s.l1 for s in plain.scores.values())
 

@@ -22,12 +22,19 @@ import pytest
 import dampyr as dp
 from dampyr import hybrid
 from dampyr.errors import DampyrWarning, InputError
-from dampyr.figures import laws as law_figures
-from dampyr.figures import style
-from dampyr.figures.fragility import Fragile
 from dampyr.identification.fits.residuals import motion
-from dampyr.representation import MAX_LETTERS, MAX_LINES, Representation, as_html, as_text, rounded
+from dampyr.phrases import rounded
 from dampyr.rig.calibration import calibration_of
+from dampyr.show.descriptions import description_of
+from dampyr.show.figures import laws as law_figures
+from dampyr.show.figures import style
+from dampyr.show.figures.fragility import Fragile
+from dampyr.show.figures.ground_motion import ground_motion
+from dampyr.show.notebook import rows_as_html
+from dampyr.show.plots import Plots
+from dampyr.show.table import Table
+from dampyr.show.text import MAX_LETTERS, MAX_LINES, rows_as_text
+from dampyr.shown import Shown
 from dampyr.structures.ensembles.ensemble_run import synthetic_motions
 from dampyr.studies.raminelli_2020.study import Study
 from dampyr.studies.raminelli_2020.study_part import Part
@@ -120,8 +127,8 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "campaigns.Skipped": lambda made: dp.campaigns.Skipped("skipped by the operator"),
     "campaigns.Stopped": lambda made: dp.campaigns.Stopped("the campaign was stopped by its operator"),
     "campaigns.Test": lambda made: made.campaign.tests[0],
-    "figures.Fragile": lambda made: Fragile(np.linspace(0.1, 3.0, 300), np.linspace(0.0, 1.0, 300)),
-    "figures.Law": lambda made: law_figures.Law(
+    "show.Fragile": lambda made: Fragile(np.linspace(0.1, 3.0, 300), np.linspace(0.0, 1.0, 300)),
+    "show.Law": lambda made: law_figures.Law(
         style.Axis("kx", "N s/mm", 1e-3), curve=(np.linspace(0, 2, 200), np.linspace(800, 2600, 200))
     ),
     "ground_motions.GroundMotion": lambda made: made.motion,
@@ -193,13 +200,13 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "records.Recognised": lambda made: dp.records.Recognised("force", 50, 0.1, 0.1, 15.2, 14.0),
     "records.Record": lambda made: made.records[0],
     "records.Undone": lambda made: dp.records.undo(made.records[0].force, 4, 4),
-    "report.FigureBlock": lambda made: dp.report.FigureBlock(
-        dp.report.ground_motion(made.motion.time, made.motion.acceleration), "The ground."
+    "show.FigureBlock": lambda made: dp.show.FigureBlock(
+        ground_motion(made.motion.time, made.motion.acceleration), "The ground."
     ),
-    "report.Section": lambda made: dp.report.Section("Numbers", [made.page_table, dp.report.Text("None.")]),
-    "report.Table": lambda made: made.page_table,
-    "report.Text": lambda made: dp.report.Text("\n\n".join(f"Paragraph {k}. " + "word " * 200 for k in range(9))),
-    "report.Verdict": lambda made: dp.report.Verdict("agrees"),
+    "show.Section": lambda made: dp.show.Section("Numbers", [made.page_table, dp.show.Text("None.")]),
+    "show.Table": lambda made: made.page_table,
+    "show.Text": lambda made: dp.show.Text("\n\n".join(f"Paragraph {k}. " + "word " * 200 for k in range(9))),
+    "show.Verdict": lambda made: dp.show.Verdict("agrees"),
     "rig.Calibration": lambda made: calibration_of(made.rig.settings),
     "rig.Drive": lambda made: made.plan.tests[0].drive,
     "rig.Reversals": lambda made: dp.rig.Reversals(0.8, 1.0),
@@ -238,7 +245,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimpleNamespace]:
         warnings.simplefilter("ignore", DampyrWarning)
         _identify(made)
         _build(made)
-    made.page_table = dp.report.Table(("x", "y"), [[k, 0.5 * k] for k in range(1000)], ("mm", "N"))
+    made.page_table = dp.show.Table(("x", "y"), [[k, 0.5 * k] for k in range(1000)], ("mm", "N"))
     made.campaign = dp.campaigns.campaign_of({"name": "a notebook", "operator": "me", "step": STEPS})
     made.plan = dp.campaigns.plan(made.campaign)
     made.proposal = dp.planning.propose(made.damper, tests=2, seconds=4.0, voltages=(0.0, 1.98), kinds=("sine",))
@@ -332,7 +339,7 @@ def test_the_same_object_gives_the_same_html(made: SimpleNamespace) -> None:
 
 
 def test_its_title_is_its_class(example: Any) -> None:
-    if isinstance(example, Representation):
+    if isinstance(example, Shown):
         assert repr(example).startswith(f"<{type(example).__name__}")
 
 
@@ -341,14 +348,10 @@ def drawings(example: Any) -> list[tuple[str, Callable[..., Any]]]:
     plot = getattr(example, "plot", None)
     if plot is None or isinstance(example, dp.campaigns.Journal):
         return []
-    if inspect.ismethod(plot):
-        return [("plot", plot)]
+    assert isinstance(plot, Plots)
     names = [name for name, _ in inspect.getmembers(type(plot), inspect.isfunction) if not name.startswith("_")]
-    return [
-        (name, getattr(plot, name))
-        for name in names
-        if inspect.signature(getattr(plot, name)).return_annotation == "Any"
-    ]
+    drawing = [name for name in names if inspect.signature(getattr(plot, name)).return_annotation == "Any"]
+    return [("plot", plot), *((name, getattr(plot, name)) for name in drawing)]
 
 
 @pytest.fixture
@@ -389,6 +392,12 @@ def test_its_table_is_a_data_frame(example: Any) -> None:
 
     if not hasattr(example, "to_dataframe"):
         return
+    if isinstance(example, Shown) and "to_dataframe" not in vars(type(example)):
+        description = description_of(example)
+        if not description.tables and description.frame is None:
+            with pytest.raises(InputError, match=f"{type(example).__name__} is not a table"):
+                example.to_dataframe()
+            return
     frame = example.to_dataframe()
     assert isinstance(frame, pd.DataFrame)
     assert len(frame) >= 1
@@ -429,11 +438,11 @@ def test_a_wrong_name_says_which_there_are(
 
 def test_long_texts_are_cut_and_html_is_escaped() -> None:
     rows: Sequence[tuple[str, str]] = [(f"row {k}", "word " * 100) for k in range(40)]
-    lines = as_text("A <title>", rows).splitlines()
+    lines = rows_as_text("A <title>", rows).splitlines()
     assert len(lines) == MAX_LINES + 1
     assert lines[-1].endswith("and 28 more")
     assert max(map(len, lines)) <= MAX_LETTERS + len("  row 39  ")
-    html = as_html("A <title>", [("<b>", "1 < 2 & 3")], (("a", "b"), [["x", 1.5]] * 40))
+    html = rows_as_html("A <title>", [("<b>", "1 < 2 & 3")], Table(("a", "b"), [["x", 1.5]] * 40))
     ElementTree.fromstring(html)
     assert "A &lt;title&gt;" in html
     assert "1 &lt; 2 &amp; 3" in html

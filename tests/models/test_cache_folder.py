@@ -59,6 +59,6 @@ def test_a_cached_kernel_of_another_folder_is_refused() -> None:
     def kernel(x: float) -> float:
         return x
 
-    kernel.__module__ = "dampyr.report.somewhere"
+    kernel.__module__ = "dampyr.show.somewhere"
     with pytest.raises(ValueError, match="KERNEL_SOURCES"):
         kernels.jit(kernel, keep=True)

@@ -9,6 +9,7 @@ from dampyr.errors import InputError
 from dampyr.planning import Planned, plan_and_perform
 from dampyr.planning.planner import CAMPAIGN, EXPECTED, PLAN
 from dampyr.rig import simulated
+from dampyr.show.planning.planner import widths_figure
 
 QUICK = {"bandwidth": BANDWIDTH, "seconds": 4.0, "voltages": (0.0, 1.98), "kinds": ("sine", "voltage_steps")}
 
@@ -39,7 +40,7 @@ def test_a_plan_goes_on_where_it_stopped_and_says_why_it_ends(tmp_path: Path) ->
         repaired = perform(folder, tests=8, per_round=4)
     assert lost.is_file()
     assert repaired.rounds[1].expected == first.rounds[1].expected
-    assert repaired.widths_figure().axes[0].get_ylabel() == "achieved half width [%]"
+    assert widths_figure(repaired).axes[0].get_ylabel() == "achieved half width [%]"
     with pytest.raises(InputError, match="holds another plan, which differs in tests; choose another folder"):
         perform(folder, tests=9, per_round=4)
 

@@ -15,6 +15,7 @@ from dampyr.errors import FileError, InputError, RangeError
 from dampyr.planning import Peak, Proposal, propose
 from dampyr.records import Record
 from dampyr.rig import RigSettings
+from dampyr.show.planning.proposal import envelope_figure
 from dampyr.to_json import plain
 
 QUICK = {"seconds": 4.0, "voltages": (0.0, 1.98), "kinds": ("sine", "voltage_steps")}
@@ -44,7 +45,7 @@ def test_a_proposal_says_what_is_expected_and_why(proposal: Proposal) -> None:
     assert any("no covariance" in note for note in proposal.notes)
     assert "4 of" in repr(proposal)
     assert plain(proposal.as_dict())["tests"][0]["kind"] in ("sine", "voltage_steps")
-    assert proposal.envelope_figure().axes[0].get_xlabel() == "frequency [Hz]"
+    assert envelope_figure(proposal).axes[0].get_xlabel() == "frequency [Hz]"
     of_card = propose(replace(DAHL, covariance=np.diag((0.01 * DAHL.coefficients) ** 2)), RIG, tests=2, **QUICK)
     assert of_card.before["dahl.kw @ 0 V"] == pytest.approx(0.0196, rel=0.01)
 

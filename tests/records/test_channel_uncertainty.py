@@ -17,7 +17,7 @@ from dampyr.errors import FileError, InputError
 from dampyr.records import Record
 from dampyr.records.checks.channel_uncertainty import Uncertainty
 from dampyr.records.files.checksums import NAME
-from dampyr.report.uncertainty_section import uncertainty_section
+from dampyr.show.pages.uncertainty_section import uncertainty_section
 
 TIME = np.arange(4000) / 1000.0
 STATED = {

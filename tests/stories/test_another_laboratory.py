@@ -95,9 +95,9 @@ def test_the_records_are_listed_by_what_was_set(laboratory: Path) -> None:
 def test_the_earthquake_is_predicted(laboratory: Path, card: Path, tmp_path: Path) -> None:
     done = run("validate", card, laboratory, "--role", "validation", "--forces", tmp_path / "forces")
     assert done.exit_code == 0, done.stderr
-    assert "energy –: no whole cycle in the window, so it is not scored" in done.stdout
+    assert "Energy –: no whole cycle in the window, so it is not scored." in done.stdout
     assert "nan" not in done.stdout
-    assert "mean L1" in done.stdout
+    assert "Mean L1" in done.stdout
     scores = json.loads(run_output("validate", card, laboratory, "--role", "validation", "--json"))["scores"]
     assert list(scores) == ["earthquake_0.7A", "earthquake_1.2A"]
     assert all(score["l1"] < 0.10 and not score["fitted_on"] for score in scores.values())
@@ -153,7 +153,7 @@ def test_the_scores_are_told_by_input(laboratory: Path, card: Path) -> None:
 
 
 def test_a_page_of_the_prediction(laboratory: Path, card: Path, tmp_path: Path) -> None:
-    pytest.importorskip("dampyr.report.validate_page", reason="the page of a validation is not there yet")
+    pytest.importorskip("dampyr.show.pages.validate_page", reason="the page of a validation is not there yet")
     shown = run_output("validate", card, laboratory, "--role", "validation", "--report", tmp_path / "v.html")
     assert f"page: {tmp_path / 'v.html'}" in shown
     assert "earthquake_1.2A" in (tmp_path / "v.html").read_text(encoding="utf-8")

@@ -122,7 +122,7 @@ def said(records: dict[str, Record], tmp_path_factory: pytest.TempPathFactory) -
         assert done.exit_code == 0, done.output
         return str(done.stdout) + (done.stderr if words[0] == "export" else "")
 
-    faces = {"identify": call("identify", *files, "--model", "dahl", "--save", card, "--report", page)}
+    faces = {"identify": call("identify", *files, "--model", "dahl", "--details", "--save", card, "--report", page)}
     faces["identify --json"] = call("identify", *files, "--model", "dahl", "--json")
     faces["card"], faces["page"] = card.read_text("utf-8"), unescape(page.read_text("utf-8"))
     shake = card, "--voltage", "1", "--allow-extrapolation"

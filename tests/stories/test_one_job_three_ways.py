@@ -14,7 +14,7 @@ pytest.importorskip("fastapi")
 from click.testing import CliRunner
 from fastapi.testclient import TestClient
 
-from dampyr import identification, report, structures, studies
+from dampyr import identification, show, structures, studies
 from dampyr import records as dampyr_records
 from dampyr.cli import cli
 from dampyr.console import app, worker
@@ -128,7 +128,7 @@ def test_identify(data: Path, client: TestClient, done: Any) -> None:
     options = identification.IdentifyOptions(model="dahl", predict=("record",), loss="huber")
     ours = identification.identify(own(data, *names), options)
     ours.card.save(data / "ours.toml")
-    report.write_fit_page(ours, data / "ours.html")
+    show.write_fit_page(ours, data / "ours.html")
 
     files = [data / f"{name}.h5" for name in names]
     said = command(
@@ -178,8 +178,8 @@ def test_every_split_and_loss_is_offered_on_the_page(client: TestClient) -> None
 def test_validate(data: Path, client: TestClient, done: Any) -> None:
     damper = Damper.load(data / "cards" / "mine.toml")
     ours = identification.validate(damper, own(data, *NAMES), card="mine.toml")
-    with report.made_by("a script", [data / "cards" / "mine.toml"]):
-        report.write_validate_page(ours, data / "ours.html")
+    with show.made_by("a script", [data / "cards" / "mine.toml"]):
+        show.write_validate_page(ours, data / "ours.html")
     said = command(
         "validate",
         data / "cards" / "mine.toml",
@@ -205,7 +205,7 @@ def test_accept(data: Path, client: TestClient, reference: str) -> None:
     options = identification.AcceptOptions(identification.Tolerance(0.2, 5.0), ("extension", "energy"))
     name = "c, d" if by_records else reference
     ours = identification.accept_records(own(data, *judged), against, options, name)
-    report.write_acceptance_page(ours, data / "ours.html")
+    show.write_acceptance_page(ours, data / "ours.html")
 
     folder = data / "c, d"  # reports are titled by the last part of a path
     folder.mkdir()
@@ -232,8 +232,8 @@ def test_simulate(data: Path, client: TestClient, done: Any) -> None:
     options = structures.SimulateOptions(inputs=(0.0, 1.5), laws=("on_off:period=10ms",), place=2)
     motion = el_centro().scaled_to_pga(2.0)
     ours = structures.simulate(structures.two_storey(), motion, damper, options)
-    with report.made_by("a script", [data / "cards" / "mine.toml"]):
-        report.write_response_page(ours, data / "ours.html")
+    with show.made_by("a script", [data / "cards" / "mine.toml"]):
+        show.write_response_page(ours, data / "ours.html")
     said = command(
         "simulate", data / "cards" / "mine.toml", "--voltage", "0", "--voltage", "1.5", "--control", "on_off:period=10ms",
         "--storey", "2", "--pga", "2 m/s^2", "--report", data / "said.html",
@@ -255,8 +255,8 @@ def test_ensemble(data: Path, client: TestClient, done: Any) -> None:
     options = structures.EnsembleOptions(inputs=(0.0, 1.5), bare=True, seed=3, scales=(0.5, 1.0, 2.0), limits=limits)
     motions = synthetic_motions(3, 3, 4.0)
     ours = structures.run_ensemble(structures.two_storey(), motions, damper, options)
-    with report.made_by("a script", [data / "cards" / "mine.toml"]):
-        report.write_ensemble_page(ours, data / "ours.html")
+    with show.made_by("a script", [data / "cards" / "mine.toml"]):
+        show.write_ensemble_page(ours, data / "ours.html")
     said = command(
         "ensemble", data / "cards" / "mine.toml", "--voltage", "0", "--voltage", "1.5", "--without-damper",
         "--synthetic", "3", "--duration", "4", "--seed", "3", "--scale", "0.5,1,2", "--limit", "10mm",

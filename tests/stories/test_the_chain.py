@@ -87,6 +87,6 @@ def test_predictions_of_records_that_were_not_fitted(campaign_folder: Path) -> N
     assert all(not set(fold["scores"]) & set(fold["fitted_on"]) for fold in by_record["folds"])
     assert len(by_input["folds"]) == 2
     words = ["identify", str(campaign_folder), "--model", "dahl", "--predict"]
-    done = CliRunner().invoke(cli, [*words, "amplitude"], catch_exceptions=False)
+    done = CliRunner().invoke(cli, [*words, "amplitude", "--details"], catch_exceptions=False)
     assert "Prediction of records that it was not fitted on, 5 parts by amplitude" in done.stdout
     assert CliRunner().invoke(cli, [*words, "weather"], catch_exceptions=False).exit_code == 2

@@ -1,5 +1,6 @@
 """One campaign on the simulated rig, and every face of what is made of it: each says that nothing was measured."""
 
+import inspect
 import json
 import re
 import warnings
@@ -15,7 +16,7 @@ import pytest
 from click.testing import CliRunner
 
 import dampyr as dp
-from dampyr import registry, report
+from dampyr import registry, show
 from dampyr.campaigns.journal import Journal, journal_origin
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning, InputError
@@ -25,7 +26,8 @@ from dampyr.models import Damper, published
 from dampyr.origin import NOTICES, ORIGIN_KINDS, SIMULATED, Origin, as_origin, combined, of_board
 from dampyr.records import Record, convert, read, read_campaign, write
 from dampyr.records.files.record_files import REGISTRY as FORMATS
-from dampyr.representation import Representation
+from dampyr.show.descriptions import description_of
+from dampyr.shown import Shown
 from dampyr.source_digest import full_version
 
 CAMPAIGN = """
@@ -174,7 +176,8 @@ PAGES: dict[str, Callable[[Made], list[Any]]] = {
 
 def test_no_page_is_forgotten() -> None:
     other = {"write_motion_page", "write_plan_page", "write_hybrid_page"}  # no records yet; the last one below
-    assert PAGES.keys() | other == set(report.WRITERS)
+    writers = {name for name in show.__all__ if name.startswith("write_") and name != "write_page"}
+    assert PAGES.keys() | other == writers
 
 
 @pytest.mark.parametrize("name", PAGES)
@@ -223,18 +226,18 @@ def test_each_object_says_it_and_each_of_its_plots(made: Made) -> None:
 
     drawn = 0
     for name, one in _objects(made).items():
-        assert isinstance(one, Representation)
+        assert isinstance(one, Shown)
         origin: Origin = one.origin  # type: ignore[attr-defined]
         assert origin.kind == "simulated", name
         assert {each: list(getattr(origin, each)) for each in STATED} == STATED, name
         assert {file.name: file.sha256 for file in origin.sources}.items() <= made.files.items(), name
         assert origin.sources
         assert NOTICE in repr(one), name
-        assert one._small_figure() is None or f"{WORD}</text>" in one._repr_html_(), name
+        figure = description_of(one).figure
+        assert figure is None or figure() is None or f"{WORD}</text>" in one._repr_html_(), name
         plots = one.plot  # type: ignore[attr-defined]
-        for each in [name for name in vars(type(plots)) if not name.startswith("_")]:
-            method = getattr(plots, each)
-            if not callable(method) or each in ("measured_and_fitted", "steady_cycle"):
+        for each, method in inspect.getmembers(plots, inspect.ismethod):
+            if each.startswith("_") or each in ("measured_and_fitted", "steady_cycle"):
                 continue
             axes = method(made.records[0].name) if name == "validated" and each != "scores" else method()
             assert WORD in [text.get_text() for text in axes[0].figure.texts], (name, each)

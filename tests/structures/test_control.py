@@ -10,6 +10,7 @@ import pytest
 from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError, RangeError
 from dampyr.ground_motions import GroundMotion, el_centro, kanai_tajimi, resampled
 from dampyr.models import Damper
+from dampyr.show.structures.response import errors_in_words
 from dampyr.structures import Building, available_control_laws, control_law, respond, two_storey
 from dampyr.structures.sites import make_sites
 from dampyr.structures.time_history.kernel_run import runner
@@ -451,13 +452,13 @@ def test_each_quantity_has_its_own_change_on_halving(damper):
         assert constant.error_estimates[name] == pytest.approx(np.max(np.abs(a - b) / np.abs(b)), rel=1e-6), name
     assert constant.error_estimates["mean_input"] == 0.0
     assert constant.error_estimate == max(constant.error_estimates[name] for name in ("displacement", "drift"))
-    words = constant.error_in_words
+    words = errors_in_words([constant])
     assert "% of a peak of displacement or drift" in words
     assert f"{100 * constant.error_estimates['acceleration']:.2g} % of acceleration" in words
     assert "mean input" not in words
     assert once.error_estimates == {}
     law = respond(two_storey(), motion, {1: damper}, voltage=control_law("on_off", high=HIGH, lag=0.01))
-    assert f"{law.error_estimates['mean_input']:.2g} V of a mean input" in law.error_in_words
+    assert f"{law.error_estimates['mean_input']:.2g} V of a mean input" in errors_in_words([law])
     assert law.as_dict()["error_estimates"] == law.error_estimates
     assert law.to_xarray().attrs["error_estimate_acceleration"] == law.error_estimates["acceleration"]
 

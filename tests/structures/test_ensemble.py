@@ -17,7 +17,7 @@ from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.ground_motions import GroundMotion, el_centro, kanai_tajimi
 from dampyr.models import Damper
 from dampyr.models.codegen.composition import compose
-from dampyr.report.ensemble_page import trust
+from dampyr.show.structures.ensemble_run import trust
 from dampyr.structures import (
     Building,
     collect,

@@ -19,7 +19,7 @@ import dampyr as dp
 from dampyr import structures
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning
-from dampyr.report.ensemble_page import trust
+from dampyr.show.structures.ensemble_run import trust
 from dampyr.structures import Building
 from dampyr.structures.control_laws import gains
 from dampyr.structures.time_history.modal_coordinates import modal_condensation, refinements

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from itertools import groupby
@@ -25,7 +24,7 @@ from dampyr.campaigns.steps.quasi_static import QuasiStatic
 from dampyr.config import fill, load_toml, unknown, value_of
 from dampyr.errors import DampyrError, FileError, InputError, MissingData
 from dampyr.records.record import GROUPS, as_group
-from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing
+from dampyr.shown import Shown
 from dampyr.units import Quantity, round_trip
 
 ORDERS = ("as written", "random")
@@ -64,7 +63,7 @@ class Header:
 
 
 @dataclass(frozen=True, repr=False)
-class Test(Representation):
+class Test(Shown):
     """One test: its place as written, the ``[[step]]`` that it comes from (from 1), and which of its repeats it is; ``learn``:
     its drive is learned before it is recorded."""
 
@@ -77,13 +76,6 @@ class Test(Representation):
     repeat: int
     name: str
     learn: bool = False
-
-    def _summary(self) -> Summary:
-        return f"Test {self.name!r}", [
-            ("step", f"{self.step_number}, {self.words}"),
-            ("place", f"{self.number} as written, repeat {self.repeat}"),
-            *([("drive", "learned before it is recorded")] if self.learn else []),
-        ]
 
     @property
     def words(self) -> str:
@@ -113,38 +105,12 @@ class Test(Representation):
 
 
 @dataclass(frozen=True, repr=False)
-class Campaign(Representation):
+class Campaign(Shown):
     """A header and the tests in the order in which they run; ``source`` is the text that they were read from."""
 
     header: Header
     tests: tuple[Test, ...]
     source: str = ""
-
-    def to_dataframe(self) -> Any:
-        """The tests in the order in which they run, as a ``pandas.DataFrame``."""
-        names = ("number", "step_number", "kind", "repeat", "words")
-        columns = {name: [getattr(test, name) for test in self.tests] for name in names}
-        return data_frame(columns, [test.name for test in self.tests], "test")
-
-    def _summary(self) -> Summary:
-        header, kinds = self.header, Counter(test.kind for test in self.tests)
-        rows = [
-            (
-                "tests",
-                f"{len(self.tests)}: {listing([counted(n, kind.replace('_', ' ')) for kind, n in kinds.items()])}",
-            ),
-            ("order", header.order + (f", seed {header.seed}" if header.order == "random" else "")),
-            ("rest", f"{header.rest_between:g} s between tests"),
-            ("operator", header.operator),
-            ("note", header.note),
-            ("session", header.measurement_session),
-            ("specimen", header.specimen),
-            ("digest", self.digest),
-        ]
-        return f"Campaign {header.name!r}", [row for row in rows if row[1]]
-
-    def _table(self) -> Table:
-        return ("test", "what it does"), [[test.name, test.words] for test in self.tests]
 
     @property
     def digest(self) -> str:

@@ -8,7 +8,6 @@ them (`dampyr.campaigns.recorded_tests`).
 from __future__ import annotations
 
 import sqlite3
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
@@ -18,7 +17,7 @@ from typing import Any, Literal
 
 from dampyr.errors import FileError, InputError
 from dampyr.origin import NOT_STATED, Origin, as_origin
-from dampyr.representation import Representation, Summary, Table, data_frame
+from dampyr.shown import Shown
 
 NAME = "journal.sqlite"
 SCHEMA = 1  # of the tables below; raised when they change
@@ -76,7 +75,7 @@ class Event:
     detail: str
 
 
-class Journal(Representation):
+class Journal(Shown):
     """The journal of a folder; made where there is none."""
 
     def __init__(self, folder: str | Path) -> None:
@@ -99,24 +98,6 @@ class Journal(Representation):
     def origin(self) -> Origin:
         """Origin of the records, as the campaign was run."""
         return as_origin(self.said("origin") or NOT_STATED.kind)
-
-    def to_dataframe(self) -> Any:
-        """The tests in their order as a ``pandas.DataFrame``: state, attempt and reason."""
-        entries = self.tests()
-        columns = {name: [getattr(entry, name) for entry in entries] for name in ("state", "attempt", "reason")}
-        return data_frame(columns, [entry.name for entry in entries], "test")
-
-    def _summary(self) -> Summary:
-        states = Counter(entry.state for entry in self.tests())
-        return f"Journal of {self.said('name')!r}", [
-            ("folder", self.path.parent.name),
-            ("origin", self.origin.kind),
-            ("tests", ", ".join(f"{count} {state}" for state, count in states.items()) or "none"),
-            ("events", str(len(self.events()))),
-        ]
-
-    def _table(self) -> Table:
-        return ("test", "state", "attempt", "reason"), [[e.name, e.state, e.attempt, e.reason] for e in self.tests()]
 
     def _check_schema(self) -> None:
         version = self.said("schema")

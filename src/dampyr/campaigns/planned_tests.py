@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,12 +15,8 @@ from dampyr.campaigns.learning import TRIES
 from dampyr.campaigns.step import shown, words
 from dampyr.errors import InputError
 from dampyr.models import Damper
-from dampyr.representation import Representation, Summary, Table, counted, data_frame
 from dampyr.rig import Drive, RigSettings, load_settings
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
+from dampyr.shown import Shown
 
 WAYS = (
     3.0  # s of the slow ways to a test and, after it, past the index; 3.1 s on the average of examples/every_kind.toml
@@ -29,7 +25,7 @@ UNCHECKED = "unchecked, as check_amplitude = 0: whether the load cell's sign is 
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PlannedTest(Representation):
+class PlannedTest(Shown):
     """A test as it would run.
 
     ``duration`` s, ``peak_speed`` m/s, ``peak_position`` m from the middle, ``peak_voltage`` V, ``peak_force`` N as expected
@@ -51,27 +47,6 @@ class PlannedTest(Representation):
     refusal: str = ""
     fitted: str = ""
 
-    def plot(self) -> Any:
-        """Displacement, velocity and voltage that the rig is to follow, over time; the matplotlib axes ``(3,)``."""
-        return self.drive.plot()
-
-    def _small_figure(self) -> Figure:
-        return self.drive._small_figure()
-
-    def _summary(self) -> Summary:
-        force = "not known" if self.peak_force is None else f"{self.peak_force:.4g} N"
-        rows = [
-            ("does", self.words),
-            ("duration", f"{self.duration:.4g} s"),
-            (
-                "peaks",
-                f"{1e3 * self.peak_position:.4g} mm, {1e3 * self.peak_speed:.4g} mm/s, {self.peak_voltage:.4g} V",
-            ),
-            ("force", force + ("" if self.energy is None else f" expected, {self.energy:.4g} J")),
-        ]
-        rows += [("note", note) for note in self.notes[:3]]
-        return f"PlannedTest {self.name!r}", [*rows, ("refused", self.refusal)] if self.refusal else rows
-
     @property
     def name(self) -> str:
         """Unique in its campaign."""
@@ -89,7 +64,7 @@ class PlannedTest(Representation):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Plan(Representation):
+class Plan(Shown):
     """The tests in their order, the stroke before them, and what the expected force rests on."""
 
     campaign: Campaign
@@ -99,61 +74,6 @@ class Plan(Representation):
     preliminary: Drive | None
     notes: tuple[str, ...]
     refusals: tuple[str, ...]
-
-    def to_dataframe(self) -> Any:
-        """The tests as a ``pandas.DataFrame``, SI units: what each asks of the rig, and why it is refused."""
-        names = {
-            "kind": "kind", "words": "words", "duration": "duration_s", "peak_position": "peak_position_m",
-            "peak_speed": "peak_speed_m_per_s", "peak_voltage": "peak_voltage_V", "peak_force": "peak_force_N",
-            "energy": "energy_J", "refusal": "refusal",
-        }  # fmt: skip
-        columns = {head: [getattr(each, name) for each in self.tests] for name, head in names.items()}
-        return data_frame(columns, [each.name for each in self.tests], "test")
-
-    def _summary(self) -> Summary:
-        forces = [each.peak_force for each in self.tests if each.peak_force is not None]
-        rows = [
-            ("rig", self.rig.name),
-            ("tests", f"{len(self.tests)}, {self.duration:.4g} s with the rests and slow ways between them"),
-            ("force", f"up to {max(forces):.4g} N expected" if forces else "not known"),
-            (
-                "damper",
-                "not known: a conservative envelope stands for it"
-                if self.damper is None
-                else str(self.damper.composition),
-            ),
-            (
-                "refused",
-                f"{counted(len(self.refusals), 'refusal')}: {self.refusals[0]}" if self.refusals else "nothing",
-            ),
-        ]
-        return f"Plan of {self.campaign.header.name!r}", rows
-
-    def _table(self) -> Table:
-        heads = (
-            "test",
-            "what it does",
-            "time [s]",
-            "position [mm]",
-            "speed [mm/s]",
-            "voltage [V]",
-            "force [N]",
-            "refused",
-        )
-        rows = [
-            [
-                t.name,
-                t.words,
-                t.duration,
-                1e3 * t.peak_position,
-                1e3 * t.peak_speed,
-                t.peak_voltage,
-                t.peak_force,
-                t.refusal,
-            ]
-            for t in self.tests
-        ]
-        return heads, rows
 
     @property
     def duration(self) -> float:

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from dampyr.errors import DampyrError, RigFault
-from dampyr.representation import Representation, Summary
 from dampyr.rig.interlock import Samples
+from dampyr.shown import Shown
 
 
 class Stopped(DampyrError):
@@ -29,7 +29,7 @@ def exit_status(problem: BaseException) -> Literal["stopped", "aborted", "failed
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Progress(Representation):
+class Progress(Shown):
     """How far a campaign is.
 
     ``done`` of ``total`` tests are complete; ``fraction`` of the one under way; ``time_left`` s of rig time; ``force`` N,
@@ -49,17 +49,9 @@ class Progress(Representation):
     temperature: float = 0.0
     samples: Samples | None = None
 
-    def _summary(self) -> Summary:
-        return f"Progress, {self.done} of {self.total} tests", [
-            ("test", f"{self.name}, {self.phase}, {100 * self.fraction:.3g} %"),
-            ("cycles", f"{self.cycles:.3g} of {self.planned_cycles:.3g}"),
-            ("time left", f"{self.time_left:.4g} s"),
-            ("now", f"{self.force:.4g} N, {1e3 * self.stroke:.4g} mm peak to peak, {self.temperature:.4g} °C"),
-        ]
-
 
 @dataclass(repr=False)
-class Control(Representation):
+class Control(Shown):
     """The buttons. Pause acts after the test under way; skip, stop and abort at once.
 
     ``under_way`` is the name of the test that is recorded, empty between two tests.
@@ -72,10 +64,6 @@ class Control(Representation):
     _paused: threading.Event = field(default_factory=threading.Event)
     _stopped: threading.Event = field(default_factory=threading.Event)
     _aborted: str = ""
-
-    def _summary(self) -> Summary:
-        pressed = ["pause"] * self.paused + ["stop"] * self._stopped.is_set() + ["abort"] * self.aborted
-        return "Control", [("pressed", ", ".join(pressed) or "nothing")]
 
     def pause(self) -> None:
         """Wait, armed and at rest, after the test under way."""
@@ -120,6 +108,11 @@ class Control(Representation):
         return bool(self._aborted)
 
     @property
+    def stopped(self) -> bool:
+        """Whether stop was asked for."""
+        return self._stopped.is_set()
+
+    @property
     def paused(self) -> bool:
         """Whether the campaign is to wait."""
         return self._paused.is_set()
@@ -128,7 +121,7 @@ class Control(Representation):
         """Raise :class:`Stopped` or :class:`~dampyr.errors.RigFault` where stop or abort was asked for."""
         if self._aborted:
             raise RigFault(f"aborted: {self._aborted}", "operator")
-        if self._stopped.is_set():
+        if self.stopped:
             raise Stopped("the campaign was stopped by its operator; run it again to go on")
         if self.under_way in self._skipped:
             raise Skipped("skipped by the operator")

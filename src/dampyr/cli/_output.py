@@ -19,6 +19,7 @@ from dampyr.to_json import plain
 
 if TYPE_CHECKING:
     from dampyr.origin import Origin  # loads numpy, which help does without
+    from dampyr.show.table import Table
 
 as_json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON for machines, in SI units.")
 """The option that every command takes; it comes as ``as_json``."""
@@ -77,9 +78,9 @@ def print_table(
     """
     from rich import box
     from rich.markup import escape
-    from rich.table import Table
+    from rich.table import Table as RichTable
 
-    table = Table(box=box.SIMPLE_HEAD, show_header=any(columns))
+    table = RichTable(box=box.SIMPLE_HEAD, show_header=any(columns))
     for k, name in enumerate(columns):
         unit = f"\n[dim]{escape(units[k])}[/dim]" if units and any(units) else ""
         filled = [row[k] for row in rows if row[k] is not None]
@@ -93,6 +94,45 @@ def print_table(
     first = [f"[bold red]{escape(said)}[/bold red]"] if said else []
     below = [*(finding.sentence for finding in findings), *notes]
     _print(*first, f"[bold]{escape(title)}[/bold]", table, *map(escape, below))
+
+
+details_option = click.option("--details", is_flag=True, help="Print all tables and all findings, not the first ones.")
+"""For commands whose answer is longer than a screen; it comes as ``details``."""
+
+
+def print_result(result: Any, tables: int | None = None, findings: int | None = None) -> None:
+    """Print what a result shows: how it came out and its findings, the worst first, below its first table, then the others.
+
+    ``tables`` and ``findings`` print the first of them only, and say how many more there are with ``--details``.
+    """
+    from dampyr.phrases import counted
+    from dampyr.show.descriptions import description_of
+
+    description = description_of(result)
+    sentences = [finding.sentence for finding in getattr(result, "findings", ())]
+    sentences = [words for words in sentences if words not in description.verdict]
+    shown, others = description.tables[:tables], description.tables[len(description.tables[:tables]) :]
+    more = [
+        counted(number, noun)
+        for number, noun in (
+            (len(sentences[findings:]) if findings else 0, "more finding"),
+            (len(others), "more table"),
+        )
+        if number
+    ]
+    rest = [f"{' and '.join(more)}: add --details."] if more else []
+    for k, table in enumerate(make() for make in shown):
+        if k == 0:
+            print_shown(table, [*description.verdict, *sentences[:findings], *rest])
+        elif table.rows:
+            click.echo()
+            print_shown(table)
+
+
+def print_shown(table: Table, notes: Sequence[str] = ()) -> None:
+    """Print a table of a description, its caption as the title, and below it ``notes`` and its own."""
+    title, units = table.caption.removesuffix("."), table.units or None
+    print_table(title, table.columns, table.rows, units, table.digits, [*notes, *table.notes])
 
 
 def _print(*parts: Any) -> None:

@@ -34,7 +34,8 @@ def figures_option(command: Command) -> Command:
             raise InputError("--figures are those of a page; give --report HTML too")
         if not page_is_written:
             return command(*rest, **given)
-        from dampyr.report import figure_files, made_by
+        from dampyr.show.pages.how_made import made_by
+        from dampyr.show.pages.saved_figures import figure_files
 
         context = click.get_current_context()
         with ExitStack() as stack:

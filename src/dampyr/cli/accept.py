@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,23 +9,17 @@ import click
 
 from dampyr.cli._examples import examples
 from dampyr.cli._motion import ratio
-from dampyr.cli._output import as_json_option, print_json, print_table, state_origin
+from dampyr.cli._output import as_json_option, print_json, print_result, state_origin
 from dampyr.cli._records import Reading, gather, reading_options, role_option
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.identification import Acceptance, Accepted, Tolerance
+    from dampyr.identification import Tolerance
     from dampyr.models import Damper
     from dampyr.records import Record
 
 FAILED, UNDECIDED = 1, 3  # exit codes; 2 is a wrong request, as with every command
-MAX_REASONS = 6  # lines below the table; --json and --report have all
-COLUMNS = ["record", "input", "verdict", "run", "cut", "judged", "largest", "outside", "worst", "cycle", "speed",
-           "measured", "expected", "off by", "false fail", "false pass"]  # fmt: skip
-UNITS = ["", "", "", "cycles", "cycles", "cycles", "mm", "points", "", "", "mm/s", "N or J", "N or J", "%", "", ""]
-LEVELS = ["record", "level", "cycles", "judged", "stroke", "frequency", *("extension", "compression", "energy"), ""]
-LEVEL_UNITS = ["", "", "", "", "mm", "Hz", "%", "%", "%", ""]
 QUANTITIES = ("extension", "compression", "energy")
 
 
@@ -87,14 +80,14 @@ def command(
     records = gather(paths, role, reading, reference_inputs=inputs_of(against), warn=False)
     result = accept_records(records, against, options, reference)
     if report:
-        from dampyr.report import write_acceptance_page
+        from dampyr.show.pages.acceptance_page import write_acceptance_page
 
         write_acceptance_page(result, report)
     state_origin(result.origin)
     if as_json:
         print_json(result.as_dict())
     else:
-        _print(result)
+        print_result(result)
         if report:
             click.echo(f"page: {report}")
     return {"passed": 0, "failed": FAILED, "not judged": UNDECIDED}[result.verdict]
@@ -132,75 +125,3 @@ def _reference(text: str, reading: Reading) -> Damper | list[Record]:
             f"{text}: no such file, and no published damper; give a card, records, or one of {', '.join(names)}"
         )
     return studies.load_damper(text)
-
-
-def _print(result: Accepted) -> None:
-    from dampyr.identification.acceptance_tests.acceptance import BEYOND, in_short
-
-    results = result.results
-    title = f"{len(results)} {'record' if len(results) == 1 else 'records'}: {in_short(results)}"
-    off = BEYOND * results[0].tolerance.relative
-    notes = [
-        f"by {result.reference}, {results[0].tolerance}",
-        "run, cut, judged: cycles from the start of the motion, whole ones, those judged; largest: the largest stroke judged",
-        "false fail: the chance, at the record's scatter, that a damper like the reference fails; false pass: that one passes "
-        "which is off by "
-        + (f"{100 * off:.3g} % in one quantity at one level" if off else "a third more than is allowed"),
-    ]
-    rows = [_row(one) for one in results]
-    print_table(title, COLUMNS, rows, UNITS, notes=[*notes, *_reasons(results)], findings=result.findings)
-    _print_levels(results)
-    if result.relevelled:
-        again = result.relevelled
-        title = f"Relevelled by the first cycles: {in_short(again)}"
-        rows = [[one.record, one.input_value, one.level, *_row(one)[2:]] for one in again]
-        units = [*UNITS[:2], "", *UNITS[2:]]
-        notes = ["level: measured over expected in the first cycles, which is taken out of the later ones"]
-        print_table(title, [*COLUMNS[:2], "level", *COLUMNS[2:]], rows, units, notes=[*notes, *_reasons(again)])
-
-
-def _print_levels(results: Sequence[Acceptance]) -> None:
-    """The means of every level, of records with more than one."""
-    rows = [
-        [one.record, each.number, each.cycles, each.judged, 1e3 * each.stroke_m, each.frequency_hz,
-         *(_percent(each.deviation.get(q)) for q in QUANTITIES), "outside" if each in one.levels_outside else ""]
-        for one in results if len(one.levels) > 1 for each in one.levels
-    ]  # fmt: skip
-    if rows:
-        click.echo()
-        print_table("Means of each level, off by", LEVELS, rows, LEVEL_UNITS)
-
-
-def _percent(share: float | None) -> float | None:
-    return None if share is None else 100 * share
-
-
-def _row(one: Acceptance) -> list[Any]:
-    from dampyr.identification.acceptance_tests.acceptance import percent
-
-    worst = one.worst
-    largest = 1e3 * one.judged_stroke_m if one.judged else None
-    judged = f"{one.judged_cycles} of {one.cut}"
-    head = [one.record, one.input_value, one.verdict, one.run, one.cut, judged, largest, len(one.outside)]
-    chances = [each if each is None else percent(each) for each in (one.wrong_rejection, one.wrong_acceptance)]
-    if worst is None:
-        return [*head, *[None] * 6, *chances]
-    off = _percent(worst.deviation)
-    return [*head, worst.quantity, worst.cycle, 1e3 * worst.speed, worst.measured, worst.expected, off, *chances]
-
-
-def _reasons(results: Sequence[Acceptance]) -> list[str]:
-    """Why points were not judged, a line for each reason."""
-    records_by_reason: dict[str, list[str]] = {}
-    for one in results:
-        for reason in one.unjudged:
-            records_by_reason.setdefault(reason, []).append(one.record)
-    lines = [f"not judged: {reason} – {_names(names)}" for reason, names in records_by_reason.items()]
-    more = len(lines) - MAX_REASONS
-    return (
-        lines if more <= 0 else [*lines[:MAX_REASONS], f"and for {more} more reasons, which --json and --report tell"]
-    )
-
-
-def _names(names: list[str]) -> str:
-    return ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")

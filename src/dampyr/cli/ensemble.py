@@ -10,7 +10,7 @@ import click
 
 from dampyr.cli._ensemble import EnsembleRequest, case_options, counting, limit, refuse_cases, shard
 from dampyr.cli._examples import examples
-from dampyr.cli._output import as_json_option, findings_below, print_json, print_table, state_origin
+from dampyr.cli._output import as_json_option, findings_below, print_json, print_result, state_origin
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
@@ -73,14 +73,14 @@ def command(
     else:
         result = _read(context, wanted, intensity, request.seed, out, collect, read)
     if report:
-        from dampyr.report import write_ensemble_page
+        from dampyr.show.pages.ensemble_page import write_ensemble_page
 
         write_ensemble_page(result, report)
     state_origin(result.origin)
     if as_json:
         print_json(result.as_dict())
     else:
-        _print(result)
+        print_result(result)
 
 
 def _write_part(request: EnsembleRequest, text: str, out: Path | None, workers: int | None, as_json: bool) -> None:
@@ -136,21 +136,3 @@ def _run(
         before = requested_cases(*models, options).size * done // shards
     with counting(before) as progress, findings_below():
         return run_ensemble(*models, options, progress, out, workers)
-
-
-def _print(result: EnsembleResult) -> None:
-    from dampyr.report.ensemble_page import summary_rows, trust
-    from dampyr.report.fragility_section import COLUMNS, fragility_rows, fragility_units, remarks
-    from dampyr.representation import sentence
-
-    dataset = result.dataset
-    columns, units, rows = summary_rows(dataset)
-    names = ", ".join(str(name) for name in dataset.building_name.values)
-    print_table(f"{names}: peaks of {dataset.attrs['cases']} cases", columns, rows, units, findings=result.findings)
-    for each in result.curves:
-        click.echo()
-        notes = [sentence(remark) for remark in remarks(each)]
-        title = f"Fragility over {each.intensity}: {each.limit_in_words}; 90 % bands over {each.motions} motions"
-        print_table(title, COLUMNS, fragility_rows(each), fragility_units(each), notes=notes)
-    click.echo()
-    click.echo("\n".join(trust(dataset)))

@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dampyr.cli._examples import examples
-from dampyr.cli._output import as_json_option, findings_below, in_process_option, print_json, print_table, state_origin
+from dampyr.cli._output import (
+    as_json_option,
+    findings_below,
+    in_process_option,
+    print_json,
+    print_result,
+    print_table,
+    state_origin,
+)
 from dampyr.cli._report import report_options
 from dampyr.cli.run import REFUSED, exit_code
 from dampyr.errors import DampyrError, InputError
@@ -166,27 +174,12 @@ def _tell_plan(plan: Plan, as_json: bool) -> None:
 
 
 def _tell(result: HybridResult, report: Path | None, as_json: bool) -> None:
-
     if report:
-        from dampyr.report import write_hybrid_page
+        from dampyr.show.pages.hybrid_page import write_hybrid_page
 
         write_hybrid_page(result, report)
     state_origin(result.origin)
     if as_json:
         print_json(result.as_dict())
         return
-    _, rows = result._table()
-    moved = "computed actuator" if result.origin.kind == "virtual" else "table"
-    print_table(
-        f"{result.tested.capitalize()} of {result.title}, scaled to {result.scale:g}, {result.voltage:g} V: peaks",
-        ["floor", result.tested, "computed", "difference"],
-        rows,
-        ["", "mm", "mm", "%"],
-        digits=4,
-        notes=[
-            f"the {moved} followed to {100 * result.tracking_error:.2g} % rms, {1e3 * result.lag:.2g} ms late after "
-            "compensation",
-            f"its errors put {100 * result.energy_error:.2g} % of the ground's energy into the building",
-        ],
-        findings=result.findings,
-    )
+    print_result(result)

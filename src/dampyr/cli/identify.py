@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,20 +10,27 @@ from typing import TYPE_CHECKING
 import click
 
 from dampyr.cli._examples import examples
-from dampyr.cli._leaderboard import cores, print_leaderboard
+from dampyr.cli._leaderboard import cores
 from dampyr.cli._motion import ratio
-from dampyr.cli._output import as_json_option, findings_below, print_json, print_table, state_origin
+from dampyr.cli._output import (
+    as_json_option,
+    details_option,
+    findings_below,
+    print_json,
+    print_result,
+    print_table,
+    state_origin,
+)
 from dampyr.cli._progress import stages
 from dampyr.cli._records import Reading, gather, pairs, reading_options
 from dampyr.cli._report import report_options
 from dampyr.errors import DampyrError, InputError
-from dampyr.findings import Finding, worst_first
+from dampyr.findings import worst_first
 
 BUDGET = 480.0  # counted s: that of dampyr.identification.leaderboard, which is imported only when it runs
 
 if TYPE_CHECKING:
-    from dampyr.identification import Fit, Identified, Score, Specimens, Validation
-    from dampyr.records import Record
+    from dampyr.identification import Fit, Identified
 
 
 @click.command(
@@ -98,6 +104,7 @@ if TYPE_CHECKING:
 @click.option("--save", type=click.Path(path_type=Path), metavar="CARD", help="Write the damper's card, a .toml file.")
 @report_options()
 @reading_options
+@details_option
 @as_json_option
 def command(
     paths: tuple[Path, ...],
@@ -123,6 +130,7 @@ def command(
     save: Path | None,
     report: Path | None,
     reading: Reading,
+    details: bool,
     as_json: bool,
 ) -> None:
     """Identify a damper from records by least squares.
@@ -171,6 +179,7 @@ def command(
         session_prior=ratio(session_prior, "session-prior"),
         mixed_origins=mixed_origins,
     )
+    shown = None if details else 1  # tables, and findings
     records = gather(paths, "fit", reading, warn=False)
     with stages() as progress:
         if each:
@@ -183,7 +192,7 @@ def command(
                     result = identify(records, options, progress, cores())
             except Cut as cut:
                 board = cut.board
-                print_json({"leaderboard": board.as_dict()}) if as_json else print_leaderboard(board)
+                print_json({"leaderboard": board.as_dict()}) if as_json else print_result(board, shown, shown)
                 raise
     state_origin(combined(record.origin for record in records))
     if each:
@@ -192,12 +201,12 @@ def command(
     # Files first, as a reader of the first lines alone closes the pipe; what cannot be written is said after what is printed.
     if by_specimen:
         problem = _problem_of(lambda: specimens.damper().save(save)) if save else None
-        print_json(specimens.as_dict()) if as_json else _print_specimens(specimens)
+        print_json(specimens.as_dict()) if as_json else print_result(specimens)
     else:
         problem = _problem_of(lambda: result.card.save(save)) if save else None
         if report:
             problem = problem or _problem_of(lambda: _write_page(result, report))
-        print_json(result.as_dict()) if as_json else _print(result, records)
+        print_json(result.as_dict()) if as_json else _print(result, shown)
     if problem is not None:
         raise problem
 
@@ -212,7 +221,7 @@ def _problem_of(write: Callable[[], object]) -> Exception | None:
 
 
 def _write_page(result: Identified, path: Path) -> None:
-    from dampyr.report import write_fit_page
+    from dampyr.show.pages.fit_page import write_fit_page
 
     write_fit_page(result, path)
 
@@ -238,89 +247,11 @@ def _numbers(given: tuple[str, ...]) -> dict[str, float]:
     return values
 
 
-def _print(result: Identified, records: list[Record]) -> None:
-    from dampyr.identification.parameter_uncertainty.identifiability import SESSION_FINDING
-
+def _print(result: Identified, shown: int | None) -> None:
     if result.board:
-        print_leaderboard(result.board)
-    # what the levels of the fit say of sessions, and how to settle it, is among its notes
-    said = result.fit.levels is not None and bool(result.fit.levels.settles)
-    inseparable = [
-        one.brief for one in result.identifiability.inseparable if not (said and one.kind == SESSION_FINDING)
-    ]
-    _print_fit(result.fit, result.findings, inseparable)
-    for check in result.validations:
-        _print_prediction(check, records)
-    if result.predicted:
-        rows = [
-            [name, None, None, one] if isinstance(one, str) else [name, 100 * one.l1, 100 * one.relevelled_l1, ""]
-            for name, one in result.predicted.items()
-        ]
-        print_table(
-            "Prediction of the validation records",
-            ["record", "L1", "relevelled", ""],
-            rows,
-            ["", "%", "%", ""],
-            digits=3,
-        )
-
-
-def _print_specimens(specimens: Specimens) -> None:
-    model, names = next(iter(specimens.fits.values())).problem.composition, list(specimens.fits)
-    title = f"{model}, {len(names)} specimens ({', '.join(names)}): mean and spread between them"
-    print_table(title, *specimens.by_number(), findings=specimens.findings)
-
-
-def _print_fit(fit: Fit, findings: Sequence[Finding], inseparable: Sequence[str]) -> None:
-    """The verdict, what is to be said of the fit and its records, values, errors and goodness of fit; ``inseparable`` says what
-    the records cannot separate, a line each."""
-    from dampyr.representation import counted
-
-    good = [fit.verdict.words] if fit.verdict.kind == "good" else []  # else it is the first of the findings
-    notes = [*good, *(f"Not separated: {line}." for line in inseparable)]
-    values = "value ± half of the 95 % interval"
-    many = counted(len(fit.records), "record")
-    print_table(f"{fit.problem.composition}, {many}: {values}", *fit.by_input(), notes=notes, findings=findings)
-    if fit.levels is not None:
-        title = f"The same between measurement sessions, whose level differs by {fit.levels.spread_words}: {values}"
-        print_table(title, *fit.by_input(between="sessions"))
-    print_table(
-        "Standard errors (naive ones in parentheses, as if samples were independent)", *fit.by_input(errors=True)
-    )
-    title = "Goodness of fit (not a prediction)"
-    _print_groups(title, list(fit.records), fit.scores)
-
-
-def _print_prediction(check: Validation, records: list[Record]) -> None:
-    """The scores of records that the model was not fitted on, by input."""
-    title = f"Prediction of records that it was not fitted on, {len(check.folds)} parts by {check.split}"
-    notes = [
-        f"a part of {len(f.fitted_on)} records gave no damper: {f.reason}"
-        for f in check.folds
-        if not (f.scores or f.skipped)
-    ]
-    notes += [f"a fit on {len(f.fitted_on)} records {f.reason}" for f in check.folds if f.scores and not f.converged]
-    notes += [f"{name} is not scored: {why}" for name, why in check.not_scored.items()]
-    _print_groups(title, records, check.scores, notes)
-
-
-def _print_groups(title: str, records: list[Record], scores: Mapping[str, Score], notes: Sequence[str] = ()) -> None:
-    """Mean and worst L1 over the records of each input that have a score, and the mean with each one's own level."""
-    groups: dict[float | None, list[Score]] = {}
-    for record in records:
-        if record.name in scores:
-            groups.setdefault(record.input_value, []).append(scores[record.name])
-    order = sorted(groups, key=lambda u: math.inf if u is None else u)
-    rows = []
-    for u in order:
-        l1 = [100 * one.l1 for one in groups[u]]
-        relevelled = [100 * one.relevelled_l1 for one in groups[u] if math.isfinite(one.relevelled_l1)]
-        mean = sum(relevelled) / len(relevelled) if relevelled else None
-        rows.append([u, len(l1), sum(l1) / len(l1), max(l1), mean])
-    names = ["input", "records", "mean L1", "worst L1", "relevelled"]
-    units = [records[0].input or "", "", "%", "%", "%"]
-    notes = [*notes, "relevelled: mean L1 with the level (a factor on the force) that each record's first cycles have"]
-    print_table(title, names, rows, units, digits=3, notes=notes)
+        print_result(result.board, shown, shown)
+        print()
+    print_result(result, shown, shown)
 
 
 def _print_each(fits: list[Fit]) -> None:

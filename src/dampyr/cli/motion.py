@@ -9,7 +9,7 @@ import click
 
 from dampyr.cli._examples import examples
 from dampyr.cli._motion import Ground, motion_options, ratio
-from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._output import as_json_option, print_json, print_result
 from dampyr.cli._report import report_options
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def command(
     FILE is a ground motion; without it El Centro 1940 is taken.
     """
     from dampyr.ground_motions import measures, spectrum
-    from dampyr.report import motion_page
+    from dampyr.show.pages import motion_page
 
     motion = ground.motion(file, baseline)
     at = periods or motion_page.TABLE
@@ -52,17 +52,9 @@ def command(
     if as_json:
         print_json(_as_dict(motion, motion_measures, peaks))
         return
-    drift = motion_page.drift_in_words(motion)
-    print_table(
-        f"{motion.name}: {motion.n} samples every {motion.dt:g} s, {motion.duration:g} s",
-        ["measure", "value", "unit"],
-        motion_page.measures_rows(motion_measures),
-        notes=[*motion.history, *([f"{drift} (--baseline)"] if drift else [])],
-    )
+    print_result(motion)
     click.echo()
-    print_table(
-        "Response spectrum", motion_page.SPECTRUM_COLUMNS, motion_page.spectrum_rows(peaks), motion_page.SPECTRUM_UNITS
-    )
+    print_result(peaks)
 
 
 def _as_dict(motion: GroundMotion, motion_measures: Measures, peaks: Spectrum) -> dict[str, Any]:

@@ -10,13 +10,13 @@ import click
 from dampyr.cli._control import structure_of
 from dampyr.cli._examples import examples
 from dampyr.cli._motion import Ground, motion_options
-from dampyr.cli._output import as_json_option, in_process_option, print_json, print_table, state_origin
+from dampyr.cli._output import as_json_option, in_process_option, print_json, print_result, state_origin
 from dampyr.cli._progress import stages
 from dampyr.cli._records import Reading, gather, pairs
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.planning import Peak, Planned, PlanOptions, Proposal
+    from dampyr.planning import Peak, PlanOptions
 
 
 @click.command(
@@ -152,12 +152,15 @@ def command(
     if out is not None:
         proposal.save(out)
     if figure is not None:
-        _draw(proposal.origin.stamp(proposal.envelope_figure()), figure)
+        from dampyr.show.planning.proposal import envelope_figure
+
+        _draw(proposal.origin.stamp(envelope_figure(proposal)), figure)
     state_origin(proposal.origin)
     if as_json:
         print_json(proposal.as_dict())
     else:
-        _print(proposal, out)
+        print_result(proposal)
+        click.echo(f"\n{_next(out)}")
 
 
 def share(text: str, what: str) -> float:
@@ -212,12 +215,16 @@ def _perform(
     if planned.fit.damper is not None:
         planned.fit.damper.save(out / "damper.toml")
     if figure is not None:
-        _draw(planned.origin.stamp(planned.widths_figure()), figure)
+        from dampyr.show.planning.planner import widths_figure
+
+        _draw(planned.origin.stamp(widths_figure(planned)), figure)
     state_origin(planned.origin)
     if as_json:
         print_json(planned.as_dict())
     else:
-        _print_planned(planned)
+        print_result(planned)
+        if planned.fit.damper is not None:
+            click.echo(f"\nThe damper's card: {out / 'damper.toml'}")
 
 
 def _draw(drawn: Any, path: Path) -> None:
@@ -229,54 +236,9 @@ def _draw(drawn: Any, path: Path) -> None:
         raise InputError(f"{path} cannot be written ({problem.strerror}); choose another --figure") from None
 
 
-def percent(half: float | None) -> str:
-    """A half width in words; a dash where there is no interval."""
-    if half is None or not 0.0 <= half < float("inf"):
-        return "–"
-    return f"± {100 * half:.0f} %" if half >= 1.0 else f"± {100 * half:.2g} %"
-
-
-def _print(proposal: Proposal, out: Path | None) -> None:
-    rows = [[k + 1, test.candidate.words, test.candidate.duration, test.why] for k, test in enumerate(proposal.tests)]
-    print_table(
-        f"{len(rows)} tests for {proposal.goal}, of {len(proposal.envelope.candidates)} that {proposal.rig.name} can do; "
-        f"{proposal.duration / 60:.1f} min without rests",
-        ["", "test", "time", "intervals that would be wider without it"],
-        rows,
-        ["", "", "s", ""],
-    )
-    widths = [[label, percent(proposal.before.get(label)), percent(half)] for label, half in proposal.after.items()]
-    if proposal.peak_after is not None:
-        widths.append([proposal.goal, percent(proposal.peak_before), percent(proposal.peak_after)])
-    then = (
-        f"next: dampyr run {out} --rig RIG --out DIR"
+def _next(out: Path | None) -> str:
+    return (
+        f"Next: dampyr run {out} --rig RIG --out DIR"
         if out
-        else "next: give --out FILE, and dampyr run FILE performs it"
-    )
-    reached = "with these tests the targets are expected to be met; " if proposal.reached else ""
-    print_table(
-        f"95 % intervals over the values, model {proposal.model}",
-        ["coefficient", "now", "expected"],
-        widths,
-        notes=[*proposal.notes, f"{reached}{then}"],
-        findings=proposal.findings,
-    )
-
-
-def _print_planned(planned: Planned) -> None:
-    rows = [
-        [one.number, label, percent(one.expected.get(label)), percent(half)]
-        for one in planned.rounds
-        for label, half in one.achieved.items()
-    ]
-    for one in planned.rounds:
-        if one.peak_expected is not None:
-            rows.append([one.number, planned.goal, percent(one.peak_expected), percent(one.peak_achieved)])
-    tests = sum(len(one.tests) for one in planned.rounds)
-    print_table(
-        f"{tests} tests in {planned.folder}: {planned.reason}",
-        ["round", "95 % interval over the value", "expected", "achieved"],
-        rows,
-        notes=[f"the damper's card: {planned.folder / 'damper.toml'}"] if planned.fit.damper is not None else [],
-        findings=planned.findings,
+        else "Next: give --out FILE, and dampyr run FILE performs it."
     )

@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from dampyr.cli._examples import examples
-from dampyr.cli._output import as_json_option, print_json, print_table, state_origin
+from dampyr.cli._output import as_json_option, print_json, print_result, state_origin
 from dampyr.cli._progress import stages
 from dampyr.cli._report import figures_option
 from dampyr.errors import InputError
-
-if TYPE_CHECKING:
-    from dampyr.studies.raminelli_2020.study import Study
-    from dampyr.studies.vrths_2020.vrths_study import Study as HybridStudy
 
 RAMINELLI, HYBRID = "raminelli_2020", "vrths_2020"
 PLANTS = 1000
@@ -61,7 +56,8 @@ def command(study: str, data: Path | None, plants: int | None, out: Path, as_jso
     if as_json:
         print_json(done.as_dict())
     else:
-        _print(done)
+        print_result(done)
+        click.echo(f"page: {done.page}")
 
 
 def _hybrid(data: Path | None, plants: int, out: Path, as_json: bool) -> None:
@@ -73,35 +69,5 @@ def _hybrid(data: Path | None, plants: int, out: Path, as_json: bool) -> None:
     if as_json:
         print_json(study.as_dict())
     else:
-        _print_hybrid(study)
-
-
-def _print_hybrid(study: HybridStudy) -> None:
-    from dampyr.hybrid import CRITERIA
-
-    rows = [
-        [motion, name, case, *(f"{value:.3g}" for value in true)]
-        for (motion, name, case), (true, _) in study.criteria.items()
-    ]
-    notes = ["J1 in ms, the others in %, on the true displacement"]
-    for case, batch in study.batches.items():
-        worst = ", ".join(
-            f"{name} {batch.true[batch.worst(name), CRITERIA.index(name)]:.3g} %" for name in ("J2", "J4")
-        )
-        notes.append(f"{len(batch.plants)} random plants of case {case}: {batch.unstable} unstable, worst {worst}")
-    agree = sum(value.verdict == "agrees" for value in study.compared)
-    notes += [f"{agree} of {len(study.compared)} numbers agree", f"page: {study.page}"]
-    print_table(
-        "The hybrid simulation benchmark of 2020", ["motion", "compensator", "case", *CRITERIA], rows, notes=notes
-    )
-
-
-def _print(study: Study) -> None:
-    from dampyr.studies.raminelli_2020.study import OUTCOMES, artefact_summary
-
-    rows = []
-    for name, compared in study.artefacts.items():
-        counted = artefact_summary(compared)
-        rows.append([name, counted["verdict"], *(counted[kind] for kind in OUTCOMES)])
-    notes = [*(f"left out: {each}" for each in study.left_out), f"page: {study.page}"]
-    print_table("Raminelli (2020), run again", ["artefact", "verdict", *OUTCOMES], rows, notes=notes)
+        print_result(study)
+        click.echo(f"page: {study.page}")

@@ -78,7 +78,7 @@ def command(
 
     plan = campaigns.planned(campaign, rig, seed)
     if report:
-        from dampyr.report.plan_page import write_plan_page
+        from dampyr.show.pages.plan_page import write_plan_page
 
         write_plan_page(plan, report)
     if dry_run:
@@ -198,7 +198,7 @@ def _tell(plan: Plan, as_json: bool) -> None:
     if as_json:
         print_json(_as_dict(plan))
         return
-    from dampyr.report.plan_page import COLUMNS, UNITS, plan_notes, plan_rows
+    from dampyr.show.pages.plan_page import COLUMNS, UNITS, plan_notes, plan_rows
 
     print_table(_title(plan), COLUMNS, plan_rows(plan), UNITS, notes=plan_notes(plan))
 

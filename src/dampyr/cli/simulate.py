@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,14 +18,12 @@ from dampyr.cli._control import (
 )
 from dampyr.cli._examples import examples
 from dampyr.cli._motion import Ground, after_option, motion_options
-from dampyr.cli._output import as_json_option, findings_below, print_json, print_table, state_origin
+from dampyr.cli._output import as_json_option, details_option, findings_below, print_json, print_result, state_origin
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.findings import Finding
     from dampyr.models import Damper
-    from dampyr.structures import Response, Simulated
 
 
 @click.command(
@@ -59,6 +56,7 @@ if TYPE_CHECKING:
 @click.option("--without", multiple=True, metavar="PART", help="Leave out a part, such as delay where it is the rig's.")
 @click.option("--allow-extrapolation", is_flag=True, help="Take inputs outside the calibrated range.")
 @report_options()
+@details_option
 @as_json_option
 @click.pass_context
 def command(
@@ -81,6 +79,7 @@ def command(
     without: tuple[str, ...],
     allow_extrapolation: bool,
     report: Path | None,
+    details: bool,
     as_json: bool,
 ) -> None:
     """Simulate a structure with and without a damper.
@@ -111,21 +110,18 @@ def command(
     with findings_below():
         result = structures.simulate(building, ground.motion(motion), damper, options)
     if report:
-        from dampyr.report import write_response_page
+        from dampyr.show.pages.response_page import write_response_page
 
         write_response_page(result, report)
     state_origin(result.origin)
     if as_json:
         print_json(result.as_dict())
     else:
-        errors = [f"error: {result.error}"] if result.error else []
-        notes = [f"the response {result.end}", *([result.note] if result.note else []), *errors]
-        _print(f"{result.title}: peaks", result.cases, notes, result.findings)
+        print_result(result, None if details else 1 + bool(result.intervals))
         if result.intervals:
-            _print_intervals(result, damper)
+            click.echo(f"\n{_levels(damper)}")
 
 
-WIDE = 8  # floors that a table has columns for
 OF_A_DAMPER = (
     "card",
     "voltages",
@@ -149,58 +145,9 @@ def _refuse_damper(context: click.Context) -> None:
             raise InputError(f"{name} is of a damper, and --without-damper leaves it out; give one of the two")
 
 
-def _print(title: str, cases: Mapping[str, Response], notes: Sequence[str], findings: Sequence[Finding]) -> None:
-    names = list(cases["no damper"].floors)
-    many = len(names) > WIDE
-    floors = [f"largest of {len(names)} floors"] if many else [f"floor {name}" for name in names]
-    rows = [
-        [name, *_floors(r, many), 1e3 * max(r.peak_drift), max(r.peak_acceleration), r.peak_base_shear,
-         max(r.peak_force, default=None), r.mean_input.mean() if r.mean_input.size else None, r.scheme]
-        for name, r in cases.items()
-    ]  # fmt: skip
-    unit = next((r.input_units[0] for r in cases.values() if r.input_units), "")
-    print_table(
-        title,
-        ["case", *floors, "drift", "acceleration", "base shear", "damper force", "mean input", "scheme"],
-        rows,
-        ["", *("mm" for _ in floors), "mm", "m/s²", "N", "N", unit, ""],
-        digits=5,
-        notes=notes,
-        findings=findings,
-    )
-
-
-def _floors(response: Response, many: bool) -> list[float]:
-    """The floors' peak displacements [mm]; the largest alone where they are many."""
-    peaks = 1e3 * response.peak_displacement
-    return [float(peaks.max())] if many else peaks.tolist()
-
-
-def _print_intervals(result: Simulated, damper: Damper | None) -> None:
-    """The 90 % intervals of the peaks of each case with a damper."""
-    names = list(result.cases["no damper"].floors)
-    rows = []
-    for name, each in result.intervals.items():
-        floors = each["peak_displacement_m"]
-        spans = [floors.max(axis=1)] if len(names) > WIDE else list(floors.T)
-        more = [
-            each["peak_drift_m"].max(axis=1),
-            each["peak_acceleration_m_s2"].max(axis=1),
-            each["peak_force_N"].max(axis=1),
-        ]
-        shown = [1e3 * span for span in (*spans, more[0])] + more[1:]
-        rows.append([name, *(f"{low:.4g} to {high:.4g}" for low, high in shown)])
-    heads = [f"largest of {len(names)} floors"] if len(names) > WIDE else [f"floor {name}" for name in names]
+def _levels(damper: Damper | None) -> str:
+    """Whether the drawn dampers have the levels of records and sessions, and from where."""
     error = None if damper is None else damper.prediction_error
-    source = "" if error is None else f", with levels of records and sessions: {error.session_source}"
-    print_table(
-        f"90 % intervals of the peaks, {result.draws} drawn dampers",
-        ["case", *heads, "drift", "acceleration", "damper force"],
-        rows,
-        ["", *("mm" for _ in heads), "mm", "m/s²", "N"],
-        notes=[
-            f"from the covariance of the card{source}"
-            if source
-            else "from the covariance of the card, without levels of sessions"
-        ],
-    )
+    if error is None:
+        return "The intervals are without levels of sessions."
+    return f"The intervals are with levels of records and sessions: {error.session_source}."

@@ -28,7 +28,7 @@ from dampyr.console.state import PROBLEMS, AppState
 from dampyr.source_digest import full_version
 
 PAGES = "dampyr.console.pages"
-LOOK = Path(str(files("dampyr.report"))) / "templates" / "look.css"  # one source of colours for console and reports
+LOOK = Path(str(files("dampyr.show.pages"))) / "templates" / "look.css"  # one source of colours for console and reports
 QUOTA = 4 * 2**30  # bytes: 64 of the largest uploads
 CHARTS = ("bokeh.min.js", "bokeh-api.min.js")  # of BokehJS, all that is ever loaded
 NO_CHARTS = (

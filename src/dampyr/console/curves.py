@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, Field
 
-from dampyr.figures.style import thin
+from dampyr.show.figures.style import thin
 
 POINTS = 1600  # of a line: about the columns of a wide screen
 ZOOMED = 4000  # of a record's histories, which are zoomed into

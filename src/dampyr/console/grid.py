@@ -14,8 +14,8 @@ from dampyr.campaigns.steps.earthquake import BUILT_IN
 from dampyr.config import parse_toml
 from dampyr.console.safe_paths import inside
 from dampyr.errors import InputError
-from dampyr.report.plan_page import FORCES, largest_amplitude
 from dampyr.rig import RigSettings
+from dampyr.show.pages.plan_page import FORCES, largest_amplitude
 from dampyr.units import parse, round_trip
 
 FOLDER = "campaigns"

@@ -20,10 +20,12 @@ from dampyr.console.limits import READING
 from dampyr.console.page_words import in_page_words
 from dampyr.console.state import Here
 from dampyr.identification import Acceptance, Accepted, AcceptOptions, Point, Tolerance, accept_records
-from dampyr.identification.acceptance_tests.acceptance import QUANTITIES, Quantity, band
+from dampyr.identification.acceptance_tests.acceptance import QUANTITIES, Quantity
 from dampyr.models import Damper
 from dampyr.records import Record
-from dampyr.report import made_by, write_acceptance_page
+from dampyr.show.identification.acceptance import band
+from dampyr.show.pages.acceptance_page import write_acceptance_page
+from dampyr.show.pages.how_made import made_by
 from dampyr.to_json import plain
 
 MAX_RECORDS = 6  # as many as the page has colours for

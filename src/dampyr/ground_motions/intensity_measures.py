@@ -24,14 +24,14 @@ from dampyr.errors import InputError
 from dampyr.ground_motions import integrals
 from dampyr.ground_motions.motion import GroundMotion
 from dampyr.ground_motions.response_spectrum import spectrum
-from dampyr.representation import Representation, Summary
+from dampyr.shown import Shown
 from dampyr.units import STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)
-class Measures(Representation):
+class Measures(Shown):
     """The intensity measures of one ground motion, SI."""
 
     pga: float  # peak ground acceleration, m/s2
@@ -41,19 +41,6 @@ class Measures(Representation):
     duration_5_95: float  # significant duration, s: from 5 % to 95 % of the Arias intensity
     duration_5_75: float  # s
     cumulative_absolute_velocity: float  # m/s
-
-    def _summary(self) -> Summary:
-        return "Measures", [
-            ("PGA", f"{self.pga:.4g} m/s² ({self.pga / STANDARD_GRAVITY:.3g} g)"),
-            ("PGV", f"{1e3 * self.pgv:.4g} mm/s"),
-            ("PGD", f"{1e3 * self.pgd:.4g} mm"),
-            ("Arias", f"{self.arias:.4g} m/s"),
-            (
-                "duration",
-                f"{self.duration_5_95:.4g} s from 5 to 95 %, {self.duration_5_75:.4g} s from 5 to 75 % of Arias",
-            ),
-            ("CAV", f"{self.cumulative_absolute_velocity:.4g} m/s, cumulative absolute velocity"),
-        ]
 
 
 def measures(motion: GroundMotion) -> Measures:

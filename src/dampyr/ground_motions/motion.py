@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,18 +11,15 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.ground_motions import integrals
 from dampyr.ground_motions.oscillator import oscillator_peaks
-from dampyr.representation import Representation, Summary, data_frame
+from dampyr.shown import Shown
 from dampyr.units import STANDARD_GRAVITY, in_si
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 STRONGEST = 5.0  # g: 4.4 g were recorded near Iwate-Miyagi in 2008, the largest so far
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class GroundMotion(Representation):
+class GroundMotion(Shown):
     """Ground acceleration (n,) [m/s2] every ``dt`` seconds from t = 0, linear between samples.
 
     Checked when made: at least two finite samples, dt > 0; an :class:`~dampyr.errors.InputError` says what
@@ -97,31 +93,6 @@ class GroundMotion(Representation):
     def displacement(self) -> Array:
         """Ground displacement (n,) [m] from 0: the exact integral of the velocity. A raw record drifts; see ``corrected``."""
         return integrals.displacement(self.acceleration, self.dt)
-
-    def plot(self) -> Any:
-        """Acceleration, velocity and displacement over time; the matplotlib axes (3,)."""
-        from dampyr.figures import style
-        from dampyr.figures.ground_histories import ground_histories
-
-        return style.in_pyplot(ground_histories, self.time, self.acceleration, self.velocity, self.displacement)
-
-    def to_dataframe(self) -> Any:
-        """Time and acceleration as a ``pandas.DataFrame``, one row a sample."""
-        return data_frame({"time_s": self.time, "acceleration_m_per_s2": self.acceleration})
-
-    def _small_figure(self) -> Figure:
-        from dampyr.figures.ground_motion import ground_motion
-
-        return ground_motion(self.time, self.acceleration)
-
-    def _summary(self) -> Summary:
-        rows = [
-            ("samples", f"{self.n}, every {1e3 * self.dt:.4g} ms, {self.duration:.4g} s"),
-            ("peak", f"{self.pga:.4g} m/s² ({self.pga / STANDARD_GRAVITY:.3g} g)"),
-            ("source", self.source),
-            ("history", "; ".join(self.history)),
-        ]
-        return f"GroundMotion {self.name!r}", [row for row in rows if row[1]]
 
     def changed(self, acceleration: ArrayLike, note: str, dt: float | None = None) -> GroundMotion:
         """A new motion with these samples and ``note``, what was done, added to its history."""

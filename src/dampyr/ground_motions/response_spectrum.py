@@ -14,20 +14,14 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dampyr.errors import InputError
 from dampyr.ground_motions.motion import GroundMotion
 from dampyr.ground_motions.oscillator import oscillator_peaks
-from dampyr.representation import Representation, Summary, column_name, data_frame, extent, listing
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from dampyr.figures.style import Axis
+from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
 
@@ -36,7 +30,7 @@ STANDARD_PERIODS = tuple(float(f"{T:.4g}") for T in np.geomspace(0.02, 10.0, 136
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Spectrum(Representation):
+class Spectrum(Shown):
     """Peaks of oscillators, each array (m dampings, p periods); a scalar damping or period leaves its axis out.
 
     At period 0, the rigid oscillator, displacement is 0 and both accelerations are the PGA.
@@ -52,61 +46,13 @@ class Spectrum(Representation):
     sampled: bool  # True: the largest samples; False: the peaks of the motion itself
     motion: str = ""  # the name of the ground motion
 
-    def plot(self, quantity: str = "pseudo_acceleration") -> Any:
-        """A quantity over the period, one line a damping; the matplotlib axes ``(1,)``.
-
-        ``displacement``, ``velocity``, ``acceleration``, ``pseudo_velocity`` or ``pseudo_acceleration``.
-        """
-        from dampyr.figures import style
-        from dampyr.figures.response_spectrum import response_spectrum
-
-        axes = _plot_axes()
-        if quantity not in axes:
-            raise InputError(f"{quantity!r} is no quantity of a spectrum; choose from {', '.join(axes)}")
-        return style.in_pyplot(response_spectrum, *self._drawn(quantity), axes[quantity], title=self.motion)
-
-    def to_dataframe(self) -> Any:
-        """All peaks as a ``pandas.DataFrame``, SI units: one row a damping and period."""
-        dampings, periods = np.atleast_1d(self.damping), np.atleast_1d(self.periods)
-        columns = {"damping": np.repeat(dampings, periods.size), "period_s": np.tile(periods, dampings.size)}
-        peaks = {column_name(name, unit): np.ravel(getattr(self, name)) for name, unit in _UNITS.items()}
-        return data_frame(columns | peaks)
-
-    def _drawn(self, quantity: str) -> tuple[Array, dict[str, Array]]:
-        """Periods greater than 0, s, and for each damping the peaks, SI."""
-        periods, dampings = np.atleast_1d(self.periods), np.atleast_1d(self.damping)
-        order = np.argsort(periods)
-        shown = order[periods[order] > 0.0]
-        if shown.size < 2:
-            raise InputError(
-                f"a figure needs two periods or more greater than 0, not {shown.size}; compute more of them"
-            )
-        rows = np.reshape(getattr(self, quantity), (dampings.size, periods.size))[:, shown]
-        return periods[shown], {f"{100 * each:g} %": row for each, row in zip(dampings, rows, strict=True)}
-
-    def _small_figure(self) -> Figure | None:
-        from dampyr.figures.response_spectrum import response_spectrum
-
-        return response_spectrum(*self._drawn("pseudo_acceleration")) if np.sum(self.periods > 0.0) > 1 else None
-
-    def _summary(self) -> Summary:
-        dampings = [f"{100 * each:g} %" for each in np.atleast_1d(self.damping)]
-        periods = np.atleast_1d(self.periods)
-        return f"Spectrum of {self.motion!r}" if self.motion else "Spectrum", [
-            ("periods", f"{periods.size}, {extent(periods, 's')}"),
-            ("damping", listing(dampings)),
-            ("Sa", f"{extent(self.pseudo_acceleration, 'm/s²')} (pseudo-acceleration)"),
-            ("Sd", extent(self.displacement, "mm", 1e3)),
-            ("peaks", "largest samples" if self.sampled else "of the motion itself, between samples too"),
-        ]
-
     def to_xarray(self) -> Any:
         """An ``xarray.Dataset`` with dims damping and period; units in ``attrs``."""
         import xarray
 
         shape = (self.damping.size, self.periods.size)
         dims = ("damping", "period")
-        data = {k: (dims, np.reshape(getattr(self, k), shape), {"units": unit}) for k, unit in _UNITS.items()}
+        data = {k: (dims, np.reshape(getattr(self, k), shape), {"units": unit}) for k, unit in UNITS.items()}
         coordinates = {
             "damping": np.atleast_1d(self.damping),
             "period": ("period", np.atleast_1d(self.periods), {"units": "s"}),
@@ -114,26 +60,13 @@ class Spectrum(Representation):
         return xarray.Dataset(data, coordinates, {"motion": self.motion, "sampled": int(self.sampled)})
 
 
-_UNITS = {
+UNITS = {
     "displacement": "m",
     "velocity": "m/s",
     "acceleration": "m/s^2",
     "pseudo_velocity": "m/s",
     "pseudo_acceleration": "m/s^2",
 }
-
-
-def _plot_axes() -> dict[str, Axis]:
-    from dampyr.figures import style
-    from dampyr.figures.response_spectrum import PSEUDO_ACCELERATION, SPECTRAL_DISPLACEMENT
-
-    return {
-        "displacement": SPECTRAL_DISPLACEMENT,
-        "velocity": style.VELOCITY,
-        "acceleration": style.ACCELERATION,
-        "pseudo_velocity": style.Axis("pseudo-velocity", "mm/s", 1e3),
-        "pseudo_acceleration": PSEUDO_ACCELERATION,
-    }
 
 
 def spectrum(

@@ -3,30 +3,26 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.findings import Finding, as_dicts, worst_first
+from dampyr.findings import Finding, worst_first
 from dampyr.hybrid import substructure_kernel
 from dampyr.hybrid.rig_drive import HybridDrive, static_force
 from dampyr.hybrid.substructure import Substructure, SubstructureRun
 from dampyr.models.codegen.kernels import bind
 from dampyr.origin import NOT_STATED, Origin
-from dampyr.representation import Representation, Summary, Table, data_frame
 from dampyr.rig import RigSettings
+from dampyr.shown import Shown
 from dampyr.structures import Response
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class HybridResult(Representation):
+class HybridResult(Shown):
     """A hybrid test and the same building all computed.
 
     ``time`` (T,) s of the building's time; ``displacement`` (n, T) m of its floors with the measured force, ``target`` (T,) m
@@ -82,70 +78,10 @@ class HybridResult(Representation):
         """The rms of the achieved less the wanted displacement, over the rms of the wanted one."""
         return float(np.sqrt(np.mean((self.achieved - self.target) ** 2) / np.mean(self.target**2)))
 
-    def to_dataframe(self) -> Any:
-        """The histories as a ``pandas.DataFrame``, SI units: one row a step."""
-        floors = {f"floor_{name}_m": row for name, row in zip(self.computed.floors, self.displacement, strict=True)}
-        return data_frame(
-            {"time_s": self.time, **floors, "target_m": self.target, "achieved_m": self.achieved, "force_N": self.force}
-        )
-
-    def as_dict(self) -> dict[str, Any]:
-        """The figures, for JSON; SI units."""
-        return {
-            "title": self.title,
-            "origin": self.origin.as_dict(),
-            "scale": self.scale,
-            "clock": self.clock,
-            "voltage_V": self.voltage,
-            "peaks_m": self.peaks.tolist(),
-            "computed_peaks_m": self.computed.peak_displacement.tolist(),
-            "differences": self.differences.tolist(),
-            "peak_force_N": float(np.abs(self.force).max()),
-            "computed_peak_force_N": float(self.computed.peak_force[0]),
-            "tracking_error": self.tracking_error,
-            "lag_s": self.lag,
-            "energy_error": self.energy_error,
-            "static_force_N": self.static_force,
-            "findings": as_dicts(self.findings),
-        }
-
-    def plot(self) -> Any:
-        """The floors' displacements over time, of the hybrid test and computed; the matplotlib axes."""
-        from dampyr.figures import style
-        from dampyr.figures.building import building_response
-
-        return style.in_pyplot(
-            building_response, self.time, self.histories(self.displacement.shape[0] - 1), origin=self.origin
-        )
-
     def histories(self, floor: int) -> dict[str, Array]:
         """The displacement (T,) [m] of a floor, counted from 0: computed, and in the hybrid test."""
         computed = np.interp(self.time, self.computed.time, self.computed.displacement[floor])
         return {"computed": computed, self.tested: self.displacement[floor]}
-
-    def _small_figure(self) -> Figure:
-        from dampyr.figures.building import building_response
-
-        return building_response(self.time, self.histories(self.displacement.shape[0] - 1))
-
-    def _summary(self) -> Summary:
-        pairs = zip(self.peaks, self.differences, strict=True)
-        return f"HybridResult of {self.title}", [
-            ("ground motion", f"scaled to {self.scale:g}, {self.time[-1]:.4g} s on a clock {self.clock:g} times slower"),
-            ("damper", f"{self.voltage:g} V, {np.abs(self.force).max():.4g} N at most"),
-            ("peaks", ", ".join(f"{1e3 * peak:.4g} mm ({100 * by:+.2g} %)" for peak, by in pairs)),
-            ("tracking", f"{100 * self.tracking_error:.2g} % rms, {1e3 * self.lag:.2g} ms late"),
-            ("energy error", f"{100 * self.energy_error:.2g} % of what the ground put in"),
-        ]  # fmt: skip
-
-    def _table(self) -> Table:
-        rows = [
-            [name, 1e3 * hybrid, 1e3 * computed, 100 * difference]
-            for name, hybrid, computed, difference in zip(
-                self.computed.floors, self.peaks, self.computed.peak_displacement, self.differences, strict=True
-            )
-        ]
-        return ("floor", f"{self.tested} [mm]", "computed [mm]", "difference [%]"), rows
 
 
 def modelled_force(about: Substructure, run: SubstructureRun) -> Array:

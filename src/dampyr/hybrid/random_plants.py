@@ -6,7 +6,6 @@ import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +17,7 @@ from dampyr.hybrid.criteria import CRITERIA, tracking_criteria, tracking_error
 from dampyr.hybrid.setup import HybridSetup, Uncertainty
 from dampyr.hybrid.stability import largest_eigenvalue
 from dampyr.hybrid.virtual_test import compared_floor, ground_history, histories, reference_history
-from dampyr.representation import Representation, Summary, Table, data_frame
+from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
 
@@ -26,7 +25,7 @@ PLANT = ("stiffness", "pole", "beta1", "beta2")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class BatchResult(Representation):
+class BatchResult(Shown):
     """Results over random plants, one row each.
 
     ``plants`` (N, 4): stiffness [N/m], pole [1/s], beta1 [1/s], beta2 [1/s2]; ``true`` and ``measured`` (N, 9): J1 to J9, nan
@@ -53,29 +52,6 @@ class BatchResult(Representation):
             raise InputError(f"{criterion!r} is no criterion; choose from {', '.join(CRITERIA)}")
         values = self.true[:, CRITERIA.index(criterion)]
         return int(np.argmax(np.where(np.isnan(values), np.inf, values)))
-
-    def to_dataframe(self) -> Any:
-        """Plants and criteria as a ``pandas.DataFrame``, one row a plant."""
-        columns = {name: self.plants[:, k] for k, name in enumerate(PLANT)}
-        columns |= {name: self.true[:, k] for k, name in enumerate(CRITERIA)}
-        columns |= {f"{name}_measured": self.measured[:, k] for k, name in enumerate(CRITERIA[:5])}
-        return data_frame(columns | {"radius": self.radius, "at_limit": self.at_limit, "diverged": self.diverged})
-
-    def _table(self) -> Table:
-        rows = [
-            [name, *(float(f(self.true[:, k])) for f in (np.nanmedian, lambda v: np.nanquantile(v, 0.95), np.nanmax)),
-             self.worst(name)]
-            for k, name in enumerate(CRITERIA)
-        ]  # fmt: skip
-        return ("criterion", "median", "95 %", "worst", "of plant"), rows
-
-    def _summary(self) -> Summary:
-        rows = [("plants", str(len(self.plants))), ("unstable", str(self.unstable))]
-        for name in ("J2", "J4"):
-            k, values = self.worst(name), self.true[:, CRITERIA.index(name)]
-            where = ", ".join(f"{key} {value:.4g}" for key, value in zip(PLANT, self.plants[k], strict=True))
-            rows.append((name, f"median {np.nanmedian(values):.3g} %, worst {values[k]:.3g} % at {where}"))
-        return f"BatchResult of {self.name!r}", rows
 
 
 def draw_plants(nominal: HybridSetup, count: int, seed: int = 0, uncertainty: Uncertainty | None = None) -> Array:

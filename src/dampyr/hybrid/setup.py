@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.representation import Representation, Summary
+from dampyr.shown import Shown
 from dampyr.structures import Building
 from dampyr.structures.propagator import transition
 
@@ -128,7 +128,7 @@ IDEAL = Sensors(0.0, 0.0, 0, math.inf)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class HybridSetup(Representation):
+class HybridSetup(Shown):
     """A structure, the specimen at ``place`` (a storey, or two floors), actuator, sensors, and the ``rate`` [Hz] of the loop.
 
     The force reaches the numerical part ``force_delay`` samples late. :class:`~dampyr.errors.InputError` where the structure
@@ -185,15 +185,6 @@ class HybridSetup(Representation):
             specimen=replace(self.specimen, stiffness=stiffness),
             transfer=replace(self.transfer, pole=pole, beta1=beta1, beta2=beta2),
         )
-
-    def _summary(self) -> Summary:
-        s, t = self.specimen, self.transfer
-        return f"HybridSetup of {self.structure.name!r}", [
-            ("place", self.structure.place_label(self.place)),
-            ("specimen", f"{s.mass:g} kg, {s.stiffness:g} N/m, {s.damping:.4g} N s/m"),
-            ("actuator", f"β1 {t.beta1:g} 1/s, β2 {t.beta2:g} 1/s², a3 {t.pole:g} 1/s, at most {t.max_force:g} N"),
-            ("loop", f"{self.rate:g} Hz, the force {self.force_delay} samples late"),
-        ]  # fmt: skip
 
 
 def _numerical(structure: Building, specimen: Specimen, row: Array) -> Building:

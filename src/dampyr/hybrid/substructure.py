@@ -35,7 +35,7 @@ from dampyr.hybrid import substructure_kernel
 from dampyr.hybrid.setup import building_step
 from dampyr.models import Damper, compose
 from dampyr.models.codegen.kernels import bind
-from dampyr.representation import Representation, Summary
+from dampyr.shown import Shown
 from dampyr.structures import Building, Response, refined
 
 Array = NDArray[np.float64]
@@ -89,7 +89,7 @@ class Lag:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Substructure(Representation):
+class Substructure(Shown):
     """The building, where the specimen is in it, the ground and how set points are made; it can be sent to another process.
 
     ``ground`` (T,) m/s2 every ``h`` s of the structure's time, scaled. ``model`` with its ``voltage`` predicts the force
@@ -115,15 +115,6 @@ class Substructure(Representation):
             raise InputError(f"h = {self.h:g} s is not allowed; it must be greater than 0")
         if len(self.ground) < 2:
             raise InputError("the ground motion is shorter than two steps of the hybrid test; give a shorter period")
-
-    def _summary(self) -> Summary:
-        model = "none: the force is held" if self.model is None else str(self.model.composition)
-        return f"Substructure of {self.building.name!r}", [
-            ("damper", self.building.place_label(self.place)),
-            ("steps", f"{self.steps} of {1e3 * self.h:.4g} ms"),
-            ("model", model),
-            ("lag", f"{1e3 * self.lag:.4g} ms{', followed' if self.adaptive else ''}"),
-        ]
 
     @property
     def steps(self) -> int:
@@ -179,7 +170,7 @@ def lag_of(sent: Array, achieved: Array, h: float, largest: float) -> tuple[floa
     return lag, fit(lag)[1]
 
 
-class SubstructureRun(Representation):
+class SubstructureRun(Shown):
     """One run: measured forces in, set points out.
 
     Arrays over the steps: ``z`` (T, 2n) states of the structure, ``target`` the displacement [m] that the specimen should have
@@ -210,14 +201,6 @@ class SubstructureRun(Representation):
         self._pull = about.building.influence @ about.building.M
         self._difference, self._share = 0.0, 1.0 - math.exp(-about.h / SMOOTHING)
         self.begin(about.lag)
-
-    def _summary(self) -> Summary:
-        return f"SubstructureRun of {self.about.building.name!r}", [
-            ("steps", f"{self.now} of {self.about.steps}"),
-            ("peak", f"{1e3 * np.abs(self.target).max():.4g} mm wanted of the specimen"),
-            ("lag", f"{1e3 * self.lag.lag:.3g} ms, gain {self.lag.gain:.4g}"),
-            ("energy error", f"{100 * self.energy_error:.3g} % of what the ground put in"),
-        ]
 
     @property
     def over(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,14 +19,14 @@ from dampyr.hybrid.setup import HybridSetup, building_step
 from dampyr.hybrid.stability import LoopStability, loop_stability
 from dampyr.models.codegen.kernels import compile_cached
 from dampyr.origin import VIRTUAL, Origin
-from dampyr.representation import Representation, Summary, data_frame
+from dampyr.shown import Shown
 from dampyr.structures import Building
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class VirtualRun(Representation):
+class VirtualRun(Shown):
     """Histories of a virtual hybrid test, every ``dt`` s.
 
     ``floors`` (n, T) of the numerical part, ``displacement`` (T,) of the specimen, ``measured`` the same as its sensor gives
@@ -74,24 +74,6 @@ class VirtualRun(Representation):
         own = self.measured if measured else self.displacement
         floor = compared_floor(self.setup)
         return tracking_criteria(own, self.target, self.floors, self.reference, floor, self.setup.dt)
-
-    def to_dataframe(self) -> Any:
-        """The histories as a ``pandas.DataFrame``, one row a sample."""
-        columns = {"time_s": self.time, "target_m": self.target, "displacement_m": self.displacement,
-                   "measured_m": self.measured, "command_m": self.command, "force_N": self.force}  # fmt: skip
-        return data_frame(columns)
-
-    def _summary(self) -> Summary:
-        rows = [("loop", self.stability.reason), ("samples", f"{len(self.time)}, {self.time[-1]:.4g} s")]
-        if self.diverged:
-            rows.append(("diverged", f"at {self.time[-1]:.4g} s"))
-        else:
-            true, measured = self.criteria(), self.criteria(measured=True)
-            rows.append(("J1", f"{true.J1:.3g} ms"))
-            rows += [(f"J{k + 1}", f"{true[k]:.3g} % (as measured {measured[k]:.3g} %)") for k in range(1, 5)]
-            rows += [(f"J{k + 1}", f"{true[k]:.3g} %") for k in range(5, 9)]
-        rows.append(("at the greatest force", f"{self.at_limit} samples"))
-        return f"VirtualRun of {self.setup.structure.name!r}", rows
 
 
 def perform_virtual(

@@ -7,11 +7,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dampyr.data_frames import column_name, data_frame
 from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError, RangeError
 from dampyr.findings import Finding
 from dampyr.models import card
@@ -23,96 +24,25 @@ from dampyr.models.prediction_error import (
     at_level,
     draws_of,
     moved,
-    session_words,
     square_root,
     with_session_prior,
 )
 from dampyr.origin import NOT_STATED, Origin, as_origin
-from dampyr.representation import Representation, Summary, Table, column_name, data_frame, extent, listing
-from dampyr.units import for_people, in_si
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from dampyr.shown import Shown
+from dampyr.units import in_si
 
 Array = NDArray[np.float64]
 INPUTS = {"V": "voltage", "A": "current"}
 RANGES = {"displacement": "m", "velocity": "m/s", "frequency": "Hz"}
-SHOWN = 6  # parameters that a short text lists one by one
 # Times the calibrated displacement or velocity: a path of a test is not there, and one in mm is at 1000 times.
 FAR = 20.0
 UNLIKELY = {"displacement": 1.0, "velocity": 10.0}  # m, m/s, where no calibrated range says what is usual
 SAME_TEMPERATURE = 0.5  # °C: less than one tells two temperatures of a damper apart by
-COLUMNS = 5  # inputs of a table where no law has knots
 ROWS = 11  # inputs of a table over the calibrated range: each tenth of it
-CURVE = 200  # inputs of a law's curve in a figure
-SINE = (0.010, 1.0)  # m, Hz: the motion of a loop where no calibrated range says another one
-PER_CYCLE = 720  # samples of a loop: every half degree
-SETTLE = 3  # cycles before the one that is drawn, so that the unknown past is forgotten
-
-
-@dataclass(frozen=True)
-class DamperPlots:
-    """Each method draws one figure and returns its matplotlib axes ``(k,)``."""
-
-    damper: Damper
-
-    def loops(
-        self, inputs: Sequence[float] | None = None, amplitude: float | None = None, frequency: float | None = None
-    ) -> Any:
-        """Force over displacement and over velocity on a sine, for each of ``inputs`` in V or A, as the damper takes them.
-
-        ``inputs`` are by default both ends of the calibrated range and its middle; ``amplitude`` [m] and ``frequency`` [Hz]
-        reach the calibrated displacement and velocity, or are 10 mm and 1 Hz where the damper has no such range. The fourth
-        cycle is drawn.
-        """
-        from dampyr.figures import style
-        from dampyr.figures.loops import loops
-
-        return style.in_pyplot(loops, *self.steady_cycle(inputs, amplitude, frequency), origin=self.damper.origin)
-
-    def laws(self) -> Any:
-        """Each parameter over the input, with the calibrated range."""
-        from dampyr.figures import style
-        from dampyr.figures.laws import Law as Panel
-        from dampyr.figures.laws import parameters_against_input
-
-        low, high = self.damper.range
-        inputs = np.linspace(low, high, CURVE)
-        panels = []
-        for name, law in self.damper.at_mean_temperature.all_laws.items():
-            unit, factor = for_people(self.damper.composition.quantities[name].unit)
-            values = np.asarray(law(inputs), dtype=float)
-            curve, point = ((inputs, values), None) if low < high else (None, (inputs[:1], values[:1]))
-            panels.append(Panel(style.Axis(name, unit or "1", factor), curve=curve, points=point))
-        axis = style.VOLTAGE if self.damper.input == "V" else style.CURRENT
-        span = (low, high) if low < high else None
-        return style.in_pyplot(parameters_against_input, panels, span, axis, origin=self.damper.origin)
-
-    def steady_cycle(
-        self, inputs: Sequence[float] | None = None, amplitude: float | None = None, frequency: float | None = None
-    ) -> tuple[Array, Array, None, dict[str, Array]]:
-        """Displacement m, velocity m/s, None for what was measured, and the force N of each input: what `loops` draws."""
-        damper, (low, high) = self.damper.at_mean_temperature, self.damper.range
-        given = sorted({low, 0.5 * (low + high), high}) if inputs is None else [float(u) for u in np.atleast_1d(inputs)]
-        stroke = damper.ranges.get("displacement", (0.0, SINE[0]))[1] if amplitude is None else amplitude
-        if frequency is None:
-            frequency = damper.ranges["velocity"][1] / (2 * np.pi * stroke) if "velocity" in damper.ranges else SINE[1]
-        for name, value, unit in (("amplitude", stroke, "m"), ("frequency", frequency, "Hz")):
-            if not (np.isfinite(value) and value > 0.0):
-                raise InputError(f"{name} = {value:g} {unit} is not allowed; it must be greater than 0")
-        phase = 2 * np.pi * np.arange((SETTLE + 1) * PER_CYCLE + 1) / PER_CYCLE
-        t, x = phase / (2 * np.pi * frequency), stroke * np.sin(phase)
-        v = 2 * np.pi * frequency * stroke * np.cos(phase)
-        last = slice(SETTLE * PER_CYCLE, None)
-        forces = {}
-        for u in given:
-            voltage, current = (u, None) if damper.input == "V" else (None, u)
-            forces[f"{u:.4g} {damper.input}"] = damper.force(t, x, voltage, current, velocity=v)[last]
-        return x[last], v[last], None, forces
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Damper(Representation):
+class Damper(Shown):
     """A damper, made of one or more parts.
 
     ``parts``
@@ -240,11 +170,6 @@ class Damper(Representation):
             return Constant(float(law), low, high)
         return law
 
-    @property
-    def plot(self) -> DamperPlots:
-        """Figures: ``damper.plot.loops()`` and ``damper.plot.laws()``, each giving matplotlib axes."""
-        return DamperPlots(self)
-
     def to_dataframe(self, inputs: ArrayLike | None = None) -> Any:
         """The parameters as a ``pandas.DataFrame`` in SI units: one row an input, by default tenths of the calibrated range."""
         at = self._inputs_of_a_table() if inputs is None else np.atleast_1d(np.asarray(inputs, dtype=float))
@@ -258,53 +183,6 @@ class Damper(Representation):
     def _inputs_of_a_table(self) -> Array:
         low, high = self.range
         return np.linspace(low, high, ROWS) if low < high else np.array([low])
-
-    def _small_figure(self) -> Figure:
-        from dampyr.figures.loops import loops
-
-        return loops(*self.plot.steady_cycle())
-
-    def _summary(self) -> Summary:
-        quantities, low_high = self.composition.quantities, extent(self.range, self.input)
-        rows = [
-            (INPUTS[self.input], f"calibrated at {low_high}")
-            if self.needs_input
-            else ("input", "none: holds at every input")
-        ]
-        for name, law in list(self.all_laws.items())[:SHOWN]:
-            unit, factor = for_people(quantities[name].unit)
-            rows.append(
-                (name, extent(law.extremes(), unit, factor) + ("" if law.kind == "constant" else f", {law.kind}"))
-            )
-        if len(self.laws) > SHOWN:
-            rows.append(("", f"and {len(self.laws) - SHOWN} more parameters"))
-        spans = [extent(span, *for_people(RANGES[name])) for name, span in self.ranges.items() if name in RANGES]
-        if spans:
-            rows.append(("motion", "calibrated at " + listing(spans)))
-        rows.append(
-            (
-                "errors",
-                "not known" if self.covariance is None else f"covariance of {len(self.coefficients)} coefficients",
-            )
-        )
-        if self.prediction_error is not None:
-            rows.append(("sessions", session_words(self.prediction_error)))
-        if self.composition.not_for_buildings:
-            rows.append(("buildings", self.composition.not_for_buildings))
-        if "records" in self.provenance:
-            rows.append(("fitted to", listing(str(self.provenance["records"]).split(", "), 3)))
-        return f"Damper {str(self.composition)!r}", rows
-
-    def _table(self) -> Table:
-        knots = sorted({u for law in self.all_laws.values() for u in getattr(law, "knots", ())})
-        low, high = self.range
-        inputs = np.array([u for u in knots if low <= u <= high] or np.unique(np.linspace(low, high, COLUMNS)))
-        units = [for_people(self.composition.quantities[name].unit) for name in self.laws]
-        values = self.at_mean_temperature.values(inputs).T * np.array([factor for _, factor in units])[:, None]
-        heads = ("parameter", "unit", *(f"{u:.4g} {self.input}" for u in inputs))
-        return heads, [
-            [name, unit or "1", *row.tolist()] for name, (unit, _), row in zip(self.laws, units, values, strict=True)
-        ]
 
     @property
     def all_laws(self) -> dict[str, Law]:

@@ -42,7 +42,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.models.laws import Polynomial, WithTemperature
-from dampyr.representation import percent
+from dampyr.phrases import percent
 
 Array = NDArray[np.float64]
 HARMONICS = 5  # of the phase: a loop's corners need three or more; higher ones count as noise

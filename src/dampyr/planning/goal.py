@@ -16,7 +16,7 @@ from dampyr.identification import Fit
 from dampyr.models import Damper
 from dampyr.planning.choose import ParameterGoal, PeakGoal
 from dampyr.planning.expected_information import Layout
-from dampyr.representation import Representation, Summary
+from dampyr.shown import Shown
 from dampyr.structures import Building, respond
 
 Array = NDArray[np.float64]
@@ -28,7 +28,7 @@ STEP = 0.02  # of a coefficient, to either side: well above the 1e-3 to which pe
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Peak(Representation):
+class Peak(Shown):
     """The largest peak ``of`` a structure, over its storeys or floors, with the damper in storey 1 at a ``voltage`` in V.
 
     ``of`` is "drift", "displacement" or "acceleration".
@@ -42,9 +42,6 @@ class Peak(Representation):
     def __post_init__(self) -> None:
         if self.of not in PEAKS:
             raise InputError(f"{self.of!r} is no peak of a structure; choose {', '.join(PEAKS)}")
-
-    def _summary(self) -> Summary:
-        return f"Peak, {self.words}", [("motion", self.motion.name)]
 
     @property
     def words(self) -> str:

@@ -13,7 +13,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from dampyr.campaigns.force_prediction import specimen
 from dampyr.campaigns.performing import Watcher, perform
 from dampyr.campaigns.run_control import Control
 from dampyr.errors import InputError
-from dampyr.findings import Finding, as_dicts
+from dampyr.findings import Finding
 from dampyr.identification import Fit
 from dampyr.models import Damper
 from dampyr.origin import Named, Origin, check_one_kind
@@ -31,12 +31,9 @@ from dampyr.planning.expected_information import LEARNED_FROM, layout
 from dampyr.planning.goal import is_named, peak_goal, peak_half_of_fit
 from dampyr.planning.proposal import PlanOptions, Proposal, fitted, propose
 from dampyr.records import Record, read_campaign
-from dampyr.representation import Representation, Summary, Table, counted
 from dampyr.rig import Rig
+from dampyr.shown import Shown
 from dampyr.to_json import plain
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Progress = Callable[[str, float], None]
 PLAN, CAMPAIGN, EXPECTED = "plan.json", "campaign.toml", "expected.json"
@@ -47,7 +44,7 @@ NO_GAIN = 0.02  # by which a round must be expected to improve what is aimed at
 
 
 @dataclass(frozen=True, repr=False)
-class Round(Representation):
+class Round(Shown):
     """One round: its tests, and the half widths of 95 % intervals over the values by coefficient, as expected before it and as
     the fit to all records gave them after it."""
 
@@ -70,18 +67,9 @@ class Round(Representation):
             if promised and np.isfinite(promised) and np.isfinite(half)
         }
 
-    def _summary(self) -> Summary:
-        ratios = list(self.ratios.values())
-        rows = [("tests", f"{len(self.tests)}, {self.duration / 60:.3g} min")]
-        if ratios:
-            rows.append(
-                ("intervals", f"{np.exp(np.mean(np.log(ratios))):.2f} of what was expected, in the geometric mean")
-            )
-        return f"Round {self.number}", rows
-
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Planned(Representation):
+class Planned(Shown):
     """The outcome of a plan: its rounds, the fit to all records, and why it stopped; ``reached``: the targets are met."""
 
     folder: Path
@@ -100,66 +88,6 @@ class Planned(Representation):
     def findings(self) -> tuple[Finding, ...]:
         """Those of the fit to all records."""
         return self.fit.findings
-
-    def widths_figure(self) -> Figure:
-        """Expected against achieved half widths of every round, one marker a coefficient."""
-        from dampyr.figures.expected_widths import expected_widths
-
-        pairs = {
-            f"round {one.number}": [(one.expected[label], one.achieved[label]) for label in one.ratios]
-            for one in self.rounds
-        }
-        return expected_widths({name: some for name, some in pairs.items() if some})
-
-    def _small_figure(self) -> Figure:
-        return self.widths_figure()
-
-    def _summary(self) -> Summary:
-        rows = [
-            ("stopped", self.reason),
-            ("tests", f"{sum(len(one.tests) for one in self.rounds)} in {counted(len(self.rounds), 'round')}"),
-            ("goal", self.goal),
-            *[
-                (label, f"± {100 * half:.2g} %")
-                for label, half in self.rounds[-1].achieved.items()
-                if np.isfinite(half)
-            ],
-        ]
-        return f"Planned in {self.folder}", rows
-
-    def _table(self) -> Table:
-        rows = [
-            [one.number, label, 100 * one.expected.get(label, np.nan), 100 * half]
-            for one in self.rounds
-            for label, half in one.achieved.items()
-        ]
-        return ("round", "coefficient", "expected [%]", "achieved [%]"), rows
-
-    def as_dict(self) -> dict[str, Any]:
-        """Rounds, fit and reason by name, for `dampyr.to_json`, SI units."""
-        return {
-            "folder": str(self.folder),
-            "origin": self.origin.as_dict(),
-            "goal": self.goal,
-            "reached": self.reached,
-            "reason": self.reason,
-            "findings": as_dicts(self.findings),
-            "rounds": [
-                {
-                    "number": one.number,
-                    "folder": str(one.folder),
-                    "tests": one.tests,
-                    "duration_s": one.duration,
-                    "half_width_expected": dict(one.expected),
-                    "half_width_achieved": dict(one.achieved),
-                    "peak_half_width_expected": one.peak_expected,
-                    "peak_half_width_achieved": one.peak_achieved,
-                }
-                for one in self.rounds
-            ],
-            "parameters": self.fit.parameters,
-            "stderr": self.fit.stderr,
-        }
 
 
 def plan_and_perform(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,11 @@ from dampyr.atomic_write import whole_file
 from dampyr.campaigns.campaign import Campaign, campaign_of
 from dampyr.campaigns.force_prediction import specimen
 from dampyr.errors import InputError
-from dampyr.findings import OF_DAMPER, Finding, as_dicts, handed_on
+from dampyr.findings import OF_DAMPER, Finding, handed_on
 from dampyr.identification import Fit, fit
 from dampyr.models import Constant, Damper
 from dampyr.origin import Origin
+from dampyr.phrases import listing
 from dampyr.planning.candidates import KINDS, SECONDS, Candidate, Envelope, envelope, voltages_of
 from dampyr.planning.choose import ParameterGoal, PeakGoal, best_tests, pool_of
 from dampyr.planning.expected_information import (
@@ -35,11 +36,8 @@ from dampyr.planning.expected_information import (
 )
 from dampyr.planning.goal import GOALS, Peak, parameter_goal, peak_goal, peak_half_of_fit
 from dampyr.records import Record, nominal_inputs
-from dampyr.representation import Representation, Summary, Table, counted, listing
 from dampyr.rig import RigSettings, load_settings
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]
@@ -108,15 +106,11 @@ class PlanOptions:
 
 
 @dataclass(frozen=True, repr=False)
-class ProposedTest(Representation):
+class ProposedTest(Shown):
     """A test of a proposal; ``improves`` says by how much intervals would be wider without it, the most first."""
 
     candidate: Candidate
     improves: Mapping[str, float]
-
-    def _summary(self) -> Summary:
-        rows = [("duration", f"{self.candidate.duration:.4g} s"), ("wider without it", self.why)]
-        return f"ProposedTest {self.candidate.words!r}", rows
 
     @property
     def why(self) -> str:
@@ -128,7 +122,7 @@ class ProposedTest(Representation):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Proposal(Representation):
+class Proposal(Shown):
     """The next tests.
 
     ``before`` and ``after`` are the half widths of 95 % intervals over the values by coefficient, now and as expected after the
@@ -185,7 +179,7 @@ class Proposal(Representation):
         lines = [
             f"# Planned by dampyr for {self.goal}; half widths of 95 % intervals that are expected after these tests:"
         ]
-        lines += [f"#   {label}: {_percent(half)}" for label, half in self.after.items()]
+        lines += [f"#   {label}: {half_in_percent(half)}" for label, half in self.after.items()]
         return "\n".join(lines) + "\n" + tomli_w.dumps(self.document)
 
     def save(self, path: str | Path) -> Path:
@@ -195,80 +189,9 @@ class Proposal(Representation):
             temporary.write_text(self.text, encoding="utf-8", newline="\n")
         return path
 
-    def envelope_figure(self) -> Figure:
-        """Amplitude against frequency: the limits of a sine at each voltage, the candidates and what was chosen."""
-        from dampyr.figures.planned_tests import planned_tests
 
-        at = [(c.frequency, c.amplitude) for c in self.envelope.candidates]
-        chosen: dict[str, list[tuple[float, float]]] = {}
-        for test in self.tests:
-            chosen.setdefault(test.candidate.kind.replace("_", " "), []).append(
-                (test.candidate.frequency, test.candidate.amplitude)
-            )
-        limits = {f"{u:.4g} V": amplitudes for u, amplitudes in self.envelope.limits.items()}
-        return planned_tests(self.envelope.frequencies, limits, at, chosen)
-
-    def _small_figure(self) -> Figure:
-        return self.envelope_figure()
-
-    def _summary(self) -> Summary:
-        minutes = self.duration / 60
-        rows = [
-            ("goal", self.goal),
-            (
-                "tests",
-                f"{len(self.tests)} of {len(self.envelope.candidates)} candidates, {minutes:.3g} min without rests",
-            ),
-            ("model", self.model),
-            *[
-                (label, f"{_percent(self.before.get(label))} -> {_percent(half)}")
-                for label, half in self.after.items()
-                if np.isfinite(half)
-            ],
-        ]
-        if self.peak_after is not None:
-            rows.append(("peak", f"{_percent(self.peak_before)} -> {_percent(self.peak_after)}"))
-        return f"Proposal of {counted(len(self.tests), 'test')}", [*rows, *(("note", note) for note in self.notes)]
-
-    def _table(self) -> Table:
-        return ("test", "time [s]", "without it wider"), [
-            [test.candidate.words, test.candidate.duration, test.why] for test in self.tests
-        ]
-
-    def as_dict(self) -> dict[str, Any]:
-        """Tests and intervals by name, for `dampyr.to_json`, SI units."""
-        return {
-            "damper_origin": self.origin.as_dict(),
-            "findings": as_dicts(self.findings),
-            "goal": self.goal,
-            "model": self.model,
-            "rig": self.rig.name,
-            "tests": [
-                {
-                    "kind": test.candidate.kind,
-                    "words": test.candidate.words,
-                    "step": test.candidate.table,
-                    "duration_s": test.candidate.duration,
-                    "frequency_Hz": test.candidate.frequency,
-                    "amplitude_m": test.candidate.amplitude,
-                    "wider_without": dict(test.improves),
-                }
-                for test in self.tests
-            ],
-            "candidates": len(self.envelope.candidates),
-            "duration_s": self.duration,
-            "values": dict(self.values),
-            "half_width_before": dict(self.before),
-            "half_width_after": dict(self.after),
-            "peak": self.peak,
-            "peak_half_width_before": self.peak_before,
-            "peak_half_width_after": self.peak_after,
-            "reached": self.reached,
-            "notes": self.notes,
-        }
-
-
-def _percent(half: float | None) -> str:
+def half_in_percent(half: float | None) -> str:
+    """A half width over its value, such as ``8.7 %``; "none" where there is no interval."""
     if half is None or not np.isfinite(half):
         return "none"
     return f"{100 * half:.2g} %"

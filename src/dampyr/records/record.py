@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import Any, Literal, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,14 +19,9 @@ from dampyr.findings import Finding, findings_of
 from dampyr.origin import DAY, NOT_STATED, Origin, PublishedData, as_origin
 from dampyr.records.checks.channel_uncertainty import Uncertainty
 from dampyr.records.conditioning.moving_average import MovingAverage
-from dampyr.representation import Representation, Summary, column_name, data_frame, extent
+from dampyr.shown import Shown
 from dampyr.source_file import SourceFile
 from dampyr.units import in_si
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from dampyr.figures.style import Axis
 
 Array = NDArray[np.float64]
 Role = Literal["fit", "validation"]
@@ -71,55 +66,8 @@ class Label:
                 raise InputError(f"label {name} = {value:g} is not allowed; it must be finite and greater than 0")
 
 
-@dataclass(frozen=True)
-class RecordPlots:
-    """Each method draws one figure and returns its matplotlib axes ``(k,)``."""
-
-    record: Record
-
-    def history(self, channel: str = "force") -> Any:
-        """A channel over time: ``displacement``, ``force``, ``velocity``, ``voltage``, ``current`` or ``temperature``."""
-        from dampyr.figures import style
-        from dampyr.figures.history import history
-
-        values = getattr(self.record, channel, None) if channel in _plot_axes() else None
-        if values is None:
-            there = [name for name in _plot_axes() if getattr(self.record, name) is not None]
-            raise InputError(f"{self.record.name} has no channel {channel!r} to draw; choose from {', '.join(there)}")
-        samples = np.broadcast_to(values, self.record.time.shape)
-        return style.in_pyplot(
-            history,
-            self.record.time,
-            samples,
-            axis=_plot_axes()[channel],
-            title=self.record.name,
-            origin=self.record.origin,
-        )
-
-    def loops(self) -> Any:
-        """Force over displacement, and over velocity where the record has it or its motion gives it."""
-        from dampyr.figures import style
-        from dampyr.figures.loops import loops
-
-        r = self.record
-        return style.in_pyplot(loops, r.displacement, r.velocity, r.force, title=r.name, origin=r.origin)
-
-
-def _plot_axes() -> dict[str, Axis]:
-    from dampyr.figures import style
-
-    return {
-        "displacement": style.DISPLACEMENT,
-        "force": style.FORCE,
-        "velocity": style.VELOCITY,
-        "voltage": style.VOLTAGE,
-        "current": style.CURRENT,
-        "temperature": style.Axis("temperature", "°C"),
-    }
-
-
 @dataclass(frozen=True, eq=False, repr=False)
-class Record(Representation):
+class Record(Shown):
     """One test on one clock, in SI units, checked when made and never changed afterwards.
 
     Parameters
@@ -246,47 +194,6 @@ class Record(Representation):
         and whatever else `quality` notes, a moving average that nobody declared, noise that hides the direction of motion.
         """
         return findings_of(self)
-
-    @property
-    def plot(self) -> RecordPlots:
-        """Figures: ``record.plot.history("force")`` and ``record.plot.loops()``, each giving matplotlib axes."""
-        return RecordPlots(self)
-
-    def to_dataframe(self) -> Any:
-        """The channels as a ``pandas.DataFrame``, one row a sample, one column a channel, named as ``displacement_m``."""
-        there = {c: getattr(self, c) for c in CHANNELS if getattr(self, c) is not None}
-        return data_frame({column_name(c, CHANNELS[c]): np.broadcast_to(v, (self.n,)) for c, v in there.items()})
-
-    def _small_figure(self) -> Figure:
-        from dampyr.figures.loops import loops
-
-        return loops(self.displacement, self.velocity, self.force)
-
-    def _summary(self) -> Summary:
-        rows = [
-            ("samples", f"{self.n}, {self.time[0]:.4g} … {self.time[-1]:.4g} s, every {1e3 * self.dt:.4g} ms"),
-            ("displacement", extent(self.displacement, "mm", 1e3)),
-        ]
-        if self.velocity is not None:
-            rows.append(("velocity", extent(self.velocity, "mm/s", 1e3)))
-        rows.append(("force", extent(self.force, "N")))
-        if self.input is not None:
-            name = "voltage" if self.input == "V" else "current"
-            rows.append((name, extent(getattr(self, name), self.input)))
-        if self.temperature is not None:
-            rows.append(("temperature", extent(self.temperature, "°C")))
-        if self.role != "fit":
-            rows.append(("role", self.role))
-        rows += [(GROUPS[name], getattr(self, name)) for name in GROUPS if getattr(self, name) is not None]
-        if self.smoothed is not None:
-            rows.append(("smoothed", f"{', '.join(self.smoothed.channels)}, over {self.smoothed.window:.4g} s"))
-        if "force" in self.uncertainty:
-            force, stroke = self.uncertainty["force"], self.uncertainty.get("displacement")
-            words = f"force {force.standard:.2g} N" + (
-                f", displacement {1e6 * stroke.standard:.2g} µm" if stroke else ""
-            )
-            rows.append(("uncertainty", f"{words} (one sigma)"))
-        return f"Record {self.name!r}", rows
 
     def replace(self, *, note: str, **changes: Any) -> Record:
         """A new record with these fields changed and ``note``, what was done, added to its history."""

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from dampyr.atomic_write import write_whole
 from dampyr.config import fill, load_toml
 from dampyr.errors import FileError, InputError
-from dampyr.representation import Representation, Summary
 from dampyr.rig.settings import LoadCell, RigSettings
+from dampyr.shown import Shown
 from dampyr.units import Quantity
 
 Array = NDArray[np.float64]
@@ -29,7 +29,7 @@ SPREAD = 0.02  # by which a measured scale may differ from the one before withou
 
 
 @dataclass(frozen=True, repr=False)
-class Calibration(Representation):
+class Calibration(Shown):
     """force = scale*(volts - zero) [N], displacement = count*(counts + 1/2 - middle) [m], temperature = slope*volts + base.
 
     ``noise`` is the force's at rest, rms; ``bandwidth`` that of the load cell's amplifier; ``gain`` the supply's, volts at the
@@ -65,14 +65,6 @@ class Calibration(Representation):
                     f"{name}_uncertainty = {getattr(self, f'{name}_uncertainty'):g} is not allowed without {name}; give both, "
                     "or neither"
                 )
-
-    def _summary(self) -> Summary:
-        return "Calibration", [
-            ("force", f"{self.scale:.6g} N/V, zero at {self.zero:.4g} V"),
-            ("displacement", f"{1e6 * self.count:.4g} µm a count, middle at {self.middle:.6g} counts"),
-            ("temperature", f"{self.slope:.4g} K/V, {self.base:.4g} °C at 0 V"),
-            ("from", self.how.removeprefix("from ")),
-        ]
 
     def force(self, volts: Array) -> Array:
         """N."""

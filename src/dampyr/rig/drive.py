@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.representation import Representation, Summary, data_frame, extent
+from dampyr.shown import Shown
 from dampyr.units import Quantity
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
 
@@ -33,7 +30,7 @@ class Reversals:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Drive(Representation):
+class Drive(Shown):
     """Set points at a constant ``period`` [s]: the table's position, and the voltage at the coil.
 
     Parameters
@@ -69,41 +66,6 @@ class Drive(Representation):
         steps = round(self.period * 1000)
         if not 1 <= steps <= 1000 or abs(self.period * 1000 - steps) > 1e-9:
             raise InputError(f"period = {self.period:g} s must be a whole number of milliseconds from 1 to 1000")
-
-    def plot(self) -> Any:
-        """Displacement, velocity and voltage over time; the matplotlib axes ``(3,)``."""
-        from dampyr.figures import style
-        from dampyr.figures.planned_drive import planned_drive
-
-        return style.in_pyplot(planned_drive, self.time, self.displacement, self.voltage)
-
-    def to_dataframe(self) -> Any:
-        """The set points as a ``pandas.DataFrame``, SI units: one row a set point."""
-        return data_frame({"time_s": self.time, "displacement_m": self.displacement, "voltage_V": self.voltage})
-
-    def _small_figure(self) -> Figure:
-        from dampyr.figures.planned_drive import planned_drive
-
-        return planned_drive(self.time, self.displacement, self.voltage)
-
-    def _summary(self) -> Summary:
-        rows = [
-            ("set points", f"{self.n}, every {1e3 * self.period:.4g} ms, {self.duration:.4g} s"),
-            ("displacement", extent(self.displacement, "mm", 1e3)),
-            ("voltage", extent(self.voltage, "V")),
-        ]
-        first, last = self.record_from, self.n if self.record_to is None else self.record_to
-        rows.append(("recorded", f"{first * self.period:.4g} … {(last - 1) * self.period:.4g} s"))
-        if self.reversals is not None:
-            rows.append(
-                (
-                    "reversals",
-                    f"{self.reversals.count} strokes of {self.reversals.half_period:.4g} s, duty {self.reversals.duty:.3g}",
-                )
-            )
-        if self.until_temperature is not None:
-            rows.append(("until", f"{self.until_temperature:.4g} °C"))
-        return "Drive", rows
 
     @property
     def time(self) -> Array:

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, FileError, InputError, RigFault
 from dampyr.origin import SIMULATED, Origin, of_board
-from dampyr.representation import Representation, Summary
 from dampyr.rig.acquisition import SETTLED, Acquisition, fault_in_words
 from dampyr.rig.calibration import Calibration, calibration_of, load_calibration
 from dampyr.rig.damper_temperature import load_temperature, save_temperature
@@ -34,6 +33,7 @@ from dampyr.rig.player import Player
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.signal_deferral import deferred_signals
 from dampyr.rig.thermal_model import Warmth
+from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
 GENTLE = 0.010  # m/s, the mean speed on the way to the start of a test
@@ -55,7 +55,7 @@ ZERO_SIDE = 1.0e-3  # m on both sides of the place about which the force's zero 
 
 
 @dataclass(repr=False)
-class Rig(Representation):
+class Rig(Shown):
     """A rig that is connected and not armed; see `dampyr.rig.connect` and `dampyr.rig.simulated`.
 
     ``clocked_by_reads``: its time passes only while it is read, as that of a rig simulated in this process.
@@ -106,20 +106,6 @@ class Rig(Representation):
             self.warmth.estimate = warm.cooled(self.settings)
         if self.threaded:
             self.on_close.append(disable_gc())
-
-    def _summary(self) -> Summary:
-        calibration, limits = self.calibration, self.settings.limits
-        process = "this process" if self.clocked_by_reads else "a process of its own"
-        return f"Rig {self.settings.name!r}", [
-            ("connection", self.settings.wires.serial or f"simulated in {process}"),
-            ("time", "passes while it is read" if self.clocked_by_reads else "passes by itself"),
-            (
-                "limits",
-                f"{1e3 * limits.stroke:.4g} mm peak to peak, {1e3 * limits.speed:.4g} mm/s, {limits.force:.4g} N",
-            ),
-            ("calibration", "none" if calibration is None else f"{calibration.scale:.6g} N/V, {calibration.how}"),
-            ("interlock", "on" if self.interlocked else "off"),
-        ]
 
     @property
     def clock_held(self) -> float:
@@ -319,7 +305,7 @@ def acquisition(rig: Rig) -> Acquisition:
     )
 
 
-class Table(Representation):
+class Table(Shown):
     """An armed rig. Everything is in m, s, N and V; displacement from the middle of the stroke, extension positive.
 
     ``check`` is called for every block while something is waited for; what it raises ends the waiting, and `stop` the motion.
@@ -333,15 +319,6 @@ class Table(Representation):
         self.zero: list[float] = []
         """The force [N] about which the damper's hysteresis lay, each time that `verify` has looked."""
         self._way_out: deque[Callable[[], None]] = deque(steps)
-
-    def _summary(self) -> Summary:
-        return f"Table of {self.rig.settings.name!r}, armed", [
-            ("position", f"{1e3 * self.position:.4g} mm, {'homed' if self.homed else 'not homed'}"),
-            (
-                "temperature",
-                f"{self.temperature:.4g} °C, {'estimated' if self.rig.warmth.reading is None else 'measured'}",
-            ),
-        ]
 
     def begin(self) -> None:
         """Start sampling and arm; the board and the Uno are aligned where the table rests."""

@@ -14,7 +14,7 @@ from typing import Annotated, Any
 from dampyr.config import fill, load_toml
 from dampyr.errors import FileError, InputError
 from dampyr.records.record import as_group
-from dampyr.representation import Representation, Summary
+from dampyr.shown import Shown
 from dampyr.units import Quantity
 
 FILTERS = (
@@ -215,7 +215,7 @@ class Limits:
 
 
 @dataclass(frozen=True, repr=False)
-class RigSettings(Representation):
+class RigSettings(Shown):
     """A rig: its parts and its limits."""
 
     name: str = "shaking table, UTFPR 2020"
@@ -231,27 +231,6 @@ class RigSettings(Representation):
 
     def __post_init__(self) -> None:
         check(self)
-
-    def _summary(self) -> Summary:
-        limits = self.limits
-        return f"RigSettings {self.name!r}", [
-            ("wires", self.wires.serial or "none: it can only be simulated"),
-            (
-                "limits",
-                f"{1e3 * limits.stroke:.4g} mm peak to peak, {1e3 * limits.speed:.4g} mm/s, {limits.force:.4g} N",
-            ),
-            ("", f"{limits.voltage:.4g} V, {limits.temperature:.4g} °C"),
-            ("board", f"{self.board.rate:.6g} Hz in blocks of {1e3 * self.board.block:.4g} ms"),
-            ("load cell", f"{self.load_cell.capacity:.5g} N, {self.load_cell.scale:.5g} N/V"),
-            ("encoder", f"{1e6 * self.encoder.count:.4g} µm a count"),
-            ("actuator", f"{1e3 * self.actuator.free_speed:.4g} mm/s free, {self.actuator.max_load:.5g} N"),
-            (
-                "specimen",
-                self.specimen.name
-                or self.specimen.card
-                or f"the original damper, {self.specimen.data_sheet or 'no data sheet'}",
-            ),
-        ]
 
     @property
     def inputs(self) -> dict[str, str]:

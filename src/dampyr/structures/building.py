@@ -37,17 +37,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import DampyrWarning, InputError
-from dampyr.representation import Representation, Summary, data_frame, extent, listing
+from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
 GROUND = ("0", "ground")
 
 
-FEW = 4  # floors and modes that a short text lists one by one
-
-
 @dataclass(frozen=True, eq=False, repr=False)
-class Building(Representation):
+class Building(Shown):
     """Mass ``M`` [kg], damping ``C`` [N s/m] and stiffness ``K`` [N/m], each (n, n), floors from the
     ground up.
 
@@ -151,28 +148,6 @@ class Building(Representation):
         modal = np.einsum("ij,ik,kj->j", modes, np.asarray(self.C), modes)
         free = square <= 1e-12 * square[-1]
         return np.where(free, np.nan, modal / (2 * np.sqrt(np.where(free, 1.0, square))))
-
-    def to_dataframe(self) -> Any:
-        """The modes as a ``pandas.DataFrame``: frequency, period and damping ratio, one row a mode."""
-        f = self.frequencies
-        with np.errstate(divide="ignore"):
-            table = {"frequency_Hz": f, "period_s": 1.0 / f, "damping_ratio": self.damping_ratios}
-        return data_frame(table, range(1, self.n + 1), "mode")
-
-    def _summary(self) -> Summary:
-        few = self.n <= FEW
-        modes = ", ".join(
-            f"{f:.4g} Hz ({100 * z:.3g} %)" for f, z in list(zip(self.frequencies, self.damping_ratios))[:FEW]
-        )
-        rows = [
-            ("floors", f"{self.n_floors}: {listing([str(f) for f in self.floors])}"),
-            (
-                "masses",
-                ", ".join(f"{m:.4g}" for m in np.diag(self.M)) + " kg" if few else extent(np.diag(self.M), "kg"),
-            ),
-            ("modes", modes + ("" if few else f" and {self.n - FEW} more")),
-        ]
-        return f"{type(self).__name__} {self.name!r}", rows
 
     def modes(self) -> tuple[Array, Array]:
         """Squared angular frequencies (n,) [rad2/s2], rising, and mass-normalised undamped modes (n, n) as columns."""

@@ -25,21 +25,15 @@ from dampyr.models import Damper
 from dampyr.models.numerics.differentiation import differentiate
 from dampyr.origin import Origin
 from dampyr.records import Record, measure, read, read_campaign, write
-from dampyr.report import (
-    FigureBlock,
-    Section,
-    Table,
-    Text,
-    building_response,
-    history,
-    loops,
-    page,
-    scores,
-    write_page,
-)
-from dampyr.report.blocks import to_look_at
-from dampyr.report.fit_sections import fit_blocks, score_table
 from dampyr.rig import RigSettings, simulated
+from dampyr.show.figures.building import building_response
+from dampyr.show.figures.history import history
+from dampyr.show.figures.loops import loops
+from dampyr.show.figures.scores import scores
+from dampyr.show.pages.blocks import FigureBlock, Section, Text, to_look_at
+from dampyr.show.pages.fit_sections import fit_blocks, score_table
+from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.table import Table
 from dampyr.structures import Simulated
 
 Array = NDArray[np.float64]

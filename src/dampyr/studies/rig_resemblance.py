@@ -73,7 +73,7 @@ def table(pairs: Sequence[Pair]) -> list[dict[str, float | str]]:
 
 def figure(pairs: Sequence[Pair], top: int = TOPS[0]) -> Figure:
     """The pairs of one top of the duty, a row for each voltage."""
-    from dampyr.figures.side_by_side import Motion, side_by_side
+    from dampyr.show.figures.side_by_side import Motion, side_by_side
 
     def cut(record: Record, period: float) -> Motion:
         t, x = record.time, record.displacement

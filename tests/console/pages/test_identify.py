@@ -7,6 +7,7 @@ pytest.importorskip("fastapi")
 from dampyr import identification, records, structures
 from dampyr.ground_motions import el_centro
 from dampyr.models import Damper
+from dampyr.show.identification.result import error_table, parameter_table, session_table
 from dampyr.studies import raminelli_2020
 
 KEYS = [f"labcontrol/ensaio.{name}.mat" for name in ("A.1", "B.3", "vali.1")]
@@ -26,8 +27,7 @@ def test_the_fit_is_that_of_the_room_and_the_card_is_kept(client, identified, da
     assert output["records"] == ["ensaio.A.1", "ensaio.B.3", "ensaio.vali.1"]
     assert output["mean_l1"] == pytest.approx(sum(s.l1 for s in own.scores.values()) / 2, rel=1e-6)
     shown, between, errors = (each["rows"] for each in output["parameters"])
-    assert [shown, errors] == [own.by_input()[1], own.by_input(errors=True)[1]]
-    assert between == own.by_input(between="sessions")[1]
+    assert [shown, between, errors] == [make(own).rows for make in (parameter_table, session_table, error_table)]
     assert output["settling"] == 2.0
     (held,) = output["held"]
     vali = next(r for r in records.read_campaign(campaign_folder, role="validation"))

@@ -14,9 +14,11 @@ from dampyr.console.dampers import damper_of
 from dampyr.console.equivalent_commands import ensemble_command
 from dampyr.console.jobs import DATA, PAGE
 from dampyr.console.safe_paths import data_of
-from dampyr.report import made_by, write_ensemble_page
-from dampyr.report.ensemble_page import summary_rows, trust
-from dampyr.report.fragility_section import COLUMNS, fragility_rows, fragility_units, remarks
+from dampyr.show.pages.ensemble_page import write_ensemble_page
+from dampyr.show.pages.how_made import made_by
+from dampyr.show.structures.ensemble_run import peak_table, trust
+from dampyr.show.structures.fragility import comparisons, curve_table, limit_in_words
+from dampyr.show.table import Table
 from dampyr.structures import EnsembleResult, run_ensemble
 from dampyr.to_json import plain
 
@@ -43,19 +45,22 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
 def _summarise(result: EnsembleResult) -> dict[str, Any]:
     """What the page shows in its own form, besides the data."""
     dataset, curves = result.dataset, result.curves[0]
-    columns, units, rows = summary_rows(dataset)
     summary = {
         "notice": result.origin.notice,
         "cases": dataset.attrs["cases"],
-        "limit": curves.limit_in_words,
+        "limit": limit_in_words(curves),
         "motions": curves.motions,
-        "peaks": {"columns": columns, "units": units, "rows": rows},
-        "table": {"columns": list(COLUMNS), "units": fragility_units(curves), "rows": fragility_rows(curves)},
-        "remarks": remarks(curves),
+        "peaks": _as_columns(peak_table(dataset)),
+        "table": _as_columns(curve_table(curves)),
+        "remarks": comparisons(curves),
         "trust": [*(finding.sentence for finding in result.findings), *trust(dataset)],
         "curves": [_curve(one) for one in curves.curves],
     }
     return dict(plain(summary))
+
+
+def _as_columns(table: Table) -> dict[str, Any]:
+    return {"columns": list(table.columns), "units": list(table.units), "rows": table.rows}
 
 
 def _curve(one: Any) -> dict[str, Any]:

@@ -21,10 +21,11 @@ from dampyr.console.safe_paths import data_of
 from dampyr.errors import InputError
 from dampyr.identification import Fit, Identified, identify, prediction, score
 from dampyr.identification.fits.diagnostics import findings
-from dampyr.identification.model_choice.leaderboard import choice_in_words
 from dampyr.records import Record
-from dampyr.report import made_by, write_fit_page
-from dampyr.report.fit_sections import parameter_tables, score_table
+from dampyr.show.identification.leaderboard import choice_in_words
+from dampyr.show.pages.fit_page import write_fit_page
+from dampyr.show.pages.fit_sections import parameter_tables, score_table
+from dampyr.show.pages.how_made import made_by
 from dampyr.to_json import plain
 
 MAX_WORKERS = 8  # each process compiles the models of its own trials, which more of them would only repeat

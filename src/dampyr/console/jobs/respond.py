@@ -16,7 +16,10 @@ from dampyr.console.dampers import damper_of
 from dampyr.console.equivalent_commands import response_command
 from dampyr.console.jobs import CURVES, DATA, PAGE
 from dampyr.console.safe_paths import data_of
-from dampyr.report import made_by, write_response_page
+from dampyr.ground_motions import end_in_words
+from dampyr.show.pages.how_made import made_by
+from dampyr.show.pages.response_page import write_response_page
+from dampyr.show.structures.simulate import truncation_note
 from dampyr.structures import Response, simulate
 from dampyr.structures.time_history.simulate import BARE
 from dampyr.to_json import plain
@@ -34,15 +37,16 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
     with made_by(response_command(parsed), files_read(data, parsed)):
         write_response_page(result, folder / PAGE)
     write_whole(folder / CURVES, json.dumps(_curves(result.cases)))
+    note = truncation_note(result.cases)
     return {
         DATA: result.as_dict(),
         "title": result.title,
         "notice": result.origin.notice,
         "floors": list(result.cases[BARE].floors),
         "unit": result.unit,
-        "end": result.end,
+        "end": end_in_words(result.cases[BARE].after),
         "findings": [{"severity": one.severity, "sentence": one.sentence} for one in result.findings],
-        "note": f"{result.note}." if result.note else "",
+        "note": f"{note}." if note else "",
         "cases": [_summarise(name, each) for name, each in result.cases.items()],
     }
 

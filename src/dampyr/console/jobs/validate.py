@@ -13,7 +13,8 @@ from dampyr.console.identify_schemas import ValidateRequest
 from dampyr.console.jobs import DATA, PAGE
 from dampyr.console.safe_paths import data_of
 from dampyr.identification import validate
-from dampyr.report import made_by, write_validate_page
+from dampyr.show.pages.how_made import made_by
+from dampyr.show.pages.validate_page import write_validate_page
 
 
 def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], None]) -> dict[str, Any]:

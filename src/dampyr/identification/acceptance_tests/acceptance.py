@@ -27,23 +27,20 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from statistics import NormalDist
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Literal
 
 import numpy as np
 
 from dampyr.argument_kinds import DAMPER, RECORD, Argument, check_kinds
 from dampyr.errors import InputError
-from dampyr.identification.acceptance_tests.reference_cycles import SAME, Expected, Reference, expected, groups
+from dampyr.identification.acceptance_tests.reference_cycles import Expected, Reference, expected
 from dampyr.models import Damper
 from dampyr.origin import NOT_STATED, Origin, combined
 from dampyr.records import Cut, Cycle, Level, Record, cut_cycles, cycle_table
 from dampyr.records.cycle_analysis.cycles import SAME_STROKE
-from dampyr.representation import Representation, Summary, Table, data_frame
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from dampyr.shown import Shown
 
 Quantity = Literal["extension", "compression", "energy"]
 Verdict = Literal["passed", "failed", "not judged"]
@@ -148,35 +145,8 @@ class JudgedLevel:
     reason: str = ""
 
 
-@dataclass(frozen=True)
-class AcceptancePlots:
-    """Each method draws one figure of these ``results`` and returns its matplotlib axes ``(k,)``."""
-
-    results: tuple[Acceptance, ...]
-
-    @property
-    def origin(self) -> Origin:
-        """That of all results."""
-        return combined(one.origin for one in self.results)
-
-    def forces(self) -> Any:
-        """The forces at the peak velocities of every cycle, and the band."""
-        from dampyr.figures import style
-        from dampyr.figures.acceptance import peak_velocity_band
-
-        return style.in_pyplot(peak_velocity_band, *forces_and_band(self.results), origin=self.origin)
-
-    def used(self) -> Any:
-        """How far each judged cycle lies from the reference, in halves of the band: its edges are at -1 and 1."""
-        from dampyr.figures import style
-        from dampyr.figures.acceptance import band_used
-
-        used, outside = used_of_band(self.results)
-        return style.in_pyplot(band_used, used, outside=outside, origin=self.origin)
-
-
 @dataclass(frozen=True, repr=False)
-class Acceptance(Representation):
+class Acceptance(Shown):
     """The judgement of one record. ``reason`` says why it is not judged as a whole, "" where it is.
 
     ``offset`` is what was taken from the measured forces, N; None: the mean over whole cycles of each record. ``level`` is the
@@ -224,61 +194,6 @@ class Acceptance(Representation):
         return tuple(each for each in self.levels if False in each.inside.values())
 
     @property
-    def plot(self) -> AcceptancePlots:
-        """Figures: ``acceptance.plot.forces()`` and ``.used()``, each giving matplotlib axes."""
-        return AcceptancePlots((self,))
-
-    def to_dataframe(self) -> Any:
-        """The points as a ``pandas.DataFrame``: SI units, forces in compression negative."""
-        names = {
-            "cycle": "cycle", "level": "level", "quantity": "quantity", "speed": "speed_m_per_s", "stroke_m": "stroke_m",
-            "measured": "measured", "error": "error", "expected": "expected", "low": "low", "high": "high", "inside": "inside",
-            "deviation": "deviation", "reason": "reason",
-        }  # fmt: skip
-        columns = {head: [getattr(p, name) for p in self.points] for name, head in names.items()}
-        return data_frame(columns | {"unit": [UNITS[p.quantity] for p in self.points]})
-
-    def _small_figure(self) -> Figure | None:
-        from dampyr.figures.acceptance import peak_velocity_band
-
-        return peak_velocity_band(*forces_and_band([self])) if self.points else None
-
-    def _summary(self) -> Summary:
-        given = "input not known" if self.input_value is None else f"{self.input_value:.4g} {self.input}"
-        rows = [
-            ("verdict", self.verdict),
-            ("input", given),
-            ("band", f"{self.tolerance} of the reference"),
-            (
-                "cycles",
-                f"{self.run:g} run, {self.cut} whole, {self.judged_cycles} judged at {len(self.levels)} level(s)",
-            ),
-            ("stroke", f"{1e3 * self.stroke_m:.4g} mm at most, judged to {1e3 * self.judged_stroke_m:.4g} mm"),
-            ("points", f"{len(self.points)}, {len(self.judged)} judged, {len(self.outside)} outside"),
-        ]
-        worst = self.worst
-        if worst is not None and worst.deviation is not None:
-            rows.append(("worst", f"{worst.quantity} of cycle {worst.cycle}, {100 * worst.deviation:+.3g} %"))
-        if self.wrong_rejection is not None and self.wrong_acceptance is not None:
-            rows.append(
-                (
-                    "risk",
-                    f"{percent(self.wrong_rejection)} wrong rejection, {percent(self.wrong_acceptance)} wrong acceptance",
-                )
-            )
-        if self.unjudged:
-            rows.append(("not judged", self.reason or next(iter(self.unjudged))))
-        return f"Acceptance of {self.record!r}", rows
-
-    def _table(self) -> Table:
-        heads = ("cycle", "quantity", "peak velocity [mm/s]", "measured", "expected", "from", "to", "unit", "inside")
-        rows = [
-            [p.cycle, p.quantity, 1e3 * p.speed, p.measured, p.expected, p.low, p.high, UNITS[p.quantity], p.inside]
-            for p in self.points
-        ]
-        return heads, rows
-
-    @property
     def judged(self) -> tuple[Point, ...]:
         """The points that have a reference value."""
         return tuple(p for p in self.points if p.inside is not None)
@@ -321,22 +236,6 @@ class Acceptance(Representation):
     def unjudged(self) -> dict[str, int]:
         """`reasons`, and why the whole is not judged where that is none of them, with 0."""
         return self.reasons if not self.reason or self.reason in self.reasons else self.reasons | {self.reason: 0}
-
-    def as_dict(self) -> dict[str, Any]:
-        """Plain numbers, for JSON."""
-        points = [asdict(p) | {"deviation": p.deviation, "used": p.used} for p in self.points]
-        worst = next((entry for entry, p in zip(points, self.points, strict=True) if p is self.worst), None)
-        return asdict(self) | {
-            "verdict": self.verdict,
-            "passed": self.passed,
-            "judged": len(self.judged),
-            "judged_cycles": self.judged_cycles,
-            "judged_stroke_m": self.judged_stroke_m,
-            "outside": len(self.outside),
-            "worst": worst,
-            "reasons": self.reasons,
-            "points": points,
-        }
 
 
 def accept(
@@ -406,48 +305,6 @@ def relevelled(one: Acceptance, cycles: int) -> Acceptance:
         if each.first + each.cycles > cycles + 1
     )
     return _with_verdict(replace(one, points=points, levels=levels, level=level), "")
-
-
-def in_short(acceptances: Sequence[Acceptance]) -> str:
-    """How many records came out how, such as "2 passed, 1 failed"."""
-    counts = {each: sum(one.verdict == each for one in acceptances) for each in ("passed", "failed", "not judged")}
-    return ", ".join(f"{count} {each}" for each, count in counts.items() if count)
-
-
-def band(acceptances: Iterable[Acceptance], quantity: Quantity) -> list[tuple[float, float, float, float]]:
-    """The band along the speed, for a picture: (speed m/s, expected, low, high), means of points with the same speed to 2 %."""
-    points = [p for one in acceptances for p in one.judged if p.quantity == quantity]
-    rows = np.array([(p.speed, p.expected, p.low, p.high) for p in points], dtype=float).reshape(-1, 4)
-    return [(speed, middle, low, high) for speed, middle, low, high in groups(rows, SAME).tolist()]
-
-
-Drawn = dict[bool | None, tuple[list[float], list[float]]]
-
-
-def forces_and_band(acceptances: Sequence[Acceptance]) -> tuple[list[list[tuple[float, float, float, float]]], Drawn]:
-    """The bands of extension and compression, and peak speeds m/s and forces N of the points inside, outside and not judged."""
-    points: dict[bool | None, list[Point]] = {True: [], False: [], None: []}
-    for one in acceptances:
-        for p in one.points:
-            if p.quantity != "energy":
-                points[p.inside].append(p)
-    drawn = {state: ([p.speed for p in own], [p.measured for p in own]) for state, own in points.items()}
-    return [band(acceptances, "extension"), band(acceptances, "compression")], drawn
-
-
-def used_of_band(
-    acceptances: Sequence[Acceptance],
-) -> tuple[dict[str, dict[str, list[float]]], dict[str, dict[str, list[bool]]]]:
-    """Record -> quantity -> what each judged cycle uses of the band (see `Point.used`), and whether it lies outside."""
-    used: dict[str, dict[str, list[float]]] = {
-        one.record: {q: [p.used or 0.0 for p in one.judged if p.quantity == q] for q in one.quantities}
-        for one in acceptances
-    }
-    outside: dict[str, dict[str, list[bool]]] = {
-        one.record: {q: [p.inside is False for p in one.judged if p.quantity == q] for q in one.quantities}
-        for one in acceptances
-    }
-    return used, outside
 
 
 def _checked_quantities(quantities: Iterable[Quantity], band: Tolerance) -> tuple[Quantity, ...]:
@@ -596,11 +453,6 @@ def _passes(off: float, spread: float, limit: float) -> float:
     if spread <= 0.0:
         return float(abs(off) <= limit)
     return NORMAL.cdf((limit - off) / spread) - NORMAL.cdf((-limit - off) / spread)
-
-
-def percent(chance: float) -> str:
-    """A chance for a person: two digits, or a bound where it is next to nothing."""
-    return "below 0.01 %" if chance < 1e-4 else f"{100 * chance:.2g} %"
 
 
 def _reason(levels: Sequence[JudgedLevel], requested: Sequence[Quantity]) -> str:

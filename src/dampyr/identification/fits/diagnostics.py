@@ -21,7 +21,7 @@ from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Problem
 from dampyr.identification.search.variable_projection import Outcome
 from dampyr.models.damper import INPUTS
-from dampyr.representation import listing
+from dampyr.phrases import listing
 
 CHANCE = 0.05  # the usual level
 MIN_RECORDS = 5  # of a trend: a perfect rank correlation of four comes by chance once in twelve

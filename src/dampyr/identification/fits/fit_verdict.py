@@ -10,7 +10,7 @@ import numpy as np
 
 from dampyr.findings import Finding
 from dampyr.identification.scoring.score import Score
-from dampyr.representation import rounded
+from dampyr.phrases import rounded
 
 # of the force (L1): bands of acceptance are 10 to 15 % wide, so that a model beyond 10 % is not that damper, and one within
 # half of it leaves them to the specimens

@@ -11,11 +11,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from multiprocessing import get_context
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from dampyr.argument_kinds import RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
-from dampyr.findings import Finding, as_dicts, handed_on, worst_first
+from dampyr.findings import Finding, handed_on, worst_first
 from dampyr.identification.fits.fit import Fit, fit
 from dampyr.identification.fits.motion_coverage import beyond_the_fitted
 from dampyr.identification.model_choice.leaderboard import BUDGET, Cut, Leaderboard, leaderboard
@@ -35,11 +35,7 @@ from dampyr.models.prediction_error import check_prior
 from dampyr.origin import Origin, check_one_kind
 from dampyr.records import Record, nominal_inputs
 from dampyr.records.conditioning.velocity import check_bandwidth
-from dampyr.representation import Representation, Summary, Table, counted, percent
-from dampyr.to_json import plain
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from dampyr.shown import Shown
 
 Progress = Callable[[str, float], None]
 
@@ -130,7 +126,7 @@ class IdentifyOptions:
 
 
 @dataclass(frozen=True, repr=False)
-class Identified(Representation):
+class Identified(Shown):
     """Result of `identify`: the ``fit``, its ``validations``, the ``board`` of models where none was named.
 
     ``predicted`` holds the scores of the records of the role "validation", or why one could not be predicted; ``beyond`` says
@@ -148,26 +144,6 @@ class Identified(Representation):
     def origin(self) -> Origin:
         """That of the fitted records."""
         return self.fit.origin
-
-    def _small_figure(self) -> Figure:
-        return self.fit._small_figure()
-
-    def _summary(self) -> Summary:
-        title, rows = self.fit._summary()
-        rows = list(rows)
-        if self.board is not None:
-            rows.insert(
-                0, ("chosen", f"of {counted(len(self.board.screened), 'model')} by {percent(self.board.winner.error)}")
-            )
-        rows += [("predicts", f"{percent(one.error)} L1, split by {one.split}") for one in self.validations]
-        if self.predicted:
-            l1 = [one.l1 for one in self.predicted.values() if not isinstance(one, str)]
-            mean = percent(sum(l1) / len(l1)) if l1 else "none could be predicted"
-            rows.append(("validation", f"{counted(len(self.predicted), 'record')}, L1 {mean}"))
-        return title.replace("Fit", "Identified", 1), rows
-
-    def _table(self) -> Table:
-        return self.fit._table()
 
     @cached_property
     def findings(self) -> tuple[Finding, ...]:
@@ -193,21 +169,6 @@ class Identified(Representation):
         if self.damper is None:
             raise InputError(f"no card was written: {self.fit.reason}")
         return self.damper
-
-    def as_dict(self) -> dict[str, Any]:
-        """All results for JSON, SI units."""
-        data = self.fit.as_dict() | {"findings": as_dicts(self.findings)}
-        data["identifiability"] = self.identifiability.as_dict()["inseparable"]
-        if self.validations:
-            data["predictions"] = list(self.validations)
-        if self.board is not None:
-            data["leaderboard"] = self.board.as_dict()
-        if self.predicted:
-            data["validation"] = {
-                name: {"problem": one} if isinstance(one, str) else one.as_dict()
-                for name, one in self.predicted.items()
-            }
-        return dict(plain(data))
 
 
 def choices() -> dict[str, Any]:

@@ -39,7 +39,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -48,10 +47,7 @@ from dampyr.errors import InputError
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.records import Record, cycles
 from dampyr.records.cycle_analysis.measure import peak_to_peak
-from dampyr.representation import Representation, Summary, Table, counted, data_frame, extent, percent
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -63,13 +59,12 @@ MIN_PERIODS = 3.0  # for the autocorrelation after one period
 SLOW = 0.02  # of the greatest speed: slower samples belong to no direction
 BINS = 24  # of velocity, even so that none straddles zero
 MIN_BIN_SAMPLES = 10  # for quartiles
-MAX_PANELS = 6  # inputs of a figure: more panels cannot be read
 BRANCHES = ("before the middle", "beyond the middle")
 SIDES = ("out", "in", *(f"{way}, {branch}" for way in ("out", "in") for branch in BRANCHES))
 
 
 @dataclass(frozen=True, repr=False)
-class Trace(Representation):
+class Trace(Shown):
     """One record as it is analysed: arrays (n,) in s, m, m/s, N, N; its mean input in V or A.
 
     ``stroke`` is peak to peak in m, ``frequency`` in Hz or NaN where there is no whole cycle.
@@ -93,16 +88,6 @@ class Trace(Representation):
             )
         if not np.all(np.isfinite(self.residual)):
             raise InputError(f"{self.name}: its residual holds a value that is not finite, so it cannot be analysed")
-
-    def _summary(self) -> Summary:
-        return f"Trace {self.name!r}", [
-            ("samples", f"{self.time.size}, every {1e3 * self.dt:.4g} ms, input {self.input_value:.4g} (V or A)"),
-            ("displacement", extent(self.displacement, "mm", 1e3)),
-            ("velocity", extent(self.velocity, "mm/s", 1e3)),
-            ("force", extent(self.force, "N")),
-            ("residual", extent(self.residual, "N")),
-            ("motion", f"{1e3 * self.stroke:.4g} mm peak to peak, {self.frequency:.4g} Hz"),
-        ]
 
     @cached_property
     def dt(self) -> float:
@@ -178,38 +163,8 @@ class Group:
     chance: float
 
 
-@dataclass(frozen=True)
-class ResidualPlots:
-    """Each method draws one figure and returns its matplotlib axes ``(k,)``."""
-
-    residuals: Residuals
-
-    def velocity(self) -> Any:
-        """The residual over the velocity, a panel an input: median and quartiles, before and beyond the stroke's middle."""
-        from dampyr.figures import style
-        from dampyr.figures.residual_velocity import residual_velocity
-
-        return style.in_pyplot(residual_velocity, self.residuals.velocity_bands(), origin=self.residuals.origin)
-
-    def memory(self) -> Any:
-        """The autocorrelation of each record's residual and their mean, with the correlation time."""
-        from dampyr.figures import style
-        from dampyr.figures.autocorrelation import memory
-
-        records = [(one.lags, one.autocorrelation) for one in self.residuals.records]
-        return style.in_pyplot(memory, records, self.residuals.correlation_time, origin=self.residuals.origin)
-
-    def sizes(self) -> Any:
-        """The residual's rms over the force's spread, over input, stroke and frequency; one point a record."""
-        from dampyr.figures import style
-        from dampyr.figures.residual_sizes import residual_sizes
-
-        axis = style.VOLTAGE if self.residuals.unit == "V" else style.CURRENT
-        return style.in_pyplot(residual_sizes, self.residuals.sizes_by_input(), axis, origin=self.residuals.origin)
-
-
 @dataclass(frozen=True, repr=False)
-class Residuals(Representation):
+class Residuals(Shown):
     """The analysis of all records; ``unit`` is the input's, "V" or "A"."""
 
     unit: str
@@ -219,80 +174,9 @@ class Residuals(Representation):
     origin: Origin = NOT_STATED
 
     @property
-    def plot(self) -> ResidualPlots:
-        """Figures: ``residuals.plot.velocity()``, ``.memory()`` and ``.sizes()``, each giving matplotlib axes."""
-        return ResidualPlots(self)
-
-    def to_dataframe(self) -> Any:
-        """The numbers of each record as a ``pandas.DataFrame``, SI units."""
-        names = {
-            "input_value": f"input_{self.unit}", "stroke": "stroke_m", "frequency": "frequency_Hz", "samples": "samples",
-            "rms": "rms_N", "relative": "relative", "noise": "noise_N", "correlation_time": "correlation_time_s",
-            "effective": "effective_samples", "repeats": "repeats", "misfit": "misfit",
-        }  # fmt: skip
-        columns = {head: [getattr(one, name) for one in self.records] for name, head in names.items()}
-        return data_frame(columns, [one.name for one in self.records], "record")
-
-    def _small_figure(self) -> Figure:
-        from dampyr.figures.residual_velocity import residual_velocity
-
-        return residual_velocity(self.velocity_bands())
-
-    def _summary(self) -> Summary:
-        relative = [one.relative for one in self.records]
-        return "Residuals", [
-            ("records", f"{len(self.records)}, {self.samples} samples, effective {self.effective:.4g}"),
-            ("rms", f"{self.whole.rms:.4g} N, of that {self.noise:.4g} N noise"),
-            ("relative", f"{percent(min(relative))} … {percent(max(relative))} of the force's standard deviation"),
-            ("correlation time", f"{self.correlation_time:.3g} s"),
-            ("asymmetry", f"{self.whole.asymmetry:.3g} N"),
-            ("misfit", f"{counted(len(self.misfits), 'record')} of {len(self.records)}: not noise alone"),
-        ]
-
-    def _table(self) -> Table:
-        heads = (
-            "record",
-            f"input [{self.unit}]",
-            "rms [N]",
-            "relative [%]",
-            "noise [N]",
-            "correlation time [s]",
-            "misfit",
-        )
-        rows = [
-            [r.name, r.input_value, r.rms, 100 * r.relative, r.noise, r.correlation_time, r.misfit]
-            for r in self.records
-        ]
-        return heads, rows
-
-    @property
     def inputs(self) -> list[float]:
         """The inputs of the records, in rising order."""
         return [float(group.input_value) for group in self.groups if group.input_value is not None]
-
-    def groups_of_a_figure(self) -> dict[str, Group]:
-        """The groups by their input while a figure can show that many, else all records as one."""
-        if len(self.groups) > MAX_PANELS:
-            return {"all records": self.whole}
-        return {f"{group.input_value:.5g} {self.unit}": group for group in self.groups}
-
-    def velocity_bands(self) -> dict[str, dict[str, tuple[Array, Array, Array, Array]]]:
-        """For each group and branch: velocity m/s, lower quartile, median and upper quartile of the residual N."""
-        return {
-            name: {branch: (c.velocity, c.lower, c.median, c.upper) for branch, c in group.curves.items()}
-            for name, group in self.groups_of_a_figure().items()
-        }
-
-    def sizes_by_input(self) -> dict[str, tuple[Array, Array, Array, Array]]:
-        """For each input the records' inputs, strokes m, frequencies Hz and relative residuals."""
-        shown = {}
-        for group in self.groups:
-            members = [r for r in self.records if r.name in group.records]
-            input_value, stroke, frequency, relative = np.array(
-                [(r.input_value, r.stroke, r.frequency, r.relative) for r in members]
-            ).T
-            shown[f"{group.input_value:.5g} {self.unit}"] = input_value, stroke, frequency, relative
-        return shown
 
     @property
     def samples(self) -> int:

@@ -5,21 +5,18 @@ from __future__ import annotations
 import math
 import warnings
 from collections import Counter
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import FindingWarning, InputError
-from dampyr.findings import Finding, Findings, as_dicts, handed_on, worst_first
+from dampyr.findings import Finding, Findings, handed_on, worst_first
 from dampyr.identification.fits.data_sheet import SHEETS, contradictions
 from dampyr.identification.fits.diagnostics import no_interval, notes, residual_findings, trouble_of
 from dampyr.identification.fits.fit_verdict import FitVerdict, fit_verdict
-from dampyr.identification.fits.law_panels import law_panels
 from dampyr.identification.fits.residuals import Residuals, Trace, analyse, motion
 from dampyr.identification.parameter_uncertainty.levels import PRIOR_SESSION, Levels, levels_and_error
 from dampyr.identification.parameter_uncertainty.uncertainty import Uncertainty, uncertainty
@@ -32,15 +29,11 @@ from dampyr.identification.search.variable_projection import Outcome
 from dampyr.models import Damper
 from dampyr.models.sampling_error import sampling_error, sampling_words
 from dampyr.origin import Origin, combined
+from dampyr.phrases import listing
 from dampyr.records import Record, cycles, motion_start
-from dampyr.representation import Representation, Summary, Table, data_frame, extent, listing, percent, rounded
-from dampyr.units import for_people
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
-SHOWN = 6  # parameters that a short text lists one by one
 
 
 @dataclass(frozen=True)
@@ -54,67 +47,8 @@ class Nuisance:
     temperature: float = 1.0
 
 
-@dataclass(frozen=True)
-class FitPlots:
-    """Each method draws one figure and returns its matplotlib axes ``(k,)``.
-
-    ``record`` is the name of one of the fitted records; without it that with the median L1 ratio is drawn.
-    """
-
-    fit: Fit
-
-    def loops(self, record: str | None = None) -> Any:
-        """Measured and fitted force over displacement and over velocity."""
-        from dampyr.figures import style
-        from dampyr.figures.loops import loops
-
-        one = self.fit.records[self._number(record)].origin
-        return style.in_pyplot(loops, *self.measured_and_fitted(record), record_origin=one, origin=self.fit.origin)
-
-    def history(self, record: str | None = None) -> Any:
-        """Measured and fitted force over time, and the residual below."""
-        from dampyr.figures import style
-        from dampyr.figures.history import history
-
-        k = self._number(record)
-        piece = self.fit.problem.pieces[k]
-        drawn, one = (piece.t, piece.force, self.fit.forces[k]), self.fit.records[k].origin
-        return style.in_pyplot(history, *drawn, name="fit", title=piece.name, record_origin=one, origin=self.fit.origin)
-
-    def residual(self) -> Any:
-        """The residual over the velocity, a panel an input: median and quartiles, before and beyond the stroke's middle."""
-        return self.fit.residuals.plot.velocity()
-
-    def laws(self) -> Any:
-        """Each parameter over the input: the law, the fitted values with 95 % intervals, the calibrated range."""
-        from dampyr.figures import style
-        from dampyr.figures.laws import parameters_against_input
-
-        fit, damper = self.fit, self.fit.damper
-        if damper is None:
-            raise InputError(f"this fit made no damper, so there are no laws to draw: {fit.reason}")
-        panels = law_panels(fit.optimum, fit.intervals(), damper)
-        axis = style.VOLTAGE if damper.input == "V" else style.CURRENT
-        return style.in_pyplot(parameters_against_input, panels, damper.range, axis, origin=fit.origin)
-
-    def measured_and_fitted(self, record: str | None = None) -> tuple[Array, Array, Array, dict[str, Array], str]:
-        """Displacement m, velocity m/s, measured force N, that of the fit by its name, and the record: what `loops` draws."""
-        k = self._number(record)
-        piece = self.fit.problem.pieces[k]
-        return piece.x, piece.v, piece.force, {"fit": self.fit.forces[k]}, piece.name
-
-    def _number(self, record: str | None) -> int:
-        names = [piece.name for piece in self.fit.problem.pieces]
-        if record is None:
-            errors = [one.l1 for one in self.fit.scores.values()]
-            return int(np.argsort(errors)[len(errors) // 2])
-        if record not in names:
-            raise InputError(f"{record!r} is not among the fitted records; choose from {listing(names, 8)}")
-        return names.index(record)
-
-
 @dataclass(frozen=True, repr=False)
-class Fit(Representation):
+class Fit(Shown):
     """The result of `fit`.
 
     ``damper`` carries the laws, their covariance, the calibrated ranges and the findings, or is None where ``reason`` says why
@@ -189,101 +123,6 @@ class Fit(Representation):
         return combined(record.origin for record in self.records)
 
     @property
-    def plot(self) -> FitPlots:
-        """Figures: ``fit.plot.loops()``, ``.history()``, ``.residual()`` and ``.laws()``, each giving matplotlib axes."""
-        return FitPlots(self)
-
-    def to_dataframe(self) -> Any:
-        """The fitted numbers as a ``pandas.DataFrame``, SI units: value, errors, 95 % interval, unit; a row a parameter."""
-        spans = self.intervals()
-        columns = {
-            "value": list(self.parameters.values()),
-            "standard_error": [self.stderr[label] for label in self.parameters],
-            "naive_error": [self.naive_stderr[label] for label in self.parameters],
-            "low_95": [spans[label][0] for label in self.parameters],
-            "high_95": [spans[label][1] for label in self.parameters],
-            "unit": [self.units[label] for label in self.parameters],
-        }
-        return data_frame(columns, list(self.parameters), "parameter")
-
-    def _small_figure(self) -> Figure:
-        from dampyr.figures.loops import loops
-
-        return loops(*self.plot.measured_and_fitted(), record_origin=self.origin)
-
-    def _summary(self) -> Summary:
-        scores = [one.l1 for one in self.scores.values()]
-        samples = sum(piece.t.size for piece in self.problem.pieces)
-        rows = [
-            ("records", f"{len(self.records)}, {samples} samples, {self._inputs()}"),
-            ("search", ("" if self.converged else "did not converge: ") + self.reason),
-            (
-                "L1",
-                f"{percent(float(np.mean(scores)))} on average, {percent(max(scores))} at worst, of the fitted records",
-            ),
-        ]
-        by_name: dict[str, list[str]] = {}
-        for label in self.parameters:
-            by_name.setdefault(label.partition(" @ ")[0], []).append(label)
-        for name, labels in list(by_name.items())[:SHOWN]:
-            unit, factor = for_people(self.units[labels[0]])
-            rows.append((name, extent([self.parameters[label] for label in labels], unit, factor)))
-        if len(by_name) > SHOWN:
-            rows.append(("", f"and {len(by_name) - SHOWN} more parameters"))
-        rows.append(("errors", f"clustered by {self.clusters}"))
-        return f"Fit {str(self.problem.composition)!r}", rows
-
-    def _inputs(self) -> str:
-        values, unit = self.residuals.inputs, self.residuals.unit
-        return f"at {listing([f'{u:.4g}' for u in values])} {unit}"
-
-    def _table(self) -> Table:
-        return self.by_input()
-
-    def by_input(self, errors: bool = False, between: str = "records") -> Table:
-        """One row a parameter, one column an input, in units that people read.
-
-        A cell is the value ± half of its 95 % interval (see `intervals` for ``between``), or says why there is none; with
-        ``errors`` the standard error, and in parentheses the naive one, which takes the samples for independent.
-        """
-        unit = self.problem.pieces[0].unit
-        free = [c for c in self.problem.columns if c.size]
-        knots = sorted({u for c in free if len(c.knots) > 1 for u in c.knots})
-        everywhere = not knots or any(len(c.knots) == 1 for c in free)
-        heads = ["parameter", "unit", *["all inputs"] * everywhere, *(f"{u:g} {unit}" for u in knots)]
-        cell, spans = (self._error_in_words if errors else self._value_in_words), self.intervals(between=between)
-        rows: list[list[Any]] = []
-        for column in free:
-            shown, factor = for_people(column.quantity.unit)
-            cells = [cell(label, spans, factor) for label in column.labels(unit)]
-            for k, temperature in enumerate(column.temperatures or (None,)):
-                name = column.name if temperature is None else f"{column.name}, {temperature:.4g} °C"
-                some = cells[k * len(column.knots) : (k + 1) * len(column.knots)]
-                at = dict(zip(column.knots, some, strict=True)) if len(some) > 1 else {}
-                alone = ["" if at else some[0]] * everywhere
-                rows.append([name, shown or "1", *alone, *(at.get(u, "") for u in knots)])
-        return heads, rows
-
-    def _value_in_words(self, label: str, spans: Mapping[str, tuple[float, float]], factor: float) -> str:
-        value, reach = factor * self.parameters[label], factor * (spans[label][1] - self.parameters[label])
-        if label in self.within_records:
-            return f"{rounded(value, 4)} (no interval)"
-        if math.isnan(reach):
-            return f"{rounded(value, 4)} (at its limit)"
-        if not math.isfinite(reach):
-            return f"{rounded(value, 4)} (not determined)"
-        return f"{rounded(value, 4)} ± {rounded(reach, 2)}"
-
-    def _error_in_words(self, label: str, spans: Mapping[str, tuple[float, float]], factor: float) -> str:
-        error, naive = self.stderr[label], self.naive_stderr[label]
-        if math.isnan(error):
-            return "at its limit"
-        if not math.isfinite(error):
-            return "not determined"
-        where = ", within these records only" if label in self.within_records else ""
-        return f"{rounded(factor * error, 2)} ({rounded(factor * naive, 2)}){where}"
-
-    @property
     def nuisance_spread(self) -> dict[str, float]:
         """The standard deviation across the records of each nuisance: N for the offset, factors, states without unit."""
         each = list(self.nuisances.values())
@@ -335,35 +174,6 @@ class Fit(Representation):
         if self.damper is None:
             raise InputError(f"the fit has no damper to save: {self.reason}")
         return self.damper.save(path)
-
-    def as_dict(self) -> dict[str, Any]:
-        """Parameters, errors, findings and scores by name, for `dampyr.to_json`; 95 % intervals, None where there is none."""
-        return {
-            "model": str(self.problem.composition),
-            "origin": self.origin.as_dict(),
-            "records": [record.name for record in self.records],
-            "converged": self.converged,
-            "reason": self.reason,
-            "verdict": {"kind": self.verdict.kind, "words": self.verdict.words},
-            "findings": as_dicts(self.findings),
-            "clusters": self.clusters,
-            "parameters": self.parameters,
-            "stderr": self.stderr,
-            "naive_stderr": self.naive_stderr,
-            "intervals_95": {
-                name: None if name in self.within_records else span for name, span in self.intervals().items()
-            },
-            "intervals_95_between_sessions": {
-                name: None if name in self.within_records else span
-                for name, span in self.intervals(between="sessions").items()
-            },
-            "within_records_only": {name: self.why_no_interval(name) for name in self.within_records},
-            "units": self.units,
-            "correlation": self.correlation,
-            "nuisances": self.nuisances,
-            "levels": None if self.levels is None else self.levels.as_dict(),
-            "scores": self.scores,
-        }
 
     @property
     def forces(self) -> list[Array]:

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
-from dampyr.representation import Representation, Summary, extent
+from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
 ARC = (0.2, 0.8)  # of the largest theta: clear of the zero and of saturation
@@ -30,7 +30,7 @@ ORDER = 4  # of the local polynomial: through five samples
 
 
 @dataclass(frozen=True, repr=False)
-class LimitCycle(Representation):
+class LimitCycle(Shown):
     """What the method gives, in the units of what it was given (SI: N s/m, N/m, 1/m, N, m).
 
     ``rho_range`` are the 5 % and 95 % quantiles of rho over every x*1 on the arc where theta is 20 to 80 % of its largest
@@ -46,16 +46,6 @@ class LimitCycle(Representation):
     rho_range: tuple[float, float]
     x: Array
     theta: Array
-
-    def _summary(self) -> Summary:
-        return "LimitCycle, SI where the arguments were", [
-            ("kx", f"{self.kx:.6g} N s/m"),
-            ("kw", f"{self.kw:.6g} N"),
-            ("rho", f"{self.rho:.6g} 1/m, {extent(self.rho_range, '1/m')} by the choice of x*1"),
-            ("a", f"{self.a:.6g} N/m"),
-            ("x*", f"{self.x_star:.4g} m, x*1 {self.x_star1:.4g} m"),
-            ("branch", f"{len(self.x)} samples, {extent(self.x, 'm')}, theta {extent(self.theta, 'N')}"),
-        ]
 
 
 def limit_cycle(

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.models.parts.dahl import Dahl
 from dampyr.records import Record, cycles, turning_points, with_velocity
-from dampyr.representation import Representation, Summary, percent
+from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
 DEPTH = 4.0  # over rho, of path since the turning point: w is within 2 exp(-4), 4 %, of its limit
@@ -30,7 +30,7 @@ CROSSING = 0.5  # of kw: samples with smaller theta give the slope at the zero
 
 
 @dataclass(frozen=True, repr=False)
-class PlasticRegion(Representation):
+class PlasticRegion(Shown):
     """kx in N s/m, kw and offset in N, a in N/m, rho in 1/m; the standard deviation of rho over the turning points.
 
     ``share`` of the samples make the plastic region.
@@ -44,16 +44,6 @@ class PlasticRegion(Representation):
     rho_spread: float
     share: float
     turning_points: int
-
-    def _summary(self) -> Summary:
-        return "PlasticRegion", [
-            ("kx", f"{1e-3 * self.kx:.4g} N s/mm"),
-            ("kw", f"{self.kw:.4g} N"),
-            ("rho", f"{1e-3 * self.rho:.4g} 1/mm, standard deviation {1e-3 * self.rho_spread:.3g} 1/mm"),
-            ("a", f"{1e-3 * self.a:.4g} N/mm"),
-            ("offset", f"{self.offset:.4g} N"),
-            ("used", f"{percent(self.share)} of the samples, {self.turning_points} turning points"),
-        ]
 
     @property
     def model(self) -> Dahl:

@@ -34,7 +34,7 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -61,12 +61,10 @@ from dampyr.identification.search.work import OUT_OF_WORK
 from dampyr.models import available_parts, compose
 from dampyr.models.part import part
 from dampyr.origin import NOT_STATED, Origin, check_one_kind, combined
+from dampyr.phrases import counted, listing
 from dampyr.records import Record, cut
 from dampyr.records.conditioning.velocity import check_bandwidth
-from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing, percent
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from dampyr.shown import Shown
 
 ADD_ONS = ("compliance", "spring", "delay", "lag")  # tried in this order: what matters most comes before work is short
 FINAL_STEPS = 300  # of a finalist's fits: more than the default, as no start is chosen by hand
@@ -79,15 +77,9 @@ TRIAL_SHARE = 1 / 120
 FINAL_SHARE = 1 / 16  # the same for a fit to all records
 LEAST_WORK = 5.0  # counted s that a fit to all records has however little is left
 
-#: what `Leaderboard.as_dict` says of an entry
-ENTRY_KEYS = (
-    "model", "error", "standard_error", "l1", "nrmse", "pointwise", "energy", "unseen_input", "relevelled", "parameters",
-    "seconds", "converged", "reason", "not_for_buildings",
-)  # fmt: skip
-
 
 @dataclass(frozen=True, repr=False)
-class Entry(Representation):
+class Entry(Shown):
     """A finalist. ``error`` is what the ranking goes by; ``l1``, ``nrmse``, ``pointwise`` and ``energy`` (its size) are means
     over records that were left out, ``unseen_input`` the mean L1 ratio over inputs that were left out (NaN where there are
     fewer than three). ``standard_error`` is that of ``error``; ``not_for_buildings`` says why the model must not stand in for a
@@ -121,21 +113,9 @@ class Entry(Representation):
         """The mean L1 ratio of records that were left out, with the level of each one's first cycles."""
         return next((one.relevelled for one in self.validations if one.split == "record"), float("nan"))
 
-    def _summary(self) -> Summary:
-        return f"Entry {self.model!r}", [
-            (
-                "error",
-                f"{percent(self.error)} ± {percent(self.standard_error)}, L1 {percent(self.l1)}, "
-                f"of unseen inputs {percent(self.unseen_input)}",
-            ),
-            ("NRMSE", f"{percent(self.nrmse)}, pointwise {percent(self.pointwise)}, energy {percent(self.energy)}"),
-            ("fit", f"{counted(self.parameters, 'parameter')}, {self.seconds:.3g} s; {self.reason}"),
-            *([("buildings", self.not_for_buildings)] if self.not_for_buildings else []),
-        ]
-
 
 @dataclass(frozen=True, repr=False)
-class Leaderboard(Representation):
+class Leaderboard(Shown):
     """The finalists by rising validation error, what was screened before, and what was chosen for all.
 
     ``optimism`` is by how much the lowest error is too low for having been chosen (a ratio, like the errors; NaN where it could
@@ -155,88 +135,6 @@ class Leaderboard(Representation):
     cut: str = ""
     work: float = float("nan")
     origin: Origin = NOT_STATED
-
-    def plot(self) -> Any:
-        """The validation error of every screened model, bare and with add-ons; the matplotlib axes ``(1,)``."""
-        from dampyr.figures import style
-        from dampyr.figures.leaderboard import leaderboard_figure
-
-        return style.in_pyplot(leaderboard_figure, *self.screened_errors(), origin=self.origin)
-
-    def to_dataframe(self) -> Any:
-        """The finalists as a ``pandas.DataFrame``, the best first; errors are ratios, ``seconds`` s."""
-        keys = [key for key in ENTRY_KEYS if key != "model"]
-        columns = {key: [getattr(entry, key) for entry in self.entries] for key in keys}
-        return data_frame(columns, [entry.model for entry in self.entries], "model")
-
-    def screened_errors(self) -> tuple[list[str], list[float], list[float]]:
-        """Each screened model with its add-ons in lines below it, its error bare, and its error with them."""
-        models = [
-            one.best.model.replace(one.base, one.base + "\n", 1).replace("\n + ", "\n+ ").rstrip("\n")
-            for one in self.screened
-        ]
-        return models, [one.bare.error for one in self.screened], [one.best.error for one in self.screened]
-
-    def _small_figure(self) -> Figure | None:
-        from dampyr.figures.leaderboard import leaderboard_figure
-
-        return leaderboard_figure(*self.screened_errors()) if self.screened else None
-
-    def _summary(self) -> Summary:
-        trials = sum(len(one.trials) for one in self.screened)
-        screened = f"{counted(len(self.screened), 'model')}, {counted(trials, 'composition')}, {self.seconds:.3g} s"
-        if self.cut:
-            return f"Leaderboard of {counted(len(self.entries), 'finalist')}, cut", [
-                ("chosen", f"nothing: {self.cut}"),
-                ("screened", screened),
-            ]
-        rows = [("chosen", f"{self.winner.model}, validation error {percent(self.winner.error)}")]
-        if self.winner is not self.best:
-            rows.append(
-                ("lowest", f"{self.best.model}, {percent(self.best.error)} ± {percent(self.best.standard_error)}")
-            )
-        if self.runner_up:
-            rows.append(("runner-up", f"{self.runner_up.model}, {percent(self.runner_up.error)}"))
-        rows.append(("for a building", self.for_building.model if self.for_building else "none of the finalists"))
-        if np.isfinite(self.optimism):
-            rows.append(("optimism", f"{percent(self.optimism)} of the lowest error, by choosing among the finalists"))
-        rows += [("screened", screened), ("velocity", self.velocity)]
-        if self.left_out:
-            rows.append(("left out", listing(self.left_out, 2)))
-        return f"Leaderboard of {counted(len(self.entries), 'finalist')}", rows
-
-    def _table(self) -> Table:
-        heads = (
-            "model",
-            "error [%]",
-            "± [%]",
-            "L1 [%]",
-            "unseen input [%]",
-            "NRMSE [%]",
-            "parameters",
-            "time [s]",
-            "building",
-        )
-        rows = [
-            [
-                e.model,
-                *(100 * v for v in (e.error, e.standard_error, e.l1, e.unseen_input, e.nrmse)),
-                e.parameters,
-                e.seconds,
-                "no" if e.not_for_buildings else "yes",
-            ]
-            for e in self.entries
-        ]
-        return heads, rows
-
-    @property
-    def velocity(self) -> str:
-        """Which velocity was used, in words."""
-        if self.bandwidth is not None:
-            return f"derived with {self.bandwidth:g} Hz"
-        fitted = next((one.fit.records for one in self.entries if one.fit), ())
-        derived = any(record.velocity is None for record in fitted)
-        return "as recorded, or derived with each record's own bandwidth" if derived else "as recorded"
 
     @property
     def best(self) -> Entry:
@@ -265,23 +163,6 @@ class Leaderboard(Representation):
             return self.winner
         suited = [one for one in self.entries if not one.not_for_buildings and np.isfinite(one.error)]
         return simplest(suited) if suited else None
-
-    def as_dict(self) -> dict[str, Any]:
-        """The ranking and the screening for `dampyr.to_json`, without the fits and validations of the entries."""
-        return {
-            "origin": self.origin.as_dict(),
-            "entries": [{key: getattr(entry, key) for key in ENTRY_KEYS} for entry in self.entries],
-            "screened": self.screened,
-            "chosen": None if self.cut else self.winner.model,
-            "for_building": self.for_building.model if not self.cut and self.for_building else None,
-            "cut": self.cut,
-            "work": self.work,
-            "optimism": self.optimism,
-            "nested": self.nested,
-            "bandwidth_hz": self.bandwidth,
-            "left_out": self.left_out,
-            "seconds": self.seconds,
-        }
 
 
 class Cut(InputError):
@@ -580,47 +461,6 @@ def simplest(entries: Sequence[Entry]) -> Entry:
     limit = first.error + (first.standard_error if np.isfinite(first.standard_error) else 0.0)
     near = [one for one in entries if one.error <= limit] or [first]
     return min(near, key=lambda one: (one.parameters, bool(one.not_for_buildings), one.error))
-
-
-def choice_in_words(board: Leaderboard) -> list[str]:
-    """Which model was chosen and why, which may stand in a building, and how much the choice flatters, a sentence each; or why
-    none was chosen."""
-    if board.cut:
-        return [board.cut]
-    winner, best, suited = board.winner, board.best, board.for_building
-    words = [f"chosen: {winner.model}, the lowest error"]
-    if winner is not best:
-        words = [
-            f"chosen: {winner.model}, {counted(winner.parameters, 'number')} and an error of {percent(winner.error)}; of the "
-            f"models within one standard error of the lowest ({best.model}, {percent(best.error)} ± "
-            f"{percent(best.standard_error)}) it {_merit(board)}"
-        ]
-    if suited is None:
-        words.append("no finalist may stand in for a damper of a building; try dahl, bouc_wen or modified_bouc_wen")
-    else:
-        words.append(f"best model that may stand in a building: {suited.model}, {percent(suited.error)}")
-    if np.isfinite(board.optimism):
-        words.append(
-            f"choosing the lowest by four parts and scoring it on the fifth gives an L1 {percent(board.optimism)} higher than "
-            "the lowest: what the choice among the finalists flatters"
-        )
-    levels = winner.fit.levels if winner.fit is not None else None
-    if levels is not None and not levels.repeated:
-        words.append("no error here knows how another measurement session would differ; the notes of the fit say why")
-    if np.isfinite(board.nested):
-        words.append(
-            f"the whole search, repeated without a fifth of the records each time, predicts it to {percent(board.nested)}"
-        )
-    return words
-
-
-def _merit(board: Leaderboard) -> str:
-    """Why the winner goes before the lowest error, within one standard error of it."""
-    if board.winner.parameters < board.best.parameters:
-        return "has the fewest numbers"
-    if board.best.not_for_buildings and not board.winner.not_for_buildings:
-        return "has as few numbers as any, and may stand in for a damper of a building"
-    return "has as few numbers as any"
 
 
 def optimism(entries: Sequence[Entry]) -> float:

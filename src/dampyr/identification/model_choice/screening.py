@@ -20,7 +20,7 @@ from dampyr.identification.search.work import OUT_OF_TIME, OUT_OF_WORK
 from dampyr.models import compose
 from dampyr.records import Record, cycles, measure, motion_start, with_velocity
 from dampyr.records.conditioning.velocity import check_bandwidth, default_bandwidth
-from dampyr.representation import Representation, Summary, Table, counted, percent
+from dampyr.shown import Shown
 
 #: compositions that are tried like a model of the catalogue, and what one of the two parts leaves to the other
 PAIRS = {"dahl + hyperbolic_tangent": {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0}}
@@ -53,22 +53,11 @@ class Trial:
 
 
 @dataclass(frozen=True, repr=False)
-class Screened(Representation):
+class Screened(Shown):
     """One model of the catalogue: every trial, the bare one first; the best is `best`."""
 
     base: str
     trials: tuple[Trial, ...]
-
-    def _summary(self) -> Summary:
-        return f"Screened {self.base!r}", [
-            ("bare", percent(self.bare.error)),
-            ("best", f"{percent(self.best.error)}, {self.best.model}"),
-            ("tried", counted(len(self.trials), "composition")),
-        ]
-
-    def _table(self) -> Table:
-        rows = [[one.model, 100 * one.error, one.seconds, one.reason] for one in self.trials]
-        return ("model", "validation error [%]", "time [s]", "reason"), rows
 
     @property
     def bare(self) -> Trial:

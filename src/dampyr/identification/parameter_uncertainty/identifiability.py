@@ -17,7 +17,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,9 +32,9 @@ from dampyr.identification.search.normal_equations import linearise, modelled_fo
 from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Point, Problem
 from dampyr.models.damper import INPUTS
+from dampyr.phrases import counted, listing
 from dampyr.records import Record
-from dampyr.representation import Representation, Summary, Table, counted, listing
-from dampyr.to_json import plain
+from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
 ALIKE = 0.8  # correlation by the motions: beyond it an interval is 1.7 times as wide as if the other were known
@@ -69,7 +68,7 @@ class Inseparable:
 
 
 @dataclass(frozen=True, repr=False)
-class Identifiability(Representation):
+class Identifiability(Shown):
     """Result of `identifiability`: what is ``inseparable``, worst first of each kind; none where everything is separated."""
 
     inseparable: tuple[Inseparable, ...]
@@ -78,19 +77,6 @@ class Identifiability(Representation):
     def lines(self) -> tuple[str, ...]:
         """A short line for each finding."""
         return tuple(one.brief for one in self.inseparable)
-
-    def _summary(self) -> Summary:
-        rows = [(one.kind, one.brief) for one in self.inseparable] or [("", "these records separate what was fitted")]
-        return f"Identifiability: {counted(len(self.inseparable), 'finding')}", rows
-
-    def _table(self) -> Table:
-        return ("what the records cannot separate", "the test that would"), [
-            [one.words, one.test] for one in self.inseparable
-        ]
-
-    def as_dict(self) -> dict[str, Any]:
-        """What is inseparable, for `dampyr.to_json`."""
-        return dict(plain({"inseparable": list(self.inseparable)}))
 
 
 def identifiability(fit: Fit) -> Identifiability:

@@ -20,7 +20,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +28,9 @@ from dampyr.identification.parameter_uncertainty.uncertainty import Uncertainty,
 from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Problem
 from dampyr.models.prediction_error import PredictionError, ShapeError, assumed_words, phase_basis, spread_words
+from dampyr.phrases import counted, listing, percent
 from dampyr.records import Record
-from dampyr.representation import Representation, Summary, Table, counted, listing, percent
+from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
 # further records of the published campaign's rig, of another session, have a level of 0 to 11 % by the model that looks, which
@@ -49,7 +49,7 @@ MIN_GROUP = 3  # records at an input, for a shape error of its own
 
 
 @dataclass(frozen=True, repr=False)
-class Levels(Representation):
+class Levels(Shown):
     """The levels of the fitted records, and what they say of records and sessions to come.
 
     ``level`` holds each record's factor on the fitted force (1.03: 3 % stronger), ``session`` the session of each: its name, or
@@ -96,36 +96,6 @@ class Levels(Representation):
         moved = self.session_sd * float(np.linalg.norm(self.by_session[:, number]))
         own, sessions = t.ppf(0.5 + 0.5 * level, [freedom, self.session_freedom])
         return math.hypot(own * error, sessions * moved)
-
-    def _summary(self) -> Summary:
-        return "Levels", [
-            ("records", f"{counted(len(self.level), 'record')}, {percent(self.record_sd)} apart within a session"),
-            ("sessions", self.words),
-            *([("settled by", self.settles)] if self.settles else []),
-        ]
-
-    def _table(self) -> Table:
-        rows = [[name, self.session[name], 100 * (level - 1.0)] for name, level in self.level.items()]
-        return ("record", "session", "level [%]"), rows
-
-    def as_dict(self) -> dict[str, Any]:
-        """All of it for JSON; standard deviations of logarithms, None in the place of infinite degrees of freedom."""
-        return {
-            "level": dict(self.level),
-            "session": dict(self.session),
-            "record_sd": self.record_sd,
-            "record_freedom": _or_none(self.record_freedom),
-            "session_sd": self.session_sd,
-            "session_freedom": _or_none(self.session_freedom),
-            "session_reml": _or_none(self.session_reml),
-            "session_level_known": self.repeated,
-            "words": self.words,
-            "settled_by": self.settles,
-        }
-
-
-def _or_none(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def levels_and_error(

@@ -21,7 +21,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,12 +35,8 @@ from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Point, with_held
 from dampyr.models import Damper
 from dampyr.origin import Origin
-from dampyr.representation import Representation, Summary, Table, data_frame, listing
-from dampyr.to_json import plain
-from dampyr.units import for_people
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from dampyr.phrases import listing
+from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
 LENGTHS = 50.0  # autocorrelation times: what emcee's authors ask for before they trust the time itself
@@ -58,7 +54,7 @@ MISSING = 'samples of the posterior need the package emcee, which is not install
 
 
 @dataclass(frozen=True, repr=False)
-class Posterior(Representation):
+class Posterior(Shown):
     """Samples of the posterior: result of `sample_posterior`.
 
     ``samples`` holds an array (n,) for each label, SI units, row by row one draw of all; ``held`` what stood at a limit and
@@ -130,93 +126,12 @@ class Posterior(Representation):
             "inputs; fit them by interpolation"
         )
 
-    def to_dataframe(self) -> Any:
-        """The samples as a ``pandas.DataFrame``, SI units: one row a draw, one column a number."""
-        return data_frame(self.samples)
-
     def to_xarray(self) -> Any:
         """The samples as an ``xarray.DataArray`` with the dimensions sample and parameter, SI units."""
         import xarray
 
         table = np.stack(list(self.samples.values()), axis=-1)
         return xarray.DataArray(table, {"parameter": list(self.samples)}, ("sample", "parameter"), "posterior")
-
-    def plot(self, pairs: int = 4) -> Any:
-        """The most correlated ``pairs`` of numbers as clouds with the fit's estimates, as axes ``(k,)``."""
-        from dampyr.figures import style
-        from dampyr.figures.sample_pairs import sample_pairs
-
-        return style.in_pyplot(sample_pairs, *self._drawn(pairs), origin=self.origin)
-
-    def _small_figure(self) -> Figure:
-        from dampyr.figures.sample_pairs import sample_pairs
-
-        return sample_pairs(*self._drawn(2))
-
-    def _drawn(self, pairs: int) -> tuple[Any, ...]:
-        from dampyr.figures import style
-        from dampyr.figures.symbols import label_as_mathtext
-
-        if pairs < 1:
-            raise InputError(f"pairs = {pairs} is not allowed; give 1 or more")
-        axes = {}
-        for label in self.samples:
-            shown, factor = for_people(self.units[label])
-            axes[label] = style.Axis(label_as_mathtext(label), shown or "1", factor)
-        estimates = {label: self.fit.parameters[label] for label in self.samples}
-        return self.samples, axes, estimates, self._strongest(pairs)
-
-    def _strongest(self, count: int) -> list[tuple[str, str]]:
-        labels = list(self.samples)
-        r = np.abs(self.correlation)
-        order = sorted(((float(r[i, j]), i, j) for j in range(len(labels)) for i in range(j)), reverse=True)
-        return [(labels[i], labels[j]) for _, i, j in order[:count]] or [(labels[0], labels[0])]
-
-    def _summary(self) -> Summary:
-        time = max(self.autocorrelation_time.values())
-        rows = [
-            ("draws", f"{self.size} of {len(self.samples)} numbers, seed {self.seed}"),
-            ("chains", ("" if self.converged else "not converged: ") + self.reason),
-            ("mixing", f"autocorrelation {time:.3g} steps, R-hat {max(self.r_hat.values()):.3f} at worst"),
-            ("density", "normal" if self.tails == "normal" else "Student's t"),
-            ("prior", "flat in the coordinates of the search, inside the allowed values"),
-        ]
-        return f"Posterior {str(self.fit.problem.composition)!r}", rows
-
-    def _table(self) -> Table:
-        spans, rows = self.intervals(), list[list[Any]]()
-        for label, values in self.samples.items():
-            shown, factor = for_people(self.units[label])
-            low, high = spans[label]
-            rows.append([label, shown or "1", factor * float(np.median(values)), factor * low, factor * high])
-        return ("parameter", "unit", "median", "2.5 %", "97.5 %"), rows
-
-    def as_dict(self) -> dict[str, Any]:
-        """Medians, intervals, correlation and the state of the chains for `dampyr.to_json`, SI units; not the samples."""
-        names = (
-            "origin",
-            "held",
-            "converged",
-            "reason",
-            "findings",
-            "autocorrelation_time",
-            "r_hat",
-            "acceptance",
-            "steps",
-            "tails",
-            "seed",
-        )
-        data = {name: getattr(self, name) for name in names}
-        data |= {
-            "draws": self.size,
-            "median": {label: float(np.median(values)) for label, values in self.samples.items()},
-            "standard_deviation": {label: float(np.std(values)) for label, values in self.samples.items()},
-            "intervals_95": self.intervals(),
-            "units": {label: self.units[label] for label in self.samples},
-            "correlation": self.correlation,
-            "prior": "flat in the coordinates of the search, inside the allowed values",
-        }
-        return dict(plain(data))
 
 
 def sample_posterior(

@@ -17,8 +17,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,12 +28,8 @@ from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Point, Problem, with_held
 from dampyr.identification.search.variable_projection import WARM_DAMPING, levenberg_marquardt
 from dampyr.origin import NOT_STATED, Origin
-from dampyr.representation import Representation, Summary, listing
-from dampyr.to_json import plain
-from dampyr.units import for_people
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from dampyr.phrases import listing
+from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
 TIGHT = 1e-10  # of the cost: a hundredth of the tolerance of a fit, so that the rise near the optimum is smooth
@@ -49,7 +43,7 @@ LOWER = 0.02  # of the rise: below the optimum by that, the fit had not ended at
 
 
 @dataclass(frozen=True, repr=False)
-class Profile(Representation):
+class Profile(Shown):
     """The profile of one coefficient: result of `profile`, SI units.
 
     ``values`` (n,) of the coefficient, and the ``rise`` (n,) of the adjusted objective there, which at the ends of the
@@ -74,44 +68,6 @@ class Profile(Representation):
     reason: str
     findings: tuple[Finding, ...]
     origin: Origin = NOT_STATED
-
-    def plot(self) -> Any:
-        """The rise over the value, the parabola of the standard error, the threshold and the interval, as axes ``(k,)``."""
-        from dampyr.figures import style
-        from dampyr.figures.profile import profile_curve
-
-        return style.in_pyplot(profile_curve, *self._drawn, origin=self.origin)
-
-    def _small_figure(self) -> Figure:
-        from dampyr.figures.profile import profile_curve
-
-        return profile_curve(*self._drawn)
-
-    @cached_property
-    def _drawn(self) -> tuple[Any, ...]:
-        from dampyr.figures import style
-        from dampyr.figures.symbols import label_as_mathtext
-
-        shown, factor = for_people(self.unit)
-        axis = style.Axis(label_as_mathtext(self.label), shown or "1", factor)
-        parabola = (self.value, self.standard_error) if math.isfinite(self.standard_error) else None
-        return axis, self.values, self.rise, self.threshold, self.interval, parabola
-
-    def _summary(self) -> Summary:
-        shown, factor = for_people(self.unit)
-        low, high = (factor * each for each in self.interval)
-        rows = [
-            ("value", f"{factor * self.value:.4g} {shown}".rstrip()),
-            (f"{100 * self.level:g} % interval", f"{low:.4g} … {high:.4g} {shown}".rstrip()),
-            ("sides", self.reason),
-            ("freedom", f"{self.freedom:.3g}"),
-        ]
-        return f"Profile {self.label!r}", rows
-
-    def as_dict(self) -> dict[str, Any]:
-        """All of it for `dampyr.to_json`, SI units."""
-        data = {name: getattr(self, name) for name in self.__dataclass_fields__}
-        return dict(plain(data))
 
 
 def profile(fit: Fit, label: str, level: float = 0.95, points: int = 21) -> Profile:

@@ -21,13 +21,13 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.findings import Finding, Findings, as_dicts, handed_on, worst_first
+from dampyr.findings import Finding, Findings, handed_on, worst_first
 from dampyr.identification.fits.fit import check_model_and_records, fit
 from dampyr.identification.fits.result import Fit
 from dampyr.identification.parameter_uncertainty.profile_likelihood import variance_ratios
@@ -35,21 +35,16 @@ from dampyr.identification.parameter_uncertainty.random_effects import MIN_GROUP
 from dampyr.models import Composition, Damper
 from dampyr.models.prediction_error import PredictionError, ShapeError
 from dampyr.origin import Origin, check_one_kind, combined
+from dampyr.phrases import counted, listing
 from dampyr.records import Record
-from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing
-from dampyr.to_json import plain
-from dampyr.units import for_people
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
-SHOWN = 6  # parameters that a short text lists, and panels of a figure
 ERRORS = ("pooled", "own")
 
 
 @dataclass(frozen=True, repr=False)
-class Spread(Representation):
+class Spread(Shown):
     """One number over the specimens, SI units.
 
     ``mean`` (geometric where ``relative``), its ``mean_interval``, the ``spread`` between specimens with ``spread_interval``
@@ -72,29 +67,9 @@ class Spread(Representation):
     shrunken: dict[str, float]
     left_out: dict[str, str]
 
-    def _summary(self) -> Summary:
-        shown, factor = for_people(self.unit)
-        (low, high), (bottom, top) = (
-            tuple(factor * end for end in each) for each in (self.mean_interval, self.new_specimen)
-        )
-        spread, interval = self.spread_in_words()
-        rows = [
-            ("mean", f"{factor * self.mean:.4g} {shown}, {100 * self.level:g} % interval {low:.4g} … {high:.4g}"),
-            ("spread", f"{spread}, interval {interval}"),
-            ("new specimen", f"{bottom:.4g} … {top:.4g} {shown}".rstrip()),
-            ("specimens", listing(list(self.estimates), 6)),
-        ]
-        return f"Spread {self.label!r}", [*rows, *((f"without {name}", why) for name, why in self.left_out.items())]
-
-    def spread_in_words(self) -> tuple[str, str]:
-        """The spread and its interval: in percent where it is relative, else in the unit for people."""
-        shown, factor = ("%", 100.0) if self.relative else for_people(self.unit)
-        low, high = (factor * each for each in self.spread_interval)
-        return f"{factor * self.spread:.3g} {shown}".rstrip(), f"{low:.2g} … {high:.2g} {shown}".rstrip()
-
 
 @dataclass(frozen=True, repr=False)
-class Specimens(Representation):
+class Specimens(Shown):
     """Mean and spread of each number over several specimens: result of `fit_specimens`.
 
     ``spreads`` by label; ``fits`` by specimen; ``left_out`` names the specimens whose fit gave no damper, and
@@ -300,115 +275,6 @@ class Specimens(Representation):
         out[~seen, :] = out[:, ~seen] = 0.0
         np.fill_diagonal(out, 1.0)
         return np.asarray(out)
-
-    def to_dataframe(self) -> Any:
-        """Mean, spread and their intervals as a ``pandas.DataFrame``, SI units: a row a number."""
-        each = list(self.spreads.values())
-        columns = {
-            "mean": [one.mean for one in each],
-            "mean_low": [one.mean_interval[0] for one in each],
-            "mean_high": [one.mean_interval[1] for one in each],
-            "spread": [one.spread for one in each],
-            "spread_low": [one.spread_interval[0] for one in each],
-            "spread_high": [one.spread_interval[1] for one in each],
-            "relative": [one.relative for one in each],
-            "specimens": [len(one.estimates) for one in each],
-            "unit": [one.unit for one in each],
-        }
-        return data_frame(columns, list(self.spreads), "parameter")
-
-    def plot(self, labels: Sequence[str] = ()) -> Any:
-        """Each specimen's estimate with its interval, the mean and the interval of a new one: axes ``(k,)``, a panel a number.
-
-        ``labels`` are by default the first six.
-        """
-        from dampyr.figures import style
-        from dampyr.figures.specimens import specimen_estimates
-
-        return style.in_pyplot(specimen_estimates, self._panels(labels), origin=self.origin)
-
-    def _small_figure(self) -> Figure:
-        from dampyr.figures.specimens import specimen_estimates
-
-        return specimen_estimates(self._panels(()))
-
-    def _panels(self, labels: Sequence[str]) -> list[Any]:
-        from scipy.stats import t
-
-        from dampyr.figures import style
-        from dampyr.figures.specimens import Estimates
-        from dampyr.figures.symbols import label_as_mathtext
-
-        unknown = [label for label in labels if label not in self.spreads]
-        if unknown:
-            raise InputError(f"{unknown[0]!r} has no spread; choose from {listing(list(self.spreads), 8)}")
-        panels = []
-        for label in labels or list(self.spreads)[:SHOWN]:
-            one = self.spreads[label]
-            shown, factor = for_people(one.unit)
-            bars = {
-                name: float(t.ppf(0.5 + 0.5 * self.level, self.fits[name].freedom[label])) * error
-                for name, error in one.errors.items()
-            }
-            panels.append(
-                Estimates(
-                    style.Axis(label_as_mathtext(label), shown or "1", factor),
-                    one.estimates,
-                    bars,
-                    one.shrunken,
-                    one.mean_interval,
-                    one.new_specimen,
-                )
-            )
-        return panels
-
-    def _summary(self) -> Summary:
-        rows = [("specimens", f"{len(self.fits)}: {listing(list(self.fits), 6)}")]
-        for one in list(self.spreads.values())[:SHOWN]:
-            shown, factor = for_people(one.unit)
-            spread, interval = one.spread_in_words()
-            rows.append(
-                (one.label, f"{factor * one.mean:.4g} {shown}, spread {spread} ({interval})".replace(" ,", ","))
-            )
-        if len(self.spreads) > SHOWN:
-            rows.append(("", f"and {len(self.spreads) - SHOWN} more"))
-        return f"Specimens {str(self._reference.problem.composition)!r}", rows
-
-    def _table(self) -> Table:
-        return self.by_number()
-
-    def by_number(self) -> Table:
-        """One row a number, in units that people read: mean, spread, both with their intervals, and that of a new specimen."""
-        level = f"{100 * self.level:g} %"
-        heads = ("parameter", "unit", "mean", level, "spread", f"{level} of it", "new specimen", "specimens")
-        rows: list[list[Any]] = []
-        for one in self.spreads.values():
-            shown, factor = for_people(one.unit)
-            spread, of_spread = one.spread_in_words()
-            mean, new = (
-                f"{factor * low:.4g} … {factor * high:.4g}" for low, high in (one.mean_interval, one.new_specimen)
-            )
-            rows.append(
-                [one.label, shown or "1", f"{factor * one.mean:.4g}", mean, spread, of_spread, new, len(one.estimates)]
-            )
-        return heads, rows
-
-    def as_dict(self) -> dict[str, Any]:
-        """Means, spreads, intervals, estimates by specimen and what is missing, for `dampyr.to_json`, SI units."""
-        return dict(
-            plain(
-                {
-                    "model": str(self._reference.problem.composition),
-                    "origin": self.origin.as_dict(),
-                    "level": self.level,
-                    "specimens": {name: [record.name for record in one.records] for name, one in self.fits.items()},
-                    "parameters": dict(self.spreads),
-                    "left_out": self.left_out,
-                    "not_estimated": self.not_estimated,
-                    "findings": as_dicts(self.findings),
-                }
-            )
-        )
 
 
 def fit_specimens(

@@ -25,11 +25,12 @@ from dampyr.identification.scoring.scoring_window import SETTLING, Window, scori
 from dampyr.models import Damper
 from dampyr.models.prediction_error import force_draws, prior_words
 from dampyr.origin import NOT_STATED, Origin, combined
+from dampyr.phrases import percent
 from dampyr.records import Record, with_velocity
 from dampyr.records.conditioning.moving_average import averaged
 from dampyr.records.conditioning.nominal_input import without_noise_beyond
 from dampyr.records.conditioning.smoothing import force_average
-from dampyr.representation import Representation, Summary, percent
+from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
 LEVEL = 0.9  # of the band unless told otherwise
@@ -55,7 +56,7 @@ class Interval:
 
 
 @dataclass(frozen=True, repr=False)
-class Band(Representation):
+class Band(Shown):
     """The band of a record at ``level``: ``low`` and ``high`` (n,) of the ``measured`` force in N, its offset included.
 
     ``holds`` is the share of the window's samples inside, ``width`` half the mean width over the mean size of the force
@@ -85,43 +86,6 @@ class Band(Representation):
         """What it holds and how wide it is."""
         words = f"holds {percent(self.holds)} of the samples, width ± {percent(self.width)} of the mean force"
         return f"{words}, {self.prior}" if self.prior else words
-
-    def _summary(self) -> Summary:
-        where = "a new session" if self.session is None else f"the session {self.session}"
-        rows = [
-            ("holds", f"{percent(self.holds)} of the samples"),
-            ("width", f"± {percent(self.width)} of the mean force"),
-            ("peak", _in_words(self.peak, "N")),
-            ("record", f"of {where}" + (f", {self.prior}" if self.prior else "")),
-        ]
-        if self.energy is not None:
-            rows.insert(3, ("energy", f"{_in_words(self.energy, 'J')} per cycle"))
-        return f"Band, {percent(self.level)}", rows
-
-    def plot(self) -> Any:
-        """The measured force in its band over the window; the matplotlib axes ``(1,)``."""
-        from dampyr.figures import style
-        from dampyr.figures.band import band
-
-        inside = self.window.slice
-        drawn = self.time[inside], self.measured[inside], self.low[inside], self.high[inside]
-        return style.in_pyplot(band, *drawn, level=self.level, record_origin=self.record_origin, origin=self.origin)
-
-    def as_dict(self) -> dict[str, Any]:
-        """Plain numbers, for JSON; the limits sample by sample are left out."""
-        return {
-            "level": self.level,
-            "holds": self.holds,
-            "width": self.width,
-            "peak": self.peak.as_dict(),
-            "energy": None if self.energy is None else self.energy.as_dict(),
-            "session": self.session,
-            "prior": self.prior,
-        }
-
-
-def _in_words(one: Interval, unit: str) -> str:
-    return f"{one.low:.4g} to {one.high:.4g} {unit}, measured {one.measured:.4g} {unit}"
 
 
 def check_level(level: float) -> None:

@@ -26,9 +26,8 @@ level is known.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, fields, replace
-from typing import Any, Literal
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -42,7 +41,7 @@ from dampyr.records import Record, cycles, with_velocity
 from dampyr.records.conditioning.moving_average import averaged
 from dampyr.records.conditioning.nominal_input import without_noise_beyond
 from dampyr.records.conditioning.smoothing import force_average
-from dampyr.representation import Representation, Summary, percent
+from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
 SMALL = 0.01  # of half the range of the force: below it the pointwise error divides by nothing
@@ -53,7 +52,7 @@ Centre = Literal["quantiles", "midrange"]
 
 
 @dataclass(frozen=True, repr=False)
-class Score(Representation):
+class Score(Shown):
     """Ratios without unit (0.05 is 5 %); ``peak_force`` and ``energy`` are signed errors, model over measured less one.
 
     ``energy`` is per cycle (of the whole cycles in the window), NaN where there is none. ``offset`` in N is what was
@@ -73,26 +72,6 @@ class Score(Representation):
     level: float = math.nan
     relevelled_l1: float = math.nan
     band: Band | None = None
-
-    def _summary(self) -> Summary:
-        rows = [
-            ("NRMSE", f"{percent(self.nrmse)}, R² {self.r2:.4g}"),
-            ("pointwise", percent(self.pointwise)),
-            ("peak force", f"{100 * self.peak_force:+.3g} % against the measured one"),
-            ("energy", f"{100 * self.energy:+.3g} % against the measured one, per cycle"),
-            ("level", f"{self.level:.4g} by the first cycles; with it L1 {percent(self.relevelled_l1)}"),
-            ("offset", f"{self.offset:.4g} N"),
-            ("window", f"{self.window.start:.4g} … {self.window.end:.4g} s"),
-        ]
-        if self.band is not None:
-            rows.append((f"{percent(self.band.level)} band", self.band.words))
-        return f"Score, L1 {percent(self.l1)}", rows
-
-    def as_dict(self) -> dict[str, Any]:
-        """Plain numbers, for JSON; ``band`` is there where there is one."""
-        values = {one.name: getattr(self, one.name) for one in fields(self) if one.name != "band"}
-        band = {} if self.band is None else {"band": self.band.as_dict()}
-        return values | {"window": asdict(self.window)} | band
 
 
 def score(
@@ -253,20 +232,3 @@ def _energy_error(record: Record, force: Array, where: Window) -> float:
     measured = np.trapezoid(record.force[span] - np.mean(record.force[span]), x - middle)
     model = np.trapezoid(force[span] - np.mean(force[span]), x - middle)
     return float(model / measured - 1.0)
-
-
-def group_by_input(records: Iterable[Record], values: Mapping[str, float]) -> dict[str, list[float]]:
-    """The records' values under the words for their input, in its order; records without a value are left out."""
-    groups: dict[str, list[float]] = {}
-    for record in sorted(records, key=lambda r: -math.inf if r.input_value is None else r.input_value):
-        if record.name in values:
-            groups.setdefault(input_words(record), []).append(values[record.name])
-    return groups
-
-
-def input_words(record: Record) -> str:
-    """Such as ``1.98 V``; the mean where the input varies."""
-    if record.input_value is None:
-        return "input not known"
-    varies = np.ptp(record.voltage if record.voltage is not None else record.current) > 1e-9  # type: ignore[arg-type]
-    return f"{record.input_value:.5g} {record.input}" + (" (mean)" if varies else "")

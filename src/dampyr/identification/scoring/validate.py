@@ -8,25 +8,22 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from dampyr.argument_kinds import DAMPER, RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
-from dampyr.findings import OF_DAMPER, Finding, as_dicts, handed_on, worst_first
+from dampyr.findings import OF_DAMPER, Finding, handed_on, worst_first
 from dampyr.identification.scoring.prediction_band import LEVEL, Band, check_level, prediction_band, why_no_band
-from dampyr.identification.scoring.score import Array, Score, compare, group_by_input, prediction
+from dampyr.identification.scoring.score import Array, Score, compare, prediction
 from dampyr.identification.scoring.scoring_window import SETTLING, check_settling
-from dampyr.identification.scoring.validation import mean_relevelled, score_columns, score_table
+from dampyr.identification.scoring.validation import mean_relevelled
 from dampyr.models import Damper
 from dampyr.models.prediction_error import check_prior
 from dampyr.origin import Origin, combined
+from dampyr.phrases import listing
 from dampyr.records import Record, nominal_inputs, write_comparison
 from dampyr.records.files.comparison import check_free, file_name
-from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing, percent
-from dampyr.to_json import plain
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from dampyr.shown import Shown
 
 
 @dataclass(frozen=True)
@@ -48,41 +45,8 @@ class ValidateOptions:
             check_level(self.band)
 
 
-@dataclass(frozen=True)
-class ValidatedPlots:
-    """Each method draws one figure and returns its matplotlib axes ``(k,)``; ``record`` is a record's name."""
-
-    validated: Validated
-
-    def history(self, record: str) -> Any:
-        """Measured and predicted force over time, the record's offset taken, and the residual below."""
-        from dampyr.figures import style
-        from dampyr.figures.history import history
-
-        one, predicted = self.validated.measured_and_predicted(record)
-        drawn, origin = (one.time, one.force, predicted), self.validated.origin
-        named = {"name": "predicted", "title": one.name, "record_origin": one.origin}
-        return style.in_pyplot(history, *drawn, **named, origin=origin)
-
-    def loops(self, record: str) -> Any:
-        """Measured and predicted force over displacement, and over velocity where the record has it."""
-        from dampyr.figures import style
-        from dampyr.figures.loops import loops
-
-        one, predicted = self.validated.measured_and_predicted(record)
-        drawn = one.displacement, one.velocity, one.force, {"predicted": predicted}
-        return style.in_pyplot(loops, *drawn, title=one.name, record_origin=one.origin, origin=self.validated.origin)
-
-    def scores(self) -> Any:
-        """The L1 ratio of each record, by input."""
-        from dampyr.figures import style
-        from dampyr.figures.scores import scores
-
-        return style.in_pyplot(scores, self.validated.l1_by_input(), origin=self.validated.origin)
-
-
 @dataclass(frozen=True, repr=False)
-class Validated(Representation):
+class Validated(Shown):
     """Result of `validate`: the scores by record, the predicted forces in N without the records' offsets, and the predictive
     ``bands`` by record, none where ``no_band`` says why."""
 
@@ -99,49 +63,12 @@ class Validated(Representation):
         """That of the damper and the records together."""
         return combined([self.damper.origin, *(record.origin for record in self.records)])
 
-    @property
-    def plot(self) -> ValidatedPlots:
-        """Figures: ``validated.plot.history(name)``, ``.loops(name)`` and ``.scores()``, each giving matplotlib axes."""
-        return ValidatedPlots(self)
-
-    def to_dataframe(self) -> Any:
-        """The score of each record as a ``pandas.DataFrame``: ratios, and the offset in N."""
-        columns = {f"input_{self.damper.input}": [record.input_value for record in self.records]}
-        return data_frame(columns | score_columns(self.scores), list(self.scores), "record")
-
     def measured_and_predicted(self, record: str) -> tuple[Record, Array]:
         """A record by its name and the force N that is predicted for it, with the record's offset."""
         names = [one.name for one in self.records]
         if record not in names:
             raise InputError(f"{record!r} is not among the records; choose from {listing(names, 8)}")
         return self.records[names.index(record)], self.forces[record] + self.scores[record].offset
-
-    def l1_by_input(self) -> dict[str, list[float]]:
-        """The L1 ratio of each record, by its input in words."""
-        return group_by_input(self.records, {name: one.l1 for name, one in self.scores.items()})
-
-    def _small_figure(self) -> Figure:
-        from dampyr.figures.scores import scores
-
-        return scores(self.l1_by_input())
-
-    def _summary(self) -> Summary:
-        l1 = {name: one.l1 for name, one in self.scores.items()}
-        worst = max(l1, key=lambda name: l1[name])
-        seen = list(self.fitted_on.values()).count(True)
-        return f"Validated {self.card!r}", [
-            ("model", str(self.damper.composition)),
-            ("records", f"{counted(len(self.records), 'record')}, of which the damper was fitted on {seen}"),
-            ("L1", f"{percent(sum(l1.values()) / len(l1))} on average, {percent(l1[worst])} in {worst}"),
-            (
-                "relevelled",
-                f"L1 {percent(self.relevelled_l1)} on average, with the level of each record's first cycles",
-            ),
-            *([("bands", bands_in_words(self.bands))] if self.bands else []),
-        ]
-
-    def _table(self) -> Table:
-        return score_table(self.scores)
 
     @property
     def relevelled_l1(self) -> float:
@@ -179,22 +106,6 @@ class Validated(Representation):
             }
             for u in order
         ]
-
-    def as_dict(self) -> dict[str, Any]:
-        """All results for JSON, SI units."""
-        fitted_on = self.fitted_on
-        scores = {name: one.as_dict() | {"fitted_on": fitted_on[name]} for name, one in self.scores.items()}
-        bands = {name: one.as_dict() for name, one in self.bands.items()}
-        more = {"no_band": self.no_band} if self.no_band else {}
-        answer = {
-            "card": self.card,
-            "origin": self.origin.as_dict(),
-            "findings": as_dicts(self.findings),
-            "scores": scores,
-            "by_input": self.by_input,
-            "bands": bands,
-        }
-        return dict(plain(answer | more))
 
     def write_forces(self, folder: str | Path) -> list[Path]:
         """Write NAME.csv with the measured and the predicted force of each record; other people's files are not replaced."""
@@ -270,15 +181,3 @@ def validate(
                 bands, no_band = {}, f"predictions have no band: {problem}"
                 break
     return Validated(card, damper, nominal, scores, forces, bands, no_band)
-
-
-def bands_in_words(bands: Mapping[str, Band]) -> str:
-    """How much the bands hold of the records, and of how many the peak."""
-    each = list(bands.values())
-    holds = sum(one.holds for one in each) / len(each)
-    peaks = sum(one.peak.holds for one in each)
-    words = (
-        f"the {percent(each[0].level)} bands hold {percent(holds)} of the samples and the peaks of {peaks} of "
-        f"{counted(len(each), 'record')}"
-    )
-    return f"{words}, {each[0].prior}" if each[0].prior else words

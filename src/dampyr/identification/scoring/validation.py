@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -23,14 +23,11 @@ from dampyr.models import Composition, Damper
 from dampyr.origin import NOT_STATED, Origin, check_one_kind, combined
 from dampyr.records import Record, motion_start
 from dampyr.records.conditioning.velocity import check_bandwidth
-from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing, percent
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from dampyr.shown import Shown
 
 
 @dataclass(frozen=True, repr=False)
-class Fold(Representation):
+class Fold(Shown):
     """One part of the split: what was fitted, what was predicted, and how well (nothing where the fit gave no damper).
 
     ``outside`` says which predicted records go beyond what the fitted ones covered, and by how much; ``skipped`` are those
@@ -45,24 +42,9 @@ class Fold(Representation):
     skipped: tuple[str, ...] = ()
     work: float = 0.0
 
-    def _summary(self) -> Summary:
-        l1 = [one.l1 for one in self.scores.values()]
-        rows = [
-            ("fitted on", counted(len(self.fitted_on), "record")),
-            ("predicted", listing(list(self.scores), 3) if self.scores else f"nothing: {self.reason}"),
-        ]
-        if l1:
-            rows.append(("L1", f"{percent(float(np.mean(l1)))} on average, {percent(max(l1))} at worst"))
-        if self.outside:
-            rows.append(("outside", f"{counted(len(self.outside), 'record')} beyond what was fitted"))
-        return "Fold", rows
-
-    def _table(self) -> Table:
-        return score_table(self.scores)
-
 
 @dataclass(frozen=True, repr=False)
-class Validation(Representation):
+class Validation(Shown):
     """All folds of one split; ``inputs`` are those of the predicted records, by name, in ``unit``, V or A. ``not_scored`` are
     the records that are too short for it, and why."""
 
@@ -72,47 +54,6 @@ class Validation(Representation):
     unit: str = ""
     not_scored: dict[str, str] = field(default_factory=dict)
     origin: Origin = NOT_STATED
-
-    def plot(self) -> Any:
-        """The L1 ratio of each predicted record, by input; the matplotlib axes ``(1,)``."""
-        from dampyr.figures import style
-        from dampyr.figures.scores import scores
-
-        return style.in_pyplot(scores, self._l1_by_input(), origin=self.origin)
-
-    def to_dataframe(self) -> Any:
-        """The score of each predicted record as a ``pandas.DataFrame``: ratios, the offset in N, and which part it was in."""
-        part = {name: k for k, fold in enumerate(self.folds, 1) for name in fold.scores}
-        columns = {"part": list(part.values()), f"input_{self.unit}".rstrip("_"): [self.inputs.get(n) for n in part]}
-        return data_frame(columns | score_columns(self.scores), list(part), "record")
-
-    def _small_figure(self) -> Figure | None:
-        from dampyr.figures.scores import scores
-
-        return scores(self._l1_by_input()) if self.scores else None
-
-    def _l1_by_input(self) -> dict[str, list[float]]:
-        groups: dict[str, list[float]] = {}
-        for u in self.by_input:
-            own = [one.l1 for name, one in self.scores.items() if self.inputs.get(name, 0.0) == u]
-            groups[f"{u:.4g} {self.unit}".rstrip()] = own
-        return groups
-
-    def _summary(self) -> Summary:
-        rows = [
-            ("error", f"{percent(self.error)}, the mean L1 ratio of predicted records, every input counting the same"),
-            ("records", f"{len(self.scores)} predicted in {counted(len(self.folds), 'part')}"),
-            ("relevelled", f"{percent(self.relevelled)} with the level of each record's first cycles"),
-            ("by input", listing([f"{percent(e)} at {u:.4g} {self.unit}".rstrip() for u, e in self.by_input.items()])),
-        ]
-        if self.not_scored:
-            rows.append(("not scored", listing([f"{name}: {why}" for name, why in self.not_scored.items()], 1)))
-        if self.failed:
-            rows.append(("failed", f"{counted(len(self.failed), 'part')}: {next(iter(self.failed.values()))}"))
-        return f"Validation, split by {self.split}", rows
-
-    def _table(self) -> Table:
-        return score_table(self.scores)
 
     @property
     def scores(self) -> dict[str, Score]:
@@ -146,61 +87,11 @@ class Validation(Representation):
         """The mean of `by_input`: every input counts the same. Infinite where a fold gave no damper."""
         return float("inf") if self.failed or not self.by_input else float(np.mean(list(self.by_input.values())))
 
-    def as_dict(self) -> dict[str, Any]:
-        """Split, folds and inputs with their unit, for `dampyr.to_json`."""
-        return {
-            "split": self.split,
-            "origin": self.origin.as_dict(),
-            "error": self.error,
-            "relevelled": self.relevelled,
-            "folds": self.folds,
-            "inputs": self.inputs,
-            "unit": self.unit,
-            "not_scored": self.not_scored,
-        }
-
-
-def score_table(scores: Mapping[str, Score]) -> Table:
-    """One row a record, ratios in percent."""
-    heads = (
-        "record",
-        "L1 [%]",
-        "relevelled [%]",
-        "NRMSE [%]",
-        "R²",
-        "pointwise [%]",
-        "peak force [%]",
-        "energy [%]",
-        "offset [N]",
-    )
-    rows = [
-        [
-            name,
-            100 * s.l1,
-            100 * s.relevelled_l1,
-            100 * s.nrmse,
-            s.r2,
-            100 * s.pointwise,
-            100 * s.peak_force,
-            100 * s.energy,
-            s.offset,
-        ]
-        for name, s in scores.items()
-    ]
-    return heads, rows
-
 
 def mean_relevelled(scores: Mapping[str, Score]) -> float:
     """The mean L1 ratio with the level of each record's first cycles; NaN where no record has one."""
     values = [one.relevelled_l1 for one in scores.values() if np.isfinite(one.relevelled_l1)]
     return float(np.mean(values)) if values else float("nan")
-
-
-def score_columns(scores: Mapping[str, Score]) -> dict[str, list[float]]:
-    """The columns of a data frame of scores: ratios, and the offset in N."""
-    ratios = ("l1", "relevelled_l1", "level", "nrmse", "r2", "pointwise", "peak_force", "energy")
-    names = {name: name for name in ratios} | {"offset": "offset_N"}
-    return {head: [getattr(one, name) for one in scores.values()] for name, head in names.items()}
 
 
 def cross_validate(

@@ -11,14 +11,14 @@ from dampyr.records.conditioning.velocity import default_bandwidth, differentiat
 from dampyr.records.cycle_analysis.cycles import cut_cycles, similar_cycles, turning_points
 from dampyr.records.cycle_analysis.measure import fundamental
 from dampyr.records.record import Array, Record
-from dampyr.representation import Representation, Summary
+from dampyr.shown import Shown
 
 SHARE = 0.5  # of the moving time: cycles that cover less do not stand for the motion
 DISTORTION = 0.5  # rms of what the harmonics leave over that of the first: beyond it no cycle is like the next
 
 
 @dataclass(frozen=True, repr=False)
-class Overview(Representation):
+class Overview(Shown):
     """A motion as a whole, SI.
 
     Attributes
@@ -42,16 +42,6 @@ class Overview(Representation):
     rms_speed: float
     dominant_hz: float | None
     work: float
-
-    def _summary(self) -> Summary:
-        dominant = "none: it does not move" if self.dominant_hz is None else f"{self.dominant_hz:.4g} Hz"
-        return "Overview", [
-            ("motion", "repeats itself" if self.repeats else "does not repeat itself"),
-            ("stroke", f"{1e3 * self.stroke_m:.4g} mm"),
-            ("speed", f"peak {1e3 * self.peak_speed:.4g} mm/s, rms {1e3 * self.rms_speed:.4g} mm/s"),
-            ("dominant", dominant),
-            ("work", f"{self.work:.4g} J"),
-        ]
 
 
 def overview(record: Record) -> Overview:

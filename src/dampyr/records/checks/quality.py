@@ -14,7 +14,7 @@ from dampyr.records.checks.channel_noise import last_at_rest, quantum, rest_tole
 from dampyr.records.cycle_analysis.cycles import cycles, legs
 from dampyr.records.record import CHANNELS, Array, Record
 from dampyr.records.record_cache import cached_by_record
-from dampyr.representation import Representation, Summary
+from dampyr.shown import Shown
 
 GAP = 1.5  # median intervals: halfway to one missing sample
 MAX_PLATEAU = 5  # equal samples: a smooth extreme has fewer
@@ -40,7 +40,7 @@ EXCURSION = 0.1  # of the median distance between turning points: far beyond noi
 
 
 @dataclass(frozen=True, repr=False)
-class Quality(Representation):
+class Quality(Shown):
     """How well a record is sampled.
 
     Attributes
@@ -82,24 +82,6 @@ class Quality(Representation):
     leaps: tuple[float, ...] = ()
     run_away: float = 0.0
     stroke: float = 0.0
-
-    def _summary(self) -> Summary:
-        per_cycle = "no whole cycle" if self.per_cycle is None else f"{self.per_cycle:.4g} per cycle"
-        rows = [
-            ("samples", f"{self.samples}, every {1e3 * self.dt:.4g} ms, {per_cycle}"),
-            ("jitter", f"{100 * self.jitter:.2g} % of the interval"),
-            ("gaps", f"{len(self.gaps)}" + (f", the first at {self.gaps[0][0]:.4g} s" if self.gaps else "")),
-        ]
-        rows += [(f"{name} step", f"{value:.3g} {CHANNELS[name]}") for name, value in self.quantum.items()]
-        rows += [(f"{name} saturated", f"{count} samples") for name, count in self.saturated.items()]
-        rows += [
-            (f"{name} spikes", f"{len(times)}, the first at {times[0]:.4g} s") for name, times in self.spikes.items()
-        ]
-        if self.leaps:
-            rows.append(("displacement leaps", f"{len(self.leaps)}, the first at {self.leaps[0]:.4g} s"))
-        if self.run_away:
-            rows.append(("middle of the stroke", f"runs away by {1e3 * self.run_away:.3g} mm"))
-        return "Quality", rows
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -22,7 +22,7 @@ from dampyr.records.conditioning.velocity import PER_TEST_FREQUENCY, WITHOUT_CYC
 from dampyr.records.cycle_analysis.cycles import Cut, cut_cycles, turning_points
 from dampyr.records.cycle_analysis.measure import fundamental
 from dampyr.records.record import Array, Record
-from dampyr.representation import Representation, Summary
+from dampyr.shown import Shown
 
 PROVENANCE = "displacement_lowpass_hz"
 UNCERTAIN = 0.01  # of the samples: encoders and their last count give half of it on sines
@@ -35,7 +35,7 @@ LINES = 15  # of the spectrum, over which its power is averaged
 
 
 @dataclass(frozen=True, repr=False)
-class DisplacementNoise(Representation):
+class DisplacementNoise(Shown):
     """The noise of a displacement against its motion.
 
     ``rms`` in m, from third differences, which hold the steps of an encoder too; ``backward`` is the part of the samples, from
@@ -62,13 +62,6 @@ class DisplacementNoise(Representation):
             f"displacement noise of {1e6 * self.rms:.2g} um rms turns the direction of motion in {100 * self.backward:.2g} % "
             f"of the samples: state a low-pass, --lowpass {self.lowpass_hz:.3g} (Hz), leaves {1e6 * self.rms_after:.2g} um",
         )
-
-    def _summary(self) -> Summary:
-        return "DisplacementNoise", [
-            ("noise", f"{1e6 * self.rms:.3g} um rms"),
-            ("against the motion", f"{100 * self.backward:.2g} % of the samples"),
-            ("low-pass", f"{self.lowpass_hz:.3g} Hz leaves {1e6 * self.rms_after:.3g} um"),
-        ]
 
 
 def displacement_noise(record: Record) -> DisplacementNoise:

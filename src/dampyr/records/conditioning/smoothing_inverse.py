@@ -22,7 +22,7 @@ import numpy as np
 from dampyr.errors import InputError
 from dampyr.records.conditioning.moving_average import averaged, whole_windows
 from dampyr.records.record import Array
-from dampyr.representation import Representation, Summary, extent
+from dampyr.shown import Shown
 
 DIGITS = 13  # decimals in SI units that are tried: 0.1 pm, and values of 1 m hold no more
 MULTIPLE = 1e-3  # of a power of ten: far above the noise of doubles, far below what else a value would be off
@@ -38,7 +38,7 @@ NORMAL = 0.6745 * np.sqrt(20.0)  # the median absolute third difference of white
 
 
 @dataclass(frozen=True, repr=False)
-class Undone(Representation):
+class Undone(Shown):
     """Raw values (n,), and how sure they are, in their unit.
 
     ``missing`` is the standard deviation of what repeats itself in each window, which the average has taken for good: 0 where
@@ -56,21 +56,6 @@ class Undone(Representation):
     missing: float
     grid: float | None
     start: str
-
-    def _summary(self) -> Summary:
-        sure = "" if self.reliable else ", more than the noise: not to be used"
-        rows = [
-            ("values", f"{extent(self.values, '')}, {self.values.size} samples, in the channel's unit"),
-            ("start", f"{self.start}; {self.missing:.3g} rms is missing"),
-            ("noise", f"{self.noise:.3g}"),
-            (
-                "error",
-                f"{self.error:.3g}{sure}; errors of the smoothed values are multiplied by up to {self.growth:.3g}",
-            ),
-        ]
-        if self.grid is not None:
-            rows.append(("grid", f"rounded to steps of {self.grid:.4g}"))
-        return "Undone moving average", rows
 
     @property
     def reliable(self) -> bool:

@@ -23,7 +23,7 @@ from dampyr.errors import InputError
 from dampyr.records.checks.channel_noise import last_at_rest, rest_tolerance
 from dampyr.records.record import Array, Record
 from dampyr.records.record_cache import cached_by_record
-from dampyr.representation import Representation, Summary
+from dampyr.shown import Shown
 
 Indices = NDArray[np.int64]
 FRACTION_OF_LEG = 0.25  # a reversal smaller than this part of a leg is noise or a stop, no turning point
@@ -45,7 +45,6 @@ HALF_LEG = 0.7  # of the leg beyond: two such legs in a row meet where one level
 SAME_STROKE, SAME_PERIOD = 0.1, 0.2  # relative: cycles of one level
 # Rising strokes: so many cycles at least, the largest stroke over the smallest, and the rank correlation.
 RISING, RANGE, IN_ORDER = 4, 2.0, 0.9
-SHOWN = 5  # levels in a summary
 RUN_IN_TO = 3  # cycles of a level: single cycles that grow up to it, or fall from it, are its run-in or run-out
 
 
@@ -86,7 +85,7 @@ class Level:
 
 
 @dataclass(frozen=True, repr=False)
-class Cut(Representation):
+class Cut(Shown):
     """A motion as it was cut.
 
     ``cycles`` are whole; ``half_cycles`` are those of all of them and one more where the motion ends, or pauses, half a cycle
@@ -103,21 +102,6 @@ class Cut(Representation):
     stroke_m: float = 0.0
     begins_in_the_middle: bool = False
     first_turn: float = -np.inf
-
-    def _summary(self) -> Summary:
-        rows = [
-            (
-                "cycles",
-                f"{self.run:g} run, {len(self.cycles)} whole{'' if self.from_start else ', from the first pass on'}",
-            )
-        ]
-        rows += [
-            (f"level {each.number}", f"{each.count} x {1e3 * each.stroke_m:.4g} mm at {1.0 / each.period_s:.4g} Hz")
-            for each in self.levels[:SHOWN]
-        ]
-        if len(self.levels) > SHOWN:
-            rows.append(("", f"and {len(self.levels) - SHOWN} more levels"))
-        return "Cut", rows
 
     @property
     def run(self) -> float:

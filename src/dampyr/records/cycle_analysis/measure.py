@@ -23,13 +23,13 @@ from dampyr.records.conditioning.velocity import default_bandwidth, differentiat
 from dampyr.records.cycle_analysis.cycles import require_cycles
 from dampyr.records.record import Array, Record
 from dampyr.records.record_cache import cached_by_record
-from dampyr.representation import Representation, Summary
+from dampyr.shown import Shown
 
 ORDERS = 7  # harmonics of the motion: those of a distorted sine fall off, and higher ones lie in the noise
 
 
 @dataclass(frozen=True, repr=False)
-class Measured(Representation):
+class Measured(Shown):
     """What was measured over the whole cycles of a record, SI.
 
     Attributes
@@ -62,18 +62,6 @@ class Measured(Representation):
     def total_harmonic_distortion(self) -> float:
         """The root of the sum of the squares of `harmonics`: of the orders 2 to 7, over the fundamental."""
         return float(np.sqrt(sum(each**2 for each in self.harmonics.values())))
-
-    def _summary(self) -> Summary:
-        orders = ", ".join(f"{k}: {100 * v:.2g} %" for k, v in self.harmonics.items())
-        return "Measured", [
-            ("motion", f"{self.frequency_hz:.4g} Hz, {1e3 * self.peak_to_peak_m:.4g} mm peak to peak"),
-            ("peak speed", f"{1e3 * self.peak_speed:.4g} mm/s"),
-            ("energy", f"{self.energy_per_cycle:.4g} J per cycle"),
-            ("mean force", f"{self.mean_force:.4g} N"),
-            ("drift", f"{1e3 * self.drift_m_per_s:.3g} mm/s"),
-            ("harmonics", f"{orders}; distortion {100 * self.distortion:.2g} %"),
-            ("cycles", f"{self.cycles}, from {self.motion_start:.4g} s"),
-        ]
 
 
 def measure(record: Record) -> Measured:

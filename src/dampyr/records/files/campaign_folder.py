@@ -21,7 +21,7 @@ from dampyr.records.files.folder import read_folder
 from dampyr.records.files.folder_metadata import TABLE
 from dampyr.records.files.record_files import Layout, read
 from dampyr.records.record import CHANNELS, GROUPS, Label, Record, Role, as_group, as_role
-from dampyr.representation import Representation, Summary
+from dampyr.shown import Shown
 from dampyr.units import round_trip, to_si
 
 COLUMNS = ("file", "table", "row", "voltage_V", "peak_to_peak_mm", "frequency_Hz")
@@ -33,7 +33,7 @@ PUBLISHED = {
 
 
 @dataclass(frozen=True, repr=False)
-class CampaignRow(Representation):
+class CampaignRow(Shown):
     """One row of a campaign's table, SI.
 
     ``file`` is None when the row has no file, or when the file is not in the folder (``file_name`` then still
@@ -49,18 +49,6 @@ class CampaignRow(Representation):
     published: Mapping[str, float]
     measurement_session: str | None = None
     specimen: str | None = None
-
-    def _summary(self) -> Summary:
-        printed = ", ".join(f"{name} {value:.4g}" for name, value in self.published.items())
-        rows = [
-            ("table", f"{self.label.table or 'none'}" + (f", row {self.label.row}" if self.label.row else "")),
-            ("label", f"{1e3 * self.label.peak_to_peak_m:.4g} mm peak to peak, {self.label.frequency_hz:.4g} Hz"),
-            ("voltage", f"{self.voltage:.4g} V"),
-            ("role", self.role),
-            ("file", "not in the folder" if self.file is None else self.file.name),
-            ("published", f"{printed} (SI)" if printed else ""),
-        ]
-        return f"CampaignRow {self.file_name!r}", [row for row in rows if row[1]]
 
     @property
     def table(self) -> str:

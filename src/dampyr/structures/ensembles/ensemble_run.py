@@ -6,29 +6,23 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from dampyr.errors import InputError
-from dampyr.findings import Finding, as_dicts, worst_first
-from dampyr.ground_motions import GroundMotion, end_in_words, kanai_tajimi
+from dampyr.findings import Finding, worst_first
+from dampyr.ground_motions import GroundMotion, kanai_tajimi
 from dampyr.models import Damper
 from dampyr.origin import NOT_STATED, Origin
-from dampyr.representation import Representation, Summary, Table, column_name, counted, data_frame, listing
+from dampyr.shown import Shown
 from dampyr.structures.building import Building
 from dampyr.structures.ensembles.ensemble import run
-from dampyr.structures.ensembles.ensemble_accuracy import doubts, truncation_in_words
+from dampyr.structures.ensembles.ensemble_accuracy import doubts
 from dampyr.structures.ensembles.ensemble_grid import STEPS, Cases, cases
-from dampyr.structures.ensembles.fragility import Curve, Fragility, fragility
-from dampyr.structures.ensembles.incremental import incremental
+from dampyr.structures.ensembles.fragility import Fragility, fragility
 from dampyr.structures.ensembles.store import UNITS, finding_of
-from dampyr.structures.ensembles.summary import summary
 from dampyr.structures.time_history.peaks import INTENSITIES
 from dampyr.structures.time_history.simulate import all_inputs, check_inputs, installed
-from dampyr.to_json import plain
 from dampyr.units import STANDARD_GRAVITY
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 PRECISIONS = (64, 32)  # bits
 SYNTHETIC_DT = 0.01  # s: 100 samples a second, the rate of many accelerographs
@@ -85,27 +79,8 @@ class EnsembleOptions:
             raise InputError(f"draws = {self.draws} is not allowed; it must be 0 or more")
 
 
-@dataclass(frozen=True)
-class EnsemblePlots:
-    """Each method draws one figure and returns its matplotlib axes ``(k,)``."""
-
-    result: EnsembleResult
-
-    def fragility(self, number: int = 0) -> Any:
-        """The fragility curves of one limit, counted from 0 in the order of the options."""
-        if not 0 <= number < len(self.result.curves):
-            raise InputError(
-                f"number = {number} is not allowed; there are {len(self.result.curves)} limits, counted from 0"
-            )
-        return self.result.curves[number].plot()
-
-    def incremental(self, name: str | None = None, quantity: str = "drift") -> Any:
-        """Peaks over the intensity for each motion, with fractiles; of one case, by default the first."""
-        return incremental(self.result.dataset, quantity, self.result.intensity).plot(name)
-
-
 @dataclass(frozen=True, eq=False, repr=False)
-class EnsembleResult(Representation):
+class EnsembleResult(Shown):
     """Result of `run_ensemble`: the ``dataset`` of peaks, and the ``curves`` over ``intensity``, one for each limit."""
 
     dataset: Any
@@ -118,11 +93,6 @@ class EnsembleResult(Representation):
         return Origin.from_json(self.dataset.attrs.get("damper_origin", NOT_STATED.kind))
 
     @property
-    def plot(self) -> EnsemblePlots:
-        """Figures: ``result.plot.fragility()`` and ``.incremental()``, each giving matplotlib axes."""
-        return EnsemblePlots(self)
-
-    @property
     def findings(self) -> tuple[Finding, ...]:
         """What is wrong or in doubt in the dampers, the accuracy and the cases; the worst first."""
         attributes = self.dataset.attrs
@@ -131,61 +101,6 @@ class EnsembleResult(Representation):
             map(finding_of, attributes.get("findings", ())),
             (Finding("doubt", words) for words in (*doubts(attributes), *outside)),
         )
-
-    def to_dataframe(self) -> Any:
-        """Medians and 84 % fractiles of the peaks as a ``pandas.DataFrame``, SI units: one row a case and scale."""
-        rows = summary(self.dataset)
-        columns: dict[str, Any] = {"case": [row.name for row in rows], "scale": [row.scale for row in rows]}
-        for quantity in rows[0].peaks:
-            pairs = [row.peaks[quantity] or (None, None) for row in rows]
-            for k, part in enumerate(("median", "fractile_84")):
-                columns[column_name(f"{quantity}_{part}", UNITS[quantity])] = [pair[k] for pair in pairs]
-        return data_frame(columns)
-
-    def _small_figure(self) -> Figure | None:
-        return self.curves[0]._small_figure() if self.curves else None
-
-    def _summary(self) -> Summary:
-        sizes, attributes = self.dataset.sizes, self.dataset.attrs
-        each = (
-            (sizes["damper"], "damper case"),
-            (sizes["input"], "input"),
-            (sizes["motion"], "motion"),
-            (sizes["scale"], "scale"),
-        )
-        rows = [
-            ("building", listing([str(name) for name in self.dataset.building_name.values])),
-            ("cases", f"{attributes['cases']}: {', '.join(counted(n, noun) for n, noun in each)}"),
-            (
-                "accuracy",
-                f"{attributes['accuracy']}, largest change on halving the step {100 * attributes['error_estimate']:.2g} %",
-            ),
-            ("end", end_in_words(attributes.get("after_s", 0.0))),
-            ("without bound", f"{attributes['unbounded']} cases"),
-            *(("left out", words) for words in (truncation_in_words(attributes),) if words),
-        ]
-        rows += [("fragility", f"{curve.limit_in_words}, over {curve.intensity}") for curve in self.curves[:4]]
-        return "EnsembleResult", rows
-
-    def _table(self) -> Table:
-        rows = [
-            [row.name, row.scale, *(1e3 * v for v in (row.peaks.get("drift") or (float("nan"),) * 2))]
-            for row in summary(self.dataset)
-        ]
-        return ("case", "scale", "drift, median [mm]", "84 % [mm]"), rows
-
-    def as_dict(self) -> dict[str, Any]:
-        """Peaks and curves for JSON, SI units."""
-        curves = [
-            {
-                "quantity": each.quantity, "limit": each.limit, "limit_unit": each.limit_unit,
-                "intensity": each.intensity, "intensity_unit": each.unit, "motions": each.motions,
-                "curves": [_curve_as_dict(curve) for curve in each.curves],
-            }
-            for each in self.curves
-        ]  # fmt: skip
-        attributes = self.dataset.attrs | {"damper_origin": self.origin.as_dict(), "findings": as_dicts(self.findings)}
-        return dict(plain({**attributes, "peaks": summary(self.dataset), "fragility": curves}))
 
 
 def synthetic_motions(
@@ -244,20 +159,3 @@ def evaluate_ensemble(
         fragility(dataset, one.quantity, one.value, intensity, height=one.height, seed=seed) for one in limits
     )
     return EnsembleResult(dataset, curves, intensity)
-
-
-def _curve_as_dict(curve: Curve) -> dict[str, Any]:
-    return {
-        "name": curve.name,
-        "theta": curve.theta,
-        "theta_band_90": curve.theta_band(),
-        "beta": curve.beta,
-        "reason": curve.reason,
-        "no_band": curve.no_band,
-        "direct": curve.direct,
-        "never_exceeded": curve.capacities.above,
-        "exceeded_at_once": curve.capacities.below,
-        "cases": int(curve.of.sum()),
-        "exceeding": int(curve.exceeding.sum()),
-        "unbounded": curve.unbounded,
-    }

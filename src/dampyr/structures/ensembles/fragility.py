@@ -23,28 +23,20 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
 from dampyr.origin import NOT_STATED, Origin
-from dampyr.representation import Representation, Summary, Table, counted, data_frame, listing
+from dampyr.shown import Shown
 from dampyr.structures.ensembles.lognormal import Lognormal, by_capacity, fit_binomial, none
 from dampyr.structures.ensembles.store import UNITS
 from dampyr.structures.time_history.peaks import INTENSITIES, Group, groups
-from dampyr.units import STANDARD_GRAVITY
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from dampyr.figures.fragility import Fragile
 
 Array = NDArray[np.float64]
 LEAST_SHARE = 0.95  # of the draws must give a curve, else there is no band: the lost ones would be its tail
-LEVEL = 0.9  # of the bands
-FULL = 3.3  # standard deviations above the median: how far a figure goes
 STRIPES, BINS = 40, 24  # levels that a figure shows one by one, else parts of about equal count
 REACHED, RIGHT_CENSORED, LEFT_CENSORED = 0, 1, -1
 
@@ -78,7 +70,7 @@ class Capacities:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Curve(Representation):
+class Curve(Shown):
     """One curve: ``theta`` the median intensity, ``beta`` the spread of its logarithm; NaN with a ``reason`` where
     the cases determine none. ``direct`` is the same from first exceedances (beta with n - 1), ``capacities`` these.
     ``draws`` (n, 2) are theta and beta of the bootstrap, NaN where one gave no curve. ``levels``, ``exceeding``,
@@ -96,20 +88,6 @@ class Curve(Representation):
     unbounded: int
     draws: Array = field(repr=False)
     no_band: str = ""
-
-    def _summary(self) -> Summary:
-        rows = [
-            ("cases", f"{int(self.of.sum())}, {int(self.exceeding.sum())} exceed the limit, {self.unbounded} unbounded")
-        ]
-        if not self.exists:
-            return f"Curve {self.name!r}", [*rows, ("no curve", self.reason)]
-        rows += [("theta", f"{self.theta:.4g} (SI, the median intensity)"), ("beta", f"{self.beta:.4g}")]
-        if self.no_band:
-            rows.append(("no band", self.no_band))
-        else:
-            low, high = self.theta_band(LEVEL)
-            rows.append(("band", f"{low:.4g} … {high:.4g}, {100 * LEVEL:g} % of {len(self.draws)} draws"))
-        return f"Curve {self.name!r}", rows
 
     @property
     def exists(self) -> bool:
@@ -147,7 +125,7 @@ class Curve(Representation):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Fragility(Representation):
+class Fragility(Shown):
     """Curves over one intensity (``unit``) for one ``limit``; ``fragility["1.98 V"]`` is one of them.
 
     The draws of all curves are those of the same motions, so that curves compare as pairs: `ratio`.
@@ -162,77 +140,6 @@ class Fragility(Representation):
     motions: int
     seed: int
     origin: Origin = NOT_STATED
-
-    def plot(self, names: Sequence[str] | None = None) -> Any:
-        """The curves over the intensity with their bands and the counted shares; the matplotlib axes ``(1,)``.
-
-        ``names`` chooses up to six curves; without it the first six are drawn.
-        """
-        from dampyr.figures import style
-        from dampyr.figures.fragility import MAX_CURVES, axis_of, fragility_curves
-
-        chosen = self.curves[:MAX_CURVES] if names is None else [self[name] for name in names]
-        if not 1 <= len(chosen) <= MAX_CURVES:
-            raise InputError(
-                f"names has {len(chosen)} curves; a figure shows 1 to {MAX_CURVES}, so draw several figures"
-            )
-        axis = axis_of(self.intensity)
-        return style.in_pyplot(fragility_curves, drawn_curves(chosen), axis, self.limit_in_words, origin=self.origin)
-
-    def to_dataframe(self) -> Any:
-        """One row a curve as a ``pandas.DataFrame``: theta and its 90 % band in SI, beta, and what was counted."""
-        bands = [curve.theta_band(LEVEL) for curve in self.curves]
-        columns = {
-            "theta": [curve.theta for curve in self.curves],
-            "theta_low": [low for low, _ in bands],
-            "theta_high": [high for _, high in bands],
-            "beta": [curve.beta for curve in self.curves],
-            "cases": [int(curve.of.sum()) for curve in self.curves],
-            "exceeding": [int(curve.exceeding.sum()) for curve in self.curves],
-            "unbounded": [curve.unbounded for curve in self.curves],
-            "reason": [curve.reason for curve in self.curves],
-        }
-        return data_frame(columns, [curve.name for curve in self.curves], "curve")
-
-    @property
-    def limit_in_words(self) -> str:
-        """Such as ``drift above 12 mm``, ``drift above 1 % of the height``."""
-        value, unit = {
-            "m": (1e3 * self.limit, "mm"),
-            "": (100 * self.limit, "% of the height"),
-            "m/s^2": (self.limit, "m/s²"),
-        }.get(self.limit_unit, (self.limit, self.limit_unit))
-        return f"{self.quantity} above {value:.4g} {unit}"
-
-    def _small_figure(self) -> Figure:
-        from dampyr.figures.fragility import MAX_CURVES, axis_of, fragility_curves
-
-        return fragility_curves(drawn_curves(self.curves[:MAX_CURVES]), axis_of(self.intensity))
-
-    def _reading_unit(self) -> tuple[str, float]:
-        """g for accelerations, else as it is."""
-        return ("g", 1.0 / STANDARD_GRAVITY) if self.unit == "m/s^2" else (self.unit, 1.0)
-
-    def _summary(self) -> Summary:
-        unit, factor = self._reading_unit()
-        medians = [
-            f"{c.name}: {factor * c.theta:.3g} {unit}".rstrip() if c.exists else f"{c.name}: none" for c in self.curves
-        ]
-        return "Fragility", [
-            ("limit", self.limit_in_words),
-            ("over", f"{self.intensity}, {counted(self.motions, 'motion')}"),
-            ("medians", listing(medians)),
-        ]
-
-    def _table(self) -> Table:
-        unit, factor = self._reading_unit()
-        rows = []
-        for c in self.curves:
-            low, high = c.theta_band(LEVEL)
-            numbers = [float(factor * value) for value in (c.theta, low, high)]
-            rows.append([c.name, *numbers, float(c.beta), int(c.of.sum()), int(c.exceeding.sum()), c.unbounded])
-        heads = ("case", f"median [{unit or '1'}]", "90 % from", "to", "beta", "cases", "exceed", "without bound")
-        return heads, rows
 
     def __getitem__(self, name: str) -> Curve:
         for curve in self.curves:
@@ -363,28 +270,6 @@ def _direct(reached: Capacities) -> Lognormal:
     if curve.exists and n < 2:
         return none("only one motion first exceeds the limit inside the scales: nothing tells how motions differ")
     return replace(curve, beta=curve.beta * math.sqrt(n / (n - 1))) if curve.exists else curve
-
-
-def drawn_curves(curves: Sequence[Curve]) -> dict[str, Fragile]:
-    """Curves, bands and counted shares as `dampyr.figures.fragility.fragility_curves` draws them, over one range."""
-    reach = _reach(curves)
-    return {curve.name: _fragile(curve, reach) for curve in curves}
-
-
-def _reach(curves: Sequence[Curve]) -> float:
-    """How far a figure goes: to where the last curve is nearly 1, at most as far as the motions."""
-    max_level = max(float(c.levels.max()) for c in curves)
-    full = [c.theta * np.exp(FULL * c.beta) for c in curves]
-    return max_level if np.isnan(full).any() else float(min(max_level, max(full)))
-
-
-def _fragile(c: Curve, reach: float) -> Fragile:
-    from dampyr.figures.fragility import Fragile
-
-    x = np.linspace(0.0, reach, 301)[1:]
-    at, share, _ = c.shares()
-    near = at <= reach
-    return Fragile(x, c.at(x) if c.exists else None, c.band(x, LEVEL), (at[near], share[near]))
 
 
 def capacities(group: Group, limit: float) -> Capacities:

@@ -12,22 +12,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
 from dampyr.origin import NOT_STATED, Origin
-from dampyr.representation import Representation, Summary, counted, extent, listing
+from dampyr.shown import Shown
 from dampyr.structures.ensembles.store import UNITS
 from dampyr.structures.time_history.peaks import INTENSITIES, Group, groups
-from dampyr.units import for_people
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from dampyr.figures.style import Axis
 
 Array = NDArray[np.float64]
 LEVELS = 40  # of intensity at which fractiles are taken: a smooth line in a figure
@@ -35,7 +29,7 @@ BEYOND = 1e300  # stands for infinity while fractiles are interpolated
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Sweep(Representation):
+class Sweep(Shown):
     """The curves of one group: ``peaks`` (curves, scales) over ``intensity`` (curves, scales), by rising intensity; NaN where a
     case grew without bound. ``fractiles`` (fractions, levels) of the peaks at each of ``levels``, inf where so many of the
     cases grew without bound; levels are those that every motion reaches."""
@@ -45,15 +39,6 @@ class Sweep(Representation):
     peaks: Array
     levels: Array
     fractiles: Array
-
-    def _summary(self) -> Summary:
-        return f"Sweep {self.name!r}, SI", [
-            ("curves", f"{self.peaks.shape[0]} of {counted(self.peaks.shape[1], 'scale')}"),
-            ("intensity", extent(self.intensity, "")),
-            ("peaks", extent(self.peaks, "")),
-            ("bent back", counted(self.bent_back, "curve")),
-            ("without bound", counted(self.unbounded, "case")),
-        ]
 
     @property
     def bent_back(self) -> int:
@@ -67,7 +52,7 @@ class Sweep(Representation):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Incremental(Representation):
+class Incremental(Shown):
     """Sweeps of one quantity over one intensity; ``fractions`` such as 0.16, 0.5, 0.84."""
 
     sweeps: tuple[Sweep, ...]
@@ -77,43 +62,6 @@ class Incremental(Representation):
     unit: str
     fractions: tuple[float, ...]
     origin: Origin = NOT_STATED
-
-    def plot(self, name: str | None = None) -> Any:
-        """The curves of one sweep, by default the first, and their fractiles; the matplotlib axes ``(1,)``."""
-        from dampyr.figures import style
-        from dampyr.figures.incremental import incremental_curves
-
-        sweep = self.sweeps[0] if name is None else self[name]
-        return style.in_pyplot(incremental_curves, **self._drawn(sweep), title=sweep.name, origin=self.origin)
-
-    def _small_figure(self) -> Figure:
-        from dampyr.figures.incremental import incremental_curves
-
-        return incremental_curves(**self._drawn(self.sweeps[0]))
-
-    def _drawn(self, sweep: Sweep) -> dict[str, Any]:
-        from dampyr.figures.fragility import axis_of
-
-        fractiles = {f"{100 * p:g} %": sweep.fractiles[k] for k, p in enumerate(self.fractions)}
-        return {
-            "intensity": sweep.intensity, "peaks": sweep.peaks, "levels": sweep.levels, "fractiles": fractiles,
-            "axis": axis_of(self.intensity), "peak": self._peak_axis(),
-        }  # fmt: skip
-
-    def _peak_axis(self) -> Axis:
-        from dampyr.figures.style import Axis
-
-        if not self.quantity_unit:
-            return Axis(f"largest {self.quantity} of the height", "%", 100.0)
-        unit, factor = for_people(self.quantity_unit)
-        return Axis(f"largest {self.quantity}", unit.replace("^2", "²"), factor)
-
-    def _summary(self) -> Summary:
-        return "Incremental", [
-            ("quantity", f"{self.quantity} [{self.quantity_unit or '1'}] over {self.intensity} [{self.unit or '1'}]"),
-            ("sweeps", listing([sweep.name for sweep in self.sweeps])),
-            ("fractiles", ", ".join(f"{100 * p:g} %" for p in self.fractions)),
-        ]
 
     def __getitem__(self, name: str) -> Sweep:
         for sweep in self.sweeps:

@@ -38,7 +38,6 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, resampled
-from dampyr.representation import Summary
 from dampyr.structures.building import Building, Condensed, Whole, reduced
 from dampyr.structures.time_history.response import Truncation, relative_change
 
@@ -68,11 +67,6 @@ class ModalBuilding(Condensed):
     squares: Array = field(default_factory=lambda: np.zeros(0))
     pushes: Array = field(default_factory=lambda: np.zeros(0))
     ratios: Array = field(default_factory=lambda: np.zeros(0))
-
-    def _summary(self) -> Summary:
-        title, rows = super()._summary()
-        text = f"{len(self.retained_modes)} of {len(self.squares)}, with {100 * self.mass_share:.4g} % of the mass"
-        return title, [*rows, ("modes kept", text)]
 
     def truncation_errors(self, motion: GroundMotion) -> Truncation:
         """The largest relative errors of the floors' peak displacements and accelerations, of the storeys' peak drifts and of

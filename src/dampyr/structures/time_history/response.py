@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.errors import InputError
-from dampyr.findings import Finding, as_dicts, worst_first
-from dampyr.ground_motions import end_in_words
+from dampyr.findings import Finding, worst_first
 from dampyr.origin import NOT_STATED, Origin
-from dampyr.representation import Representation, Summary, Table, data_frame, extent, listing
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from dampyr.figures.style import Axis
+from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
-FEW = 4  # dampers that a short text lists one by one
 
 
 _UNITS = {
@@ -180,7 +172,7 @@ class Run:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Energy(Representation):
+class Energy(Shown):
     """Energies [J] in coordinates relative to the ground, (samples,) each; ``dampers`` is (sites, samples).
 
     ``residual`` = input - kinetic - strain - viscous - dampers; it is the error of the balance and falls
@@ -193,16 +185,6 @@ class Energy(Representation):
     viscous: Array
     dampers: Array
 
-    def _summary(self) -> Summary:
-        shares = [("input", self.input), ("dampers", self.damper), ("viscous", self.viscous)]
-        rows = [("samples", str(len(self.input)))]
-        rows += [(name, f"{float(values[-1]):.4g} J at the end") for name, values in shares]
-        rows += [
-            ("strain", "peak " + extent(np.max(self.strain), "J")),
-            ("kinetic", "peak " + extent(np.max(self.kinetic), "J")),
-        ]
-        return "Energy", [*rows, ("residual", extent(self.residual, "J"))]
-
     @property
     def damper(self) -> Array:
         """What all dampers took together, (samples,)."""
@@ -214,93 +196,8 @@ class Energy(Representation):
         return self.input - self.kinetic - self.strain - self.viscous - self.damper
 
 
-@dataclass(frozen=True)
-class ResponsePlots:
-    """Each method draws one figure and returns its matplotlib axes ``(k,)``."""
-
-    response: Response
-
-    def history(self, quantity: str = "displacement") -> Any:
-        """A quantity of every floor, storey or damper over time.
-
-        ``displacement``, ``velocity``, ``acceleration``, ``drift``, ``force``, ``stroke`` or ``input``.
-        """
-        from dampyr.figures import style
-        from dampyr.figures.building import building_response
-
-        axes, r = _plot_axes(), self.response
-        if quantity not in axes or not len(getattr(r, quantity)):
-            there = [name for name in axes if len(getattr(r, name))]
-            raise InputError(f"{quantity!r} is no history of this response; choose from {', '.join(there)}")
-        if quantity in ("force", "stroke", "input"):
-            names = list(r.sites)
-        elif quantity == "drift":
-            names = [f"storey {k}" for k in range(1, len(r.floors) + 1)]
-        else:
-            names = [f"floor {name}" for name in r.floors]
-        cases = dict(zip(names, getattr(r, quantity), strict=True))
-        return style.in_pyplot(building_response, r.time, cases, axis=axes[quantity], origin=r.origin)
-
-    def peaks(self) -> Any:
-        """Peak displacement, drift and acceleration by floor."""
-        from dampyr.figures import style
-        from dampyr.figures.peaks import peaks_by_floor
-
-        r, axes = self.response, _plot_axes()
-        panels = [axes["displacement"], axes["drift"], axes["acceleration"]]
-        values = (r.peak_displacement, r.peak_drift, r.peak_acceleration)
-        cases = {r.title or "response": values}
-        return style.in_pyplot(peaks_by_floor, list(r.floors), cases, axes=panels, origin=r.origin)
-
-    def energy(self) -> Any:
-        """Energies over time: kinetic, strain, viscous and dampers, stacked, and what the ground put in."""
-        from dampyr.figures import style
-        from dampyr.figures.energy import energy_over_time
-
-        e = self.response.energy
-        shares = {"viscous": e.viscous, "strain": e.strain, "kinetic": e.kinetic}
-        if len(e.dampers):
-            shares = {"dampers": e.damper} | shares
-        return style.in_pyplot(energy_over_time, self.response.time, shares, e.input, origin=self.response.origin)
-
-
-def errors_in_words(responses: Iterable[Response]) -> str:
-    """The largest change of each quantity on halving the step among responses; empty where no step was halved."""
-    judged = [r for r in responses if r.error_estimate is not None]
-    if not judged:
-        return ""
-
-    def largest(name: str) -> float | None:
-        return max((r.error_estimates[name] for r in judged if name in r.error_estimates), default=None)
-
-    words = [f"{100 * max(r.error_estimate or 0.0 for r in judged):.2g} % of a peak of displacement or drift"]
-    for name in ("acceleration", "base_shear", "force"):
-        if (value := largest(name)) is not None:
-            words.append(f"{100 * value:.2g} % of {name.replace('_', ' ')}")
-    laws = [r for r in judged if any(r.laws)]
-    if laws:
-        units = "/".join(sorted({unit for r in laws for unit in r.input_units}))
-        words.append(f"{max(r.error_estimates['mean_input'] for r in laws):.2g} {units} of a mean input")
-    return f"{', '.join(words)} at most, by halving the step"
-
-
-def _plot_axes() -> dict[str, Axis]:
-    from dampyr.figures import style
-    from dampyr.figures.style import Axis
-
-    return {
-        "displacement": style.DISPLACEMENT,
-        "velocity": style.VELOCITY,
-        "acceleration": style.ACCELERATION,
-        "drift": Axis("drift", "mm", 1e3),
-        "force": Axis("damper force", "N"),
-        "stroke": Axis("stroke", "mm", 1e3),
-        "input": Axis("input", "V or A"),
-    }
-
-
 @dataclass(frozen=True, eq=False, repr=False)
-class Response(Representation):
+class Response(Shown):
     """The response of a building with n floors and N damper sites, T samples.
 
     Histories stand at the samples of the ground motion. Peaks of displacement and drift are those of the
@@ -358,62 +255,6 @@ class Response(Representation):
         """What is wrong or in doubt in the dampers and in the response, the worst first."""
         return worst_first(self.of_dampers, (Finding("doubt", words) for words in self.doubts))
 
-    @property
-    def plot(self) -> ResponsePlots:
-        """Figures: ``response.plot.history("drift")``, ``.peaks()`` and ``.energy()``, each giving matplotlib axes."""
-        return ResponsePlots(self)
-
-    def to_dataframe(self) -> Any:
-        """The peaks as a ``pandas.DataFrame``, one row a floor and the storey below it."""
-        table = {
-            "peak_displacement_m": self.peak_displacement,
-            "peak_drift_m": self.peak_drift,
-            "peak_acceleration_m_per_s2": self.peak_acceleration,
-        }
-        return data_frame(table, self.floors, "floor")
-
-    def _small_figure(self) -> Figure:
-        from dampyr.figures.building import building_response
-
-        return building_response(self.time, {f"floor {self.floors[-1]}": self.displacement[-1]})
-
-    def _table(self) -> Table:
-        rows = [
-            [str(name), float(1e3 * x), float(1e3 * d), float(a)]
-            for name, x, d, a in zip(self.floors, self.peak_displacement, self.peak_drift, self.peak_acceleration)
-        ]
-        return ("floor", "peak displacement [mm]", "peak drift of its storey [mm]", "peak acceleration [m/s²]"), rows
-
-    def _summary(self) -> Summary:
-        def peaks(values: Array, factor: float, unit: str) -> str:
-            return listing([f"{factor * v:.4g}" for v in values], 6) + f" {unit}"
-
-        rows = [
-            ("time", f"{len(self.time)} samples, {self.time[-1]:.4g} s; {self.scheme}, step {1e3 * self.step:.4g} ms")
-        ]
-        rows.append(("end", end_in_words(self.after)))
-        dampers = list(zip(self.sites, self.inputs, self.laws, self.input_units))
-        rows += [("damper", f"{site}, {law or f'{value:g} {unit}'}") for site, value, law, unit in dampers[:FEW]]
-        if len(dampers) > FEW:
-            rows.append(("", f"and {len(dampers) - FEW} more dampers"))
-        rows += [
-            ("displacement", "peak " + peaks(self.peak_displacement, 1e3, "mm")),
-            ("drift", "peak " + peaks(self.peak_drift, 1e3, "mm")),
-            ("acceleration", "peak " + peaks(self.peak_acceleration, 1.0, "m/s²")),
-        ]
-        if len(self.sites):
-            rows.append(("damper force", "peak " + peaks(self.peak_force, 1.0, "N")))
-        if self.error_estimate is not None:
-            rows.append(("error", self.error_in_words))
-        if self.truncation is not None:
-            rows.append(("reduced", self.truncation.in_words()))
-        return f"Response {self.title!r}" if self.title else "Response", rows
-
-    @property
-    def error_in_words(self) -> str:
-        """What the peaks and the mean input changed by when the step was halved; empty where it was given."""
-        return errors_in_words([self])
-
     def to_xarray(self) -> Any:
         """The histories and peaks as an ``xarray.Dataset`` with dims time, floor, storey and damper;
         units in ``attrs``."""
@@ -437,29 +278,6 @@ class Response(Representation):
             "damper_input_unit": ("damper", np.array(self.input_units, dtype=str)),
         }
         return xarray.Dataset(data, coords=coordinates, attrs=self._attributes())
-
-    def as_dict(self) -> dict[str, Any]:
-        """The peaks and how they were computed, ready for JSON, as ``dampyr simulate --json`` writes them."""
-        return {
-            "peak_displacement_m": self.peak_displacement.tolist(),
-            "peak_drift_m": self.peak_drift.tolist(),
-            "peak_acceleration_m_s2": self.peak_acceleration.tolist(),
-            "peak_base_shear_N": self.peak_base_shear,
-            "peak_force_N": self.peak_force.tolist(),
-            "damper_origin": self.origin.as_dict(),
-            "findings": as_dicts(self.findings),
-            "sites": list(self.sites),
-            "laws": list(self.laws),
-            "mean_input": self.mean_input.tolist(),
-            "scheme": self.scheme,
-            "step_s": self.step,
-            "error_estimate": self.error_estimate,
-            "error_estimates": dict(self.error_estimates),
-            "converged": self.converged,
-            "reason": self.reason,
-            "after_s": self.after,
-            **self.truncation_as_dict(),
-        }
 
     def truncation_as_dict(self) -> dict[str, Any]:
         """What the reduced structure leaves out, for JSON; nothing where nothing is left out."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -12,22 +12,16 @@ from dampyr import units
 from dampyr.argument_kinds import BUILDING, MOTION, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.findings import Finding, worst_first
-from dampyr.ground_motions import GroundMotion, end_in_words
+from dampyr.ground_motions import GroundMotion
 from dampyr.models import Damper
 from dampyr.origin import Origin, combined
-from dampyr.representation import Representation, Summary, Table, data_frame
+from dampyr.shown import Shown
 from dampyr.structures.building import Building
 from dampyr.structures.control_laws import control_law
 from dampyr.structures.ensembles.ensemble import ensemble
 from dampyr.structures.time_history.respond import respond
-from dampyr.structures.time_history.response import Response, errors_in_words
+from dampyr.structures.time_history.response import Response
 from dampyr.structures.time_history.step_size import ACCURACIES
-from dampyr.to_json import plain
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from dampyr.figures.style import Axis
 
 BARE = "no damper"
 MIN_DRAWS = 20  # the 5 % and 95 % quantiles of fewer are their extremes
@@ -77,47 +71,8 @@ class SimulateOptions:
             raise InputError(f"accuracy = {self.accuracy!r} is not allowed; choose {', '.join(ACCURACIES)}")
 
 
-@dataclass(frozen=True)
-class SimulatedPlots:
-    """Each method draws one figure of all cases and returns its matplotlib axes ``(k,)``."""
-
-    simulated: Simulated
-
-    def peaks(self) -> Any:
-        """Peak displacement, drift and acceleration by floor."""
-        from dampyr.figures import style
-        from dampyr.figures.peaks import peaks_by_floor
-
-        return style.in_pyplot(
-            peaks_by_floor, *self.simulated.peaks_by_floor(), axes=_peak_axes(), origin=self.simulated.origin
-        )
-
-    def history(self, floor: str | None = None) -> Any:
-        """The displacement of one floor over time; without ``floor``, its label, of the highest."""
-        from dampyr.figures import style
-        from dampyr.figures.building import building_response
-
-        first = next(iter(self.simulated.cases.values()))
-        name = first.floors[-1] if floor is None else str(floor)
-        if name not in first.floors:
-            raise InputError(
-                f"{floor!r} is no floor of {self.simulated.building}; choose from {', '.join(first.floors)}"
-            )
-        k = first.floors.index(name)
-        cases = {case: response.displacement[k] for case, response in self.simulated.cases.items()}
-        return style.in_pyplot(
-            building_response, first.time, cases, title=f"floor {name}", origin=self.simulated.origin
-        )
-
-
-def _peak_axes() -> list[Axis]:
-    from dampyr.figures import style
-
-    return [style.DISPLACEMENT, style.Axis("drift", "mm", 1e3), style.ACCELERATION]
-
-
 @dataclass(frozen=True, repr=False)
-class Simulated(Representation):
+class Simulated(Shown):
     """Result of `simulate`: the cases by name, that without damper first; ``unit`` of the damper's input."""
 
     building: str
@@ -152,83 +107,16 @@ class Simulated(Representation):
         """That of the damper's card; a response is computed, whatever it rests on."""
         return combined(response.origin for response in self.cases.values() if response.sites)
 
-    @property
-    def plot(self) -> SimulatedPlots:
-        """Figures: ``simulated.plot.peaks()`` and ``.history()``, each giving matplotlib axes."""
-        return SimulatedPlots(self)
-
-    def to_dataframe(self) -> Any:
-        """The peaks of each case and floor as a ``pandas.DataFrame``, SI units."""
-        rows = [(case, floor, r, k) for case, r in self.cases.items() for k, floor in enumerate(r.floors)]
-        columns = {
-            "case": [case for case, *_ in rows],
-            "floor": [floor for _, floor, *_ in rows],
-            "peak_displacement_m": [r.peak_displacement[k] for *_, r, k in rows],
-            "peak_drift_m": [r.peak_drift[k] for *_, r, k in rows],
-            "peak_acceleration_m_per_s2": [r.peak_acceleration[k] for *_, r, k in rows],
-        }
-        return data_frame(columns)
-
     def peaks_by_floor(self) -> tuple[list[str], dict[str, tuple[Any, Any, Any]]]:
         """The floors, and for each case its peaks of displacement m, drift m and acceleration m/s2."""
         first = next(iter(self.cases.values()))
         peaks = {name: (r.peak_displacement, r.peak_drift, r.peak_acceleration) for name, r in self.cases.items()}
         return list(first.floors), peaks
 
-    def _small_figure(self) -> Figure:
-        from dampyr.figures.peaks import peaks_by_floor
-
-        return peaks_by_floor(*self.peaks_by_floor(), axes=_peak_axes())
-
-    def _summary(self) -> Summary:
-        rows = [("end", self.end)] + [
-            (name, f"peak drift {1e3 * max(r.peak_drift):.4g} mm, acceleration {max(r.peak_acceleration):.4g} m/s²")
-            for name, r in self.cases.items()
-        ]
-        rows += [("error", self.error)] if self.error else []
-        return f"Simulated {self.title!r}", rows
-
-    def _table(self) -> Table:
-        heads = ("case", "floor", "peak displacement [mm]", "peak drift of its storey [mm]", "peak acceleration [m/s²]")
-        rows = [
-            [case, floor, *(float(v[k]) for v in (1e3 * r.peak_displacement, 1e3 * r.peak_drift, r.peak_acceleration))]
-            for case, r in self.cases.items()
-            for k, floor in enumerate(r.floors)
-        ]
-        return heads, rows
-
-    @property
-    def note(self) -> str:
-        """What a reduced structure leaves out in each case, in words; empty where nothing is left out."""
-        return truncation_note(self.cases)
-
     @property
     def title(self) -> str:
         """Building and motion."""
         return f"{self.building}, {self.motion}"
-
-    @property
-    def error(self) -> str:
-        """What the peaks of all cases changed by when the step was halved, in words."""
-        return errors_in_words(self.cases.values())
-
-    @property
-    def end(self) -> str:
-        """Where the responses end, in words."""
-        return end_in_words(next(iter(self.cases.values())).after)
-
-    def as_dict(self) -> dict[str, Any]:
-        """The peaks of each case for JSON, SI units."""
-        cases = {name: response.as_dict() for name, response in self.cases.items()}
-        for name, each in self.intervals.items():
-            cases[name] |= {"intervals_90": dict(each), "draws": self.draws}
-        return dict(plain(cases))
-
-
-def truncation_note(cases: Mapping[str, Response]) -> str:
-    """What a reduced structure leaves out in each case, in words; empty for a structure that was not reduced."""
-    left_out = [f"{name}: {r.truncation.in_words()}" for name, r in cases.items() if r.truncation is not None]
-    return "reduced structure; " + "; ".join(left_out) if left_out else ""
 
 
 def simulate(

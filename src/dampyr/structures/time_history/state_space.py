@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.representation import Representation, Summary
+from dampyr.shown import Shown
 from dampyr.structures.building import Building
 from dampyr.structures.propagator import system
 
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class StateSpace(Representation):
+class StateSpace(Shown):
     """``A`` (2n, 2n), ``B`` (2n, N), ``E`` (2n,), ``C`` (floors, 2n), ``D`` (floors, N), ``connection``
     Lambda (n, N), and ``F`` (floors,)."""
 
@@ -36,15 +36,6 @@ class StateSpace(Representation):
     D: Array
     connection: Array
     F: Array
-
-    def _summary(self) -> Summary:
-        meaning = {"A": "states to states", "B": "damper forces to states", "E": "ground acceleration to states",
-                   "C": "states to accelerations", "D": "damper forces to accelerations", "connection": "Λ",
-                   "F": "ground acceleration to accelerations"}  # fmt: skip
-        shapes = {name: " × ".join(map(str, getattr(self, name).shape)) for name in meaning}
-        floors, dampers = self.connection.shape
-        title = f"StateSpace of {floors} floors and {dampers} damper{'s' * (dampers != 1)}, SI"
-        return title, [(name, f"{shapes[name]}, {words}") for name, words in meaning.items()]
 
 
 def state_space(building: Building, storey: int | Sequence[Any] = 1) -> StateSpace:

@@ -7,11 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.figures.style import DISPLACEMENT, Axis
 from dampyr.identification import LimitCycle, limit_cycle
 from dampyr.models import Damper
 from dampyr.models.parts.bouc_wen import from_printed
-from dampyr.report import FigureBlock, Text, history, phase_portrait, theta
+from dampyr.show.figures.history import history
+from dampyr.show.figures.phase_portrait import phase_portrait
+from dampyr.show.figures.style import DISPLACEMENT, Axis
+from dampyr.show.figures.theta import theta
+from dampyr.show.pages.blocks import FigureBlock, Text
 from dampyr.studies.raminelli_2020.compared_value import Candidate, ComparedValue, Erratum, Tolerance, judge, unchecked
 from dampyr.studies.raminelli_2020.published import BoucWenLetters, Example, Published
 from dampyr.studies.raminelli_2020.study_part import Part, compared_table

@@ -7,9 +7,9 @@ import numpy as np
 from dampyr.identification import prediction
 from dampyr.identification.scoring.score import compare
 from dampyr.records import cycles
-from dampyr.report import Block, FigureBlock, Text
-from dampyr.report import history as history_figure
-from dampyr.report import loops as loops_figure
+from dampyr.show.figures.history import history as history_figure
+from dampyr.show.figures.loops import loops as loops_figure
+from dampyr.show.pages.blocks import Block, FigureBlock, Text
 from dampyr.studies.raminelli_2020.campaign_records import Campaign, Test
 from dampyr.studies.raminelli_2020.chapter_2 import PICTURE
 from dampyr.studies.raminelli_2020.chapter_4_tables import FETCH, MOTION

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.report import Block, Cell, Table, Text, Verdict
+from dampyr.show.pages.blocks import Block, Text
+from dampyr.show.table import Cell, Table, Verdict
 from dampyr.studies.raminelli_2020.campaign_records import Campaign, Test
 from dampyr.studies.raminelli_2020.compared_value import (
     Candidate,

@@ -13,7 +13,10 @@ import numpy as np
 from dampyr.errors import DampyrWarning
 from dampyr.ground_motions import GroundMotion, el_centro, read
 from dampyr.models import Damper
-from dampyr.report import Block, Cell, FigureBlock, Table, Text, building_response, ground_motion
+from dampyr.show.figures.building import building_response
+from dampyr.show.figures.ground_motion import ground_motion
+from dampyr.show.pages.blocks import Block, FigureBlock, Text
+from dampyr.show.table import Cell, Table
 from dampyr.structures import Response, respond, state_space, two_storey
 from dampyr.studies.raminelli_2020.chapter_2 import PICTURE
 from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Erratum, Tolerance, claim, judge, unchecked

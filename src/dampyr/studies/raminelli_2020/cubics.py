@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.figures.style import Axis
 from dampyr.models import Damper, Polynomial
 from dampyr.origin import DERIVED
-from dampyr.report import Block, Cell, FigureBlock, Law, Table, Text, parameters_against_input
+from dampyr.show.figures.laws import Law, parameters_against_input
+from dampyr.show.figures.style import Axis
+from dampyr.show.pages.blocks import Block, FigureBlock, Text
+from dampyr.show.table import Cell, Table
 from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Erratum, Tolerance, judge
 from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, UNITS, Published
 from dampyr.studies.raminelli_2020.study_part import Part, compared_table

@@ -12,7 +12,9 @@ from dampyr.identification.scoring.score import compare
 from dampyr.models import Constant, Damper
 from dampyr.records import Record, with_velocity
 from dampyr.records.conditioning.velocity import default_bandwidth
-from dampyr.report import Block, Cell, FigureBlock, Table, Text, scores
+from dampyr.show.figures.scores import scores
+from dampyr.show.pages.blocks import Block, FigureBlock, Text
+from dampyr.show.table import Cell, Table
 from dampyr.studies.raminelli_2020.campaign_records import Campaign, Test
 from dampyr.studies.raminelli_2020.chapter_4_tables import FETCH
 from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Tolerance, judge, unchecked

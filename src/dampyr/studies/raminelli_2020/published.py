@@ -7,8 +7,10 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from dampyr.phrases import listing
 from dampyr.records import campaign_rows
-from dampyr.representation import Representation, Summary, listing
+from dampyr.show.descriptions import Description, describe
+from dampyr.shown import Shown
 from dampyr.studies.raminelli_2020.compared_value import Printed
 
 PARAMETERS = ("kx", "kw", "rho")
@@ -80,7 +82,7 @@ def _rows() -> tuple[Row, ...]:
 
 
 @dataclass(frozen=True, repr=False)
-class Published(Representation):
+class Published(Shown):
     """Everything that is compared."""
 
     example: Example = Example()
@@ -114,16 +116,6 @@ class Published(Representation):
     highest_voltage: Printed = Printed("3.6")
     actuator_speed: Printed = Printed("16.8")
 
-    def _summary(self) -> Summary:
-        tables = Counter(row.table for row in self.rows)
-        return "Published, Raminelli (2020)", [
-            ("tests", ", ".join(f"{count} in table {name}" for name, count in sorted(tables.items()))),
-            ("table 4.1", ", ".join(self.table_4_1)),
-            ("cubics", ", ".join(self.cubics) + " over the voltage, (4.6) to (4.8)"),
-            ("peaks", f"{listing([each.text for each in self.peaks])} mm, of chapter 5"),
-            ("errors", f"{self.error_at_0.text} % at 0 V, {self.error_validation.text} % of the validation"),
-        ]
-
     def table(self, table: str) -> list[Row]:
         """The rows of one table."""
         return [row for row in self.rows if row.table == table]
@@ -131,6 +123,22 @@ class Published(Representation):
     def voltage(self, table: str) -> float:
         """The voltage that was applied in the tests of one table, V."""
         return self.table(table)[0].voltage
+
+
+@describe.register
+def describe_published(published: Published) -> Description:
+    """How many tests of which table, and what else is compared."""
+    tables = Counter(row.table for row in published.rows)
+    return Description(
+        "Published, Raminelli (2020)",
+        [
+            ("tests", ", ".join(f"{count} in table {name}" for name, count in sorted(tables.items()))),
+            ("table 4.1", ", ".join(published.table_4_1)),
+            ("cubics", ", ".join(published.cubics) + " over the voltage, (4.6) to (4.8)"),
+            ("peaks", f"{listing([each.text for each in published.peaks])} mm, of chapter 5"),
+            ("errors", f"{published.error_at_0.text} % at 0 V, {published.error_validation.text} % of the validation"),
+        ],
+    )
 
 
 PUBLISHED = Published()

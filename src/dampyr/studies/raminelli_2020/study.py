@@ -10,8 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from dampyr.errors import MissingData
+from dampyr.phrases import sentence
 from dampyr.records import locate
-from dampyr.representation import Representation, Summary, Table, data_frame
+from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.table import Cell, Table
+from dampyr.shown import Shown
 from dampyr.studies.raminelli_2020.appendix_a import rig
 from dampyr.studies.raminelli_2020.campaign_records import Campaign, Progress, load
 from dampyr.studies.raminelli_2020.chapter_2 import chapter_2
@@ -28,35 +31,13 @@ OUTCOMES: tuple[Outcome, ...] = ("agrees", "differs", "cannot be checked")
 
 
 @dataclass(frozen=True, repr=False)
-class Study(Representation):
+class Study(Shown):
     """Everything that was compared; ``left_out`` says what was not done for lack of data, and how to get them."""
 
     parts: tuple[Part, ...]
     data: Path | None
     left_out: tuple[str, ...]
     page: Path | None = None
-
-    def to_dataframe(self) -> Any:
-        """The compared as a ``pandas.DataFrame``: published and own values in the printed units, and the verdict."""
-        names = ("artefact", "quantity", "published", "ours", "unit", "verdict", "reason")
-        return data_frame({name: [getattr(value, name) for value in self.compared] for name in names})
-
-    def _summary(self) -> Summary:
-        verdicts = Counter(value.verdict for value in self.compared)
-        rows = [
-            ("compared", ", ".join(f"{verdicts[each]} {each}" for each in OUTCOMES if verdicts[each])),
-            ("errata", str(len(self.errata))),
-            ("left out", "; ".join(self.left_out) or "nothing"),
-            ("page", "" if self.page is None else self.page.name),
-        ]
-        return "Study of Raminelli (2020)", [row for row in rows if row[1]]
-
-    def _table(self) -> Table:
-        rows = [
-            [name, summary["verdict"], *(summary[kind] for kind in OUTCOMES)]
-            for name, summary in ((name, artefact_summary(own)) for name, own in self.artefacts.items())
-        ]
-        return ("artefact", "verdict", *OUTCOMES), rows
 
     @property
     def compared(self) -> list[ComparedValue]:
@@ -76,17 +57,54 @@ class Study(Representation):
             compared.setdefault(value.artefact, []).append(value)
         return compared
 
-    def as_dict(self) -> dict[str, Any]:
-        """For JSON: plain numbers in the printed units."""
-        return {
-            "study": "Raminelli (2020)",
-            "data": None if self.data is None else str(self.data),
-            "left_out": list(self.left_out),
-            "artefacts": {name: artefact_summary(compared) for name, compared in self.artefacts.items()},
-            "compared": [asdict(value) for value in self.compared],
-            "errata": [asdict(erratum) for erratum in self.errata],
-            "page": None if self.page is None else str(self.page),
-        }
+
+@describe.register
+def describe_study(study: Study) -> Description:
+    """How many numbers have which verdict, errata and what was left out; the artefacts in a table."""
+    verdicts = Counter(value.verdict for value in study.compared)
+    rows = [
+        ("compared", ", ".join(f"{verdicts[each]} {each}" for each in OUTCOMES if verdicts[each])),
+        ("errata", str(len(study.errata))),
+        ("left out", "; ".join(study.left_out) or "nothing"),
+        ("page", "" if study.page is None else study.page.name),
+    ]
+    return Description(
+        "Study of Raminelli (2020)",
+        [row for row in rows if row[1]],
+        verdict=[sentence(f"left out: {each}") for each in study.left_out],
+        tables=[lambda: artefacts_table(study)],
+        data=lambda: _numbers(study),
+        frame=lambda: _columns(study),
+    )
+
+
+def artefacts_table(study: Study) -> Table:
+    """Each table, equation, error and figure: how many of its numbers have which verdict, and its own."""
+    summaries = {name: artefact_summary(compared) for name, compared in study.artefacts.items()}
+    rows: list[list[Cell]] = [
+        [name, len(study.artefacts[name]), *(summary[kind] for kind in OUTCOMES), summary["verdict"]]
+        for name, summary in summaries.items()
+    ]
+    return Table(("artefact", "numbers", *OUTCOMES, "verdict"), rows, caption="Raminelli (2020), run again.")
+
+
+def _columns(study: Study) -> Frame:
+    """The compared: published and own values in the printed units, and the verdict."""
+    names = ("artefact", "quantity", "published", "ours", "unit", "verdict", "reason")
+    return Frame({name: [getattr(value, name) for value in study.compared] for name in names})
+
+
+def _numbers(study: Study) -> dict[str, Any]:
+    """For JSON: plain numbers in the printed units."""
+    return {
+        "study": "Raminelli (2020)",
+        "data": None if study.data is None else str(study.data),
+        "left_out": list(study.left_out),
+        "artefacts": {name: artefact_summary(compared) for name, compared in study.artefacts.items()},
+        "compared": [asdict(value) for value in study.compared],
+        "errata": [asdict(erratum) for erratum in study.errata],
+        "page": None if study.page is None else str(study.page),
+    }
 
 
 def artefact_summary(compared: Sequence[ComparedValue]) -> dict[str, Any]:

@@ -7,9 +7,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from dampyr.report import Block, Cell, Section, Table, Text, Verdict, page, write_page
+from dampyr.show.pages.blocks import Block, Section, Text
+from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.table import Cell, Table, Verdict
 from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Erratum, overall
-from dampyr.studies.raminelli_2020.study import Study
+from dampyr.studies.raminelli_2020.study import Study, artefacts_table
 
 SOURCE = (
     "J. G. Raminelli, Plataforma de testes dinâmicos para amortecedores magneto-reológicos e representação "
@@ -44,15 +46,15 @@ def html(study: Study) -> str:
 
 def summary(study: Study) -> list[Block]:
     """One line for each table, equation, error and figure."""
-    rows: list[list[Cell]] = [
-        [name, len(compared), Verdict(overall(compared), _why(compared))] for name, compared in study.artefacts.items()
-    ]
+    verdicts = [Verdict(overall(compared), _why(compared)) for compared in study.artefacts.values()]
+    table = artefacts_table(study)
+    rows = [[*row[:-1], verdict] for row, verdict in zip(table.rows, verdicts, strict=True)]
     text = (
         "A verdict follows from the two numbers and the tolerance beside it. An artefact differs where one of "
         "its numbers does; the reason "
         "is the first such number's, and the sections below have all. Numbers of tables are in the printed units."
     )
-    blocks: list[Block] = [Text(text), Table(("artefact", "numbers", "verdict"), rows)]
+    blocks: list[Block] = [Text(text), replace(table, rows=rows, caption="")]
     if study.left_out:
         blocks.append(Verdict("cannot be checked", "left out: " + "; ".join(study.left_out)))
     return blocks

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from dampyr.report import Block, Cell, Table, Verdict
-from dampyr.report.html_page import number
+from dampyr.show.pages.blocks import Block
+from dampyr.show.pages.html_page import number
+from dampyr.show.table import Cell, Table, Verdict
 from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Erratum
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -24,8 +25,12 @@ from dampyr.hybrid import (
     run_many,
 )
 from dampyr.origin import VIRTUAL, Origin
-from dampyr.report import Block, Cell, FigureBlock, Section, Table, Text, building_response, page, write_page
-from dampyr.representation import Representation, Summary, data_frame
+from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.figures.building import building_response
+from dampyr.show.pages.blocks import FigureBlock, Section, Text
+from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.table import Cell, Table
+from dampyr.shown import Shown
 from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Tolerance, claim, judge
 from dampyr.studies.raminelli_2020.study_part import compared_table
 from dampyr.studies.vrths_2020.benchmark import CASES, INTENSITY, MOTIONS, SOURCE, motion, structure
@@ -54,7 +59,7 @@ REPLICA: dict[tuple[str, int], tuple[float, ...]] = {
 
 
 @dataclass(frozen=True, repr=False)
-class Study(Representation):
+class Study(Shown):
     """Everything that was run: ``compared`` against the replica and the aims; ``criteria`` by (motion, compensator, case), J1
     to J9 on the true and on the measured displacement; ``batches`` by case; ``example`` is what the page's figure shows."""
 
@@ -65,42 +70,64 @@ class Study(Representation):
     page: Path | None = None
     origin: ClassVar[Origin] = VIRTUAL
 
-    def to_dataframe(self) -> Any:
-        """The criteria as a ``pandas.DataFrame``, one row a run."""
-        rows = list(self.criteria.items())
-        columns: dict[str, Any] = {
-            name: [key[k] for key, _ in rows] for k, name in enumerate(("motion", "compensator", "case"))
-        }
-        columns |= {name: [float(true[k]) for _, (true, _) in rows] for k, name in enumerate(CRITERIA)}
-        columns |= {f"{n}_measured": [float(m[k]) for _, (_, m) in rows] for k, n in enumerate(CRITERIA[:5])}
-        return data_frame(columns)
 
-    def _summary(self) -> Summary:
-        agrees = sum(value.verdict == "agrees" for value in self.compared)
-        rows = [("compared", f"{agrees} of {len(self.compared)} agree")]
-        rows += [(f"random plants, case {case}", _batch_words(batch)) for case, batch in self.batches.items()]
-        return "Study of the hybrid simulation benchmark (2020)", rows
+@describe.register
+def describe_study(study: Study) -> Description:
+    """How many of the compared agree, and the batches of random plants; tables of the criteria and of these batches."""
+    agrees = sum(value.verdict == "agrees" for value in study.compared)
+    rows = [("compared", f"{agrees} of {len(study.compared)} agree")]
+    rows += [(f"random plants, case {case}", _batch_words(batch)) for case, batch in study.batches.items()]
+    return Description(
+        "Study of the hybrid simulation benchmark (2020)",
+        rows,
+        verdict=[
+            *(
+                f"{len(batch.plants)} random plants of case {case}: {batch.unstable} unstable, worst {_worst(batch)}."
+                for case, batch in study.batches.items()
+            ),
+            f"{agrees} of {len(study.compared)} numbers agree.",
+        ],
+        tables=[
+            *(partial(_titled, study, name) for name in MOTIONS),
+            lambda: measured_table(study),
+            *([lambda: batch_table(study.batches)] if study.batches else []),
+        ],
+        data=lambda: _numbers(study),
+        frame=lambda: _columns(study),
+    )
 
-    def as_dict(self) -> dict[str, Any]:
-        """For JSON: J1 in ms, the others in %."""
-        return dict(
-            plain(
-                {
-                    "study": "vrths_2020",
-                    "origin": self.origin.as_dict(),
-                    "compared": [asdict(value) for value in self.compared],
-                    "criteria": [
-                        {"motion": shaking, "compensator": name, "case": case, "true": true, "measured": measured}
-                        for (shaking, name, case), (true, measured) in self.criteria.items()
-                    ],
-                    "random_plants": {
-                        str(case): {"plants": len(batch.plants), "unstable": batch.unstable,
-                                    "worst": {name: batch.true[batch.worst(name), k] for k, name in enumerate(CRITERIA)}}
-                        for case, batch in self.batches.items()
-                    },
-                }
-            )
-        )  # fmt: skip
+
+def _columns(study: Study) -> Frame:
+    """The criteria, one row a run."""
+    rows = list(study.criteria.items())
+    columns: dict[str, Any] = {
+        name: [key[k] for key, _ in rows] for k, name in enumerate(("motion", "compensator", "case"))
+    }
+    columns |= {name: [float(true[k]) for _, (true, _) in rows] for k, name in enumerate(CRITERIA)}
+    columns |= {f"{n}_measured": [float(m[k]) for _, (_, m) in rows] for k, n in enumerate(CRITERIA[:5])}
+    return Frame(columns)
+
+
+def _numbers(study: Study) -> dict[str, Any]:
+    """For JSON: J1 in ms, the others in %."""
+    return dict(
+        plain(
+            {
+                "study": "vrths_2020",
+                "origin": study.origin.as_dict(),
+                "compared": [asdict(value) for value in study.compared],
+                "criteria": [
+                    {"motion": shaking, "compensator": name, "case": case, "true": true, "measured": measured}
+                    for (shaking, name, case), (true, measured) in study.criteria.items()
+                ],
+                "random_plants": {
+                    str(case): {"plants": len(batch.plants), "unstable": batch.unstable,
+                                "worst": {name: batch.true[batch.worst(name), k] for k, name in enumerate(CRITERIA)}}
+                    for case, batch in study.batches.items()
+                },
+            }
+        )
+    )  # fmt: skip
 
 
 def set_up(case: int, force_delay: int = 1) -> HybridSetup:
@@ -176,9 +203,12 @@ def batch_comparison(case: int, batch: BatchResult) -> ComparedValue:
 
 
 def _batch_words(batch: BatchResult) -> str:
+    return f"{len(batch.plants)} plants, {batch.unstable} unstable; the worst {_worst(batch)}"
+
+
+def _worst(batch: BatchResult) -> str:
     worst = {name: batch.true[batch.worst(name), CRITERIA.index(name)] for name in ("J2", "J4")}
-    words = ", ".join(f"{name} {value:.3g} %" for name, value in worst.items())
-    return f"{len(batch.plants)} plants, {batch.unstable} unstable; the worst {words}"
+    return ", ".join(f"{name} {value:.3g} %" for name, value in worst.items())
 
 
 def _example(shaking: GroundMotion) -> tuple[Array, dict[str, Array]]:
@@ -203,12 +233,12 @@ def html(study: Study) -> str:
     sections = [
         Section("Against the replica, and the aims", [compared_table(study.compared, digits=4)]),
         Section(
-            "All criteria", [Text(WORDS), *(_criteria_table(study, name) for name in MOTIONS), _measured_table(study)]
+            "All criteria", [Text(WORDS), *(criteria_table(study, name) for name in MOTIONS), measured_table(study)]
         ),
         Section("Case 4 under El Centro", [FigureBlock(building_response(*study.example), "First floor.")]),
     ]
     if study.batches:
-        sections.append(Section("Random plants", _batch_blocks(study.batches)))
+        sections.append(Section("Random plants", [batch_table(study.batches)]))
     return page(
         "The hybrid simulation benchmark, run again",
         sections,
@@ -230,13 +260,19 @@ WORDS = (
 )
 
 
-def _criteria_table(study: Study, shaking: str) -> Block:
+def criteria_table(study: Study, shaking: str) -> Table:
+    """The criteria on the true displacement, under one motion."""
     own = [(name, case, true) for (of, name, case), (true, _) in study.criteria.items() if of == shaking]
     rows: list[Sequence[Cell]] = [[name, case, *(float(value) for value in true)] for name, case, true in own]
     return Table(("compensator", "case", *CRITERIA), rows, ("", "", "ms", *["%"] * 8), caption=f"{shaking}.", digits=3)
 
 
-def _measured_table(study: Study) -> Block:
+def _titled(study: Study, shaking: str) -> Table:
+    caption = f"The hybrid simulation benchmark of 2020, {shaking}: criteria on the true displacement."
+    return replace(criteria_table(study, shaking), caption=caption)
+
+
+def measured_table(study: Study) -> Table:
     """J2 and J4 as measured, both motions side by side."""
     first, second = MOTIONS
     rows: list[Sequence[Cell]] = [
@@ -248,7 +284,8 @@ def _measured_table(study: Study) -> Block:
     return Table(heads, rows, ("", "", *["%"] * 4), caption="As measured, with the noise of the sensor.", digits=3)
 
 
-def _batch_blocks(batches: dict[int, BatchResult]) -> list[Block]:
+def batch_table(batches: dict[int, BatchResult]) -> Table:
+    """J2 and J4 over the random plants of each case, and the worst plant."""
     rows: list[Sequence[Cell]] = []
     for case, batch in batches.items():
         for name in ("J2", "J4"):
@@ -257,4 +294,4 @@ def _batch_blocks(batches: dict[int, BatchResult]) -> list[Block]:
                          *(float(v) for v in batch.plants[k]), batch.unstable])  # fmt: skip
     heads = ("case", "criterion", "median", "95 %", "worst", "its stiffness", "a3", "β1", "β2", "unstable")
     units = ("", "", "%", "%", "%", "N/m", "1/s", "1/s", "1/s²", "")
-    return [Table(heads, rows, units, caption="The Kalman compensator over random plants, El Centro.", digits=4)]
+    return Table(heads, rows, units, caption="The Kalman compensator over random plants, El Centro.", digits=4)

@@ -121,7 +121,7 @@ function shown(judgement, question, charts) {
     h("p", { class: "verdict", role: "status" }, inShort(judgement.records)),
     ...judgement.notes.map((one) => h("p", { class: "verdict fair" }, one)),
     summary(judgement.records),
-    h("p", { class: "soft" }, "Cycles count from the start of the motion. False fail: the chance, at the record's scatter, that a damper like the reference fails; false pass: that one passes of which one quantity at one level lies a third of the half-width beyond the band."),
+    h("p", { class: "soft" }, "Cycles count from the start of the motion. Wrong rejection: the chance, at the record's scatter, that a damper like the reference fails; wrong acceptance: that one passes of which one quantity at one level lies a third of the half-width beyond the band."),
     h("div", { class: "row" }, h("a", { class: "button", href: `/api/records/acceptance/page?${question}`, download: "acceptance.html" }, "Save the page")),
     any ? section("Forces at peak velocity", forces.element, h("p", { class: "soft" }, "● inside, ✕ outside, □ not judged; one chart for each input and direction. The band is drawn through the means of points of equal speed.")) : null,
     judged ? section("Deviation within the band", used.element, h("p", { class: "soft" }, "Deviation in half-widths of the band: 0 is the reference, 1 and −1 are the edges; above 0 the damper is stronger, in either direction.")) : null,
@@ -140,7 +140,7 @@ function summary(records) {
   return table({
     caption: "One point outside fails a record, and so does the mean of a level. Where less than half of a level's cycles could be judged, it has neither passed nor failed.",
     columns: [{ name: "record" }, { name: "verdict", align: "left" }, { name: "run", align: "right" }, { name: "whole" }, { name: "judged", align: "right" }, { name: "stroke", unit: "mm" }, { name: "judged to", unit: "mm" }, { name: "outside" },
-      { name: "worst", align: "left" }, { name: "cycle" }, { name: "off by", unit: "%", digits: 3 }, { name: "false fail", unit: "%", align: "right" }, { name: "false pass", unit: "%", align: "right" }],
+      { name: "worst", align: "left" }, { name: "cycle" }, { name: "off by", unit: "%", digits: 3 }, { name: "wrong rejection", unit: "%", align: "right" }, { name: "wrong acceptance", unit: "%", align: "right" }],
     rows: records.map((one) => [one.name, { key: one.verdict, show: h("span", { class: BADGES[one.verdict] }, { passed: "✓ ", failed: "✗ ", "not judged": "? " }[one.verdict], one.verdict) },
       { key: one.run, show: one.run.toFixed(1) }, one.cut, { key: one.judged_cycles, show: `${one.judged_cycles} of ${one.cut}` }, 1e3 * one.stroke_m, one.judged ? 1e3 * one.judged_stroke_m : null, one.outside_count,
       one.worst?.quantity ?? null, one.worst?.cycle ?? null, percent(one.worst?.deviation), chance(one.wrong_rejection), chance(one.wrong_acceptance)]),

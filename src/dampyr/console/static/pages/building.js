@@ -129,7 +129,7 @@ export async function show(root, query) {
     sheet.replaceChildren(
       section(`Fragility: ${r.limit}`, r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : null, plot({ label: `Probability of ${r.limit} over peak ground acceleration`, x: { words: "peak ground acceleration", unit: "g", pad: 0.03 }, y: { words: "probability of exceeding", unit: "%" }, height: 380, zero: true, series }),
         h("p", { class: "soft" }, `${r.cases} cases, ${r.motions} motions; dashed: 90 % bands over the motions; points: the shares that were counted.`),
-        shown({ ...r.table, caption: "Median and spread of each curve" }, 4), r.remarks.map((one) => h("p", {}, `${one}.`)), h("div", { class: "row" }, page(id))),
+        shown({ ...r.table, caption: "Median and spread of each curve" }, 4), r.remarks.map((one) => h("p", {}, one)), h("div", { class: "row" }, page(id))),
       section("Peaks", shown({ ...r.peaks, caption: "Across motions, of the worst storey and floor" }, 4)),
       section("Accuracy", r.trust.map((one) => h("p", {}, one))));
   }

@@ -1,0 +1,46 @@
+"""The residual over the velocity: median and quartiles, while the damper speeds up and while it slows down."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import ArrayLike
+
+from dampyr.show.figures import style
+from dampyr.show.figures.style import VELOCITY, Axis
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+RESIDUAL = Axis("residual", "N")
+Bands = Mapping[str, tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike]]
+
+
+def residual_velocity(panels: Mapping[str, Bands], title: str = "") -> Figure:
+    """``panels`` name -> branch -> (velocity m/s, lower quartile, median, upper quartile in N), NaN where too few samples."""
+    columns = min(2, len(panels))
+    rows = math.ceil(len(panels) / columns)
+    fig, axes = style.figure(0.7 + 1.75 * rows, rows, columns, title, sharex=False)
+    with style.style():
+        for panel, (name, bands) in zip(axes.flat, panels.items(), strict=False):
+            _panel(panel, bands)
+            panel.set_title(name)
+        for empty in list(axes.flat)[len(panels) :]:
+            empty.set_axis_off()
+        for panel in axes[:, 0]:
+            panel.set_ylabel(RESIDUAL.label)
+        for panel in list(axes.flat)[max(len(panels) - columns, 0) : len(panels)]:
+            panel.set_xlabel(VELOCITY.label)
+        style.legend(fig, *axes.flat)
+    return fig
+
+
+def _panel(panel: Any, bands: Bands) -> None:
+    panel.axhline(0.0, color=style.MUTED, lw=0.8)
+    looks = ((style.INK, "-"), (style.MUTED, "--"))  # colours are those of inputs on a page
+    for (colour, dash), (name, (velocity, lower, median, upper)) in zip(looks, bands.items(), strict=False):
+        v = VELOCITY.of(velocity)
+        panel.fill_between(v, RESIDUAL.of(lower), RESIDUAL.of(upper), color=colour, alpha=0.18, lw=0)
+        style.line(panel, v, RESIDUAL.of(median), color=colour, ls=dash, lw=1.3, label=name)

@@ -1,0 +1,229 @@
+"""One style for all figures: colours that colour-blind readers tell apart, units on every axis, few points.
+
+The colours are those of [OkabeIto2008]_. In a page they become CSS variables, so a figure follows the
+reader's light or dark mode; in a file of its own it is drawn for white paper.
+
+References
+----------
+.. [OkabeIto2008] M. Okabe and K. Ito, "Color universal design (CUD): how to make figures and presentations
+   that are friendly to colorblind people", 2008.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
+from itertools import cycle, pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dampyr.origin import NOT_STATED, Origin
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+INK, MUTED, GRID = "#1b2026", "#79828c", "#d3d8dd"
+BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = (
+    "#0072b2",
+    "#d55e00",
+    "#009e73",
+    "#cc79a7",
+    "#e69f00",
+    "#56b4e9",
+)
+SERIES = (VERMILLION, BLUE, GREEN, PURPLE, ORANGE, SKY)
+MEASURED = MUTED
+CASES = (
+    BLUE,
+    VERMILLION,
+    GREEN,
+    PURPLE,
+    ORANGE,
+    SKY,
+)  # of things that are compared; grey is what they are compared with
+WIDTH = 5.6  # inches: as wide as the text of a page
+POINTS = 2400  # of a line: more than a page has pixels across
+
+_RC = {
+    "font.family": "sans-serif",
+    "font.size": 10.0,
+    "axes.titlesize": 10.5,
+    "axes.titlelocation": "left",
+    "axes.labelsize": 10.0,
+    "axes.edgecolor": MUTED,
+    "axes.labelcolor": INK,
+    "axes.titlecolor": INK,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "xtick.labelsize": 9.0,
+    "ytick.labelsize": 9.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": GRID,
+    "grid.linewidth": 0.6,
+    "axes.linewidth": 0.7,
+    "lines.linewidth": 1.2,
+    "lines.solid_joinstyle": "round",
+    "legend.frameon": False,
+    "legend.fontsize": 9.0,
+    "axes.unicode_minus": True,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "dampyr",
+    "pdf.fonttype": 42,
+    "path.simplify": True,
+    "path.simplify_threshold": 0.12,
+}
+
+
+_for_pyplot: ContextVar[bool] = ContextVar("_for_pyplot", default=False)
+_UNDATED = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}  # the same figure gives the same file
+
+
+@dataclass(frozen=True)
+class Axis:
+    """What an axis shows: words, the unit people read, and how many of it make one SI unit."""
+
+    words: str
+    unit: str
+    per_si: float = 1.0
+
+    @property
+    def label(self) -> str:
+        """Such as ``displacement [mm]``."""
+        return f"{self.words} [{self.unit}]"
+
+    def of(self, values: ArrayLike) -> NDArray[np.float64]:
+        """SI values in the unit of the axis."""
+        return np.asarray(values, dtype=float) * self.per_si
+
+
+TIME = Axis("time", "s")
+DISPLACEMENT = Axis("displacement", "mm", 1e3)
+VELOCITY = Axis("velocity", "mm/s", 1e3)
+FORCE = Axis("force", "N")
+VOLTAGE = Axis("voltage", "V")
+CURRENT = Axis("current", "A")
+ACCELERATION = Axis("acceleration", "m/s²")
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """matplotlib with dampyr's style, restored on leaving."""
+    import matplotlib
+
+    with matplotlib.rc_context(_RC):
+        yield
+
+
+def figure(
+    height: float, rows: int = 1, columns: int = 1, title: str = "", **subplots: Any
+) -> tuple[Figure, NDArray[Any]]:
+    """An empty figure of the page's width, ``height`` in inches, and its axes ``(rows, columns)``."""
+    with style():
+        fig = _empty((WIDTH, height))
+        fig.patch.set_alpha(0.0)
+        axes = fig.subplots(rows, columns, squeeze=False, **subplots)
+        for each in axes.flat:
+            each.patch.set_alpha(0.0)
+        if title:
+            fig.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold", color=INK)
+    return fig, axes
+
+
+def _empty(size: tuple[float, float]) -> Figure:
+    """A figure that nothing but its caller knows, or inside of `in_pyplot` one of pyplot's."""
+    if _for_pyplot.get():
+        from matplotlib import pyplot
+
+        return pyplot.figure(figsize=size, layout="constrained")
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=size, layout="constrained")
+
+
+def in_pyplot(draw: Callable[..., Figure], *args: Any, origin: Origin = NOT_STATED, **kwargs: Any) -> NDArray[Any]:
+    """The axes of ``draw(*args, **kwargs)``, drawn into a figure of pyplot, which notebooks show by themselves.
+
+    ``draw`` is one of the functions of `dampyr.show.figures`; the axes come in the order in which it made them, ``(k,)``.
+    ``origin``: of what it shows, which stands across it where that is not measured.
+    """
+    token = _for_pyplot.set(True)
+    try:
+        fig = draw(*args, **kwargs)
+    finally:
+        _for_pyplot.reset(token)
+    fig.patch.set_alpha(1.0)
+    origin.stamp(fig)
+    return np.array(fig.axes)
+
+
+def case_colours(names: Iterable[str], reference: str | None = None) -> dict[str, str]:
+    """A colour for each case by its name, for all figures of a page; ``reference``, what the others are compared with, is grey.
+
+    There are six; more cases begin with the first again.
+    """
+    others = [name for name in dict.fromkeys(names) if name != reference]
+    grey = {} if reference is None else {reference: MUTED}
+    return grey | dict(zip(others, cycle(CASES), strict=False))
+
+
+def name_axes(axes: Axes, x: Axis, y: Axis) -> None:
+    """Words and units on both axes."""
+    axes.set_xlabel(x.label)
+    axes.set_ylabel(y.label)
+
+
+def legend(fig: Figure, *axes: Axes, columns: int = 3, min_entries: int = 2) -> None:
+    """The names on the axes, each once, above the figure, or below where a title stands above it.
+
+    There is none when there are fewer than ``min_entries``.
+    """
+    handles: dict[str, Any] = {}
+    for each in axes:
+        for handle, name in zip(*each.get_legend_handles_labels(), strict=True):
+            handles.setdefault(name, handle)
+    if len(handles) >= min_entries:
+        loc = "outside lower left" if fig.get_suptitle() else "outside upper left"
+        fig.legend(list(handles.values()), list(handles), loc=loc, ncols=min(len(handles), columns))
+
+
+def thin(x: ArrayLike, y: ArrayLike, limit: int = POINTS) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """At most ``limit`` points of a line, with the extremes of x and y of each stretch kept.
+
+    A stretch gives the points where x and y are least and greatest, in their order, so no peak is lost. A
+    missing value (NaN) is no extreme.
+    """
+    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    if len(x) <= limit:
+        return x, y
+    keep = {0, len(x) - 1}
+    edges = np.linspace(0, len(x), max(limit // 4, 1) + 1).astype(int)
+    for start, stop in pairwise(edges):
+        for values in (x[start:stop], y[start:stop]):
+            if not np.all(np.isnan(values)):
+                keep.update((start + int(np.nanargmin(values)), start + int(np.nanargmax(values))))
+    chosen = np.array(sorted(keep))
+    return x[chosen], y[chosen]
+
+
+def line(axes: Axes, x: ArrayLike, y: ArrayLike, **kwargs: Any) -> None:
+    """A line of few points."""
+    axes.plot(*thin(x, y), **kwargs)
+
+
+def save(fig: Figure, path: str | Path) -> Path:
+    """Write a figure to a file of its own (.svg, .pdf, .png), on white."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with style():
+        fig.savefig(path, facecolor="white", dpi=200, metadata=_UNDATED.get(path.suffix))
+    return path

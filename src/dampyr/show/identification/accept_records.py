@@ -1,0 +1,219 @@
+"""What the acceptance of many records shows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from dampyr.findings import as_dicts
+from dampyr.identification.acceptance_tests.accept_records import Accepted
+from dampyr.identification.acceptance_tests.acceptance import BEYOND, Acceptance, JudgedLevel
+from dampyr.phrases import counted, sentence
+from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.figures.acceptance import band_used
+from dampyr.show.identification.acceptance import AcceptancePlots, in_short, input_words, percent, used_of_band
+from dampyr.show.plots import plots
+from dampyr.show.table import Cell, Table
+from dampyr.to_json import plain
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@describe.register
+def describe_accepted(accepted: Accepted) -> Description:
+    """The verdict of all, how many records came out how; tables of records, worst points and levels, and of what was not
+    judged; what each uses of the band."""
+    results, again = accepted.results, accepted.relevelled
+    rows = [("verdict", accepted.verdict), ("records", in_short(results))]
+    band = ""
+    if results:
+        first = results[0]
+        band = f", {first.tolerance}"
+        rows.append(("band", f"{first.tolerance}, judged by {', '.join(first.quantities)}"))
+    return Description(
+        f"Accepted by {accepted.reference!r}",
+        rows,
+        verdict=[f"The verdict of all is: {accepted.verdict}, by {accepted.reference}{band}."],
+        tables=[
+            lambda: judgement_table(results),
+            lambda: worst_table(results),
+            lambda: unjudged_table(results),
+            lambda: level_table(results),
+            *([lambda: relevelled_table(again)] if again else []),
+            *(
+                [lambda: replace(worst_table(again), caption="The worst points, relevelled.", notes=())]
+                if again
+                else []
+            ),
+            *([lambda: replace(unjudged_table(again), caption="What was not judged, relevelled.")] if again else []),
+        ],
+        figure=lambda: _figure(accepted),
+        data=lambda: _numbers(accepted),
+        frame=lambda: _columns(accepted),
+    )
+
+
+def _figure(accepted: Accepted) -> Figure | None:
+    judged = [one for one in accepted.results if one.judged]
+    used, outside = used_of_band(judged)
+    return band_used(used, outside=outside) if judged else None
+
+
+def judgement_table(results: Sequence[Acceptance]) -> Table:
+    """How each record came out: its cycles, strokes and points, and how far the worst of these is off."""
+    return Table(
+        ("record", "input", "verdict", "run", "judged", "stroke", "judged to", "outside", "worst off by"),
+        [
+            [one.record, input_words(one), one.verdict, one.run, f"{one.judged_cycles} of {one.cut}", 1e3 * one.stroke_m,
+             1e3 * one.judged_stroke_m if one.judged else None, len(one.outside), _worst_off_by(one)]
+            for one in results
+        ],
+        ("", "", "", "cycles", "whole cycles", "mm", "mm", "points", "%"),
+        caption=f"{counted(len(results), 'record')}: {in_short(results)}.",
+        notes=[
+            "Run: cycles from the start of the motion; judged: those of the whole ones that were judged; judged to: the "
+            "largest stroke among them."
+        ],
+        digits=4,
+    )  # fmt: skip
+
+
+def worst_table(results: Sequence[Acceptance]) -> Table:
+    """The worst point of each record, and the chances of a wrong verdict."""
+    off = BEYOND * results[0].tolerance.relative if results else 0.0
+    beyond = f"{100 * off:.3g} % off" if off else "off by a third more than is allowed"
+    return Table(
+        ("record", "worst", "cycle", "speed", "measured", "expected", "off by", "wrong rejection", "wrong acceptance"),
+        [
+            [one.record, *_worst_point(one), _chance(one.wrong_rejection), _chance(one.wrong_acceptance)]
+            for one in results
+        ],
+        ("", "", "", "mm/s", "N or J", "N or J", "%", "chance", "chance"),
+        caption="The worst point of each record, and the chances of a wrong verdict.",
+        notes=[
+            "The worst point is the one that uses most of its band. Wrong rejection: the chance that a damper just like the "
+            f"reference fails at this record's scatter. Wrong acceptance: that one passes which is {beyond} in one quantity at "
+            "one level."
+        ],
+        digits=4,
+    )
+
+
+def _worst_point(one: Acceptance) -> list[Cell]:
+    worst = one.worst
+    if worst is None:
+        return [None] * 6
+    return [worst.quantity, worst.cycle, 1e3 * worst.speed, worst.measured, worst.expected, _worst_off_by(one)]
+
+
+def _worst_off_by(one: Acceptance) -> float | None:
+    return None if one.worst is None or one.worst.deviation is None else 100 * one.worst.deviation
+
+
+def _chance(chance: float | None) -> str | None:
+    return None if chance is None else percent(chance)
+
+
+def level_table(results: Sequence[Acceptance]) -> Table:
+    """The means of every level, and the scatter of single cycles."""
+    names = results[0].quantities if results else ()
+    rows: list[list[Cell]] = [
+        [one.record, each.number, each.cycles, each.judged, 1e3 * each.stroke_m, each.frequency_hz,
+         _verdict_of_level(one, each), *(_mean(each.deviation.get(q), each.scatter.get(q)) for q in names)]
+        for one in results for each in one.levels
+    ]  # fmt: skip
+    return Table(
+        ("record", "level", "cycles", "judged", "stroke", "frequency", "verdict", *names),
+        rows,
+        ("", "", "", "cycles", "mm", "Hz", "", *("%" for _ in names)),
+        caption="Means of each level.",
+        notes=["The mean of measured over expected less 1, ± the standard deviation of a single cycle."],
+        digits=4,
+    )
+
+
+def _verdict_of_level(one: Acceptance, level: JudgedLevel) -> str:
+    return "failed" if level in one.levels_outside else "not judged" if level.reason else "passed"
+
+
+def _mean(deviation: float | None, scatter: float | None) -> str | None:
+    if deviation is None:
+        return None
+    text = f"{100 * deviation:+.2f}" + ("" if scatter is None else f" ± {100 * scatter:.2f}")
+    return text.replace(" ", "\N{NO-BREAK SPACE}").replace("-", "\N{MINUS SIGN}")
+
+
+def relevelled_table(results: Sequence[Acceptance]) -> Table:
+    """How each record came out with the level of its first cycles taken out of the later ones."""
+    return Table(
+        ("record", "input", "level", "verdict", "judged", "judged", "judged to", "outside", "worst off by"),
+        [
+            [one.record, input_words(one), None if math.isnan(one.level) else one.level, one.verdict, one.judged_cycles,
+             len(one.judged), 1e3 * one.judged_stroke_m if one.judged else None, len(one.outside), _worst_off_by(one)]
+            for one in results
+        ],
+        ("", "", "", "", "cycles", "points", "mm", "points", "%"),
+        caption=f"Relevelled by the first cycles: {in_short(results)}.",
+        notes=["Level: measured over expected in the first cycles, which is taken out of the later ones."],
+        digits=4,
+    )  # fmt: skip
+
+
+def unjudged_table(results: Sequence[Acceptance]) -> Table:
+    """How many points of each record were not judged, and why."""
+    rows: list[list[Cell]] = [
+        [one.record, count, sentence(reason)] for one in results for reason, count in one.unjudged.items()
+    ]
+    return Table(("record", "points", "why"), rows, caption="What was not judged.")
+
+
+def _numbers(accepted: Accepted) -> dict[str, Any]:
+    """All results for JSON, SI units."""
+    records = [one.as_dict() for one in accepted.results]
+    more = {"relevelled": [one.as_dict() for one in accepted.relevelled]} if accepted.relevelled else {}
+    answer = {
+        "reference": accepted.reference,
+        "origin": accepted.origin.as_dict(),
+        "verdict": accepted.verdict,
+        "findings": as_dicts(accepted.findings),
+        "records": records,
+    }
+    return dict(plain(answer | more))
+
+
+def _columns(accepted: Accepted) -> Frame:
+    """The judgement of each record; ``worst_deviation`` is a ratio."""
+    results = accepted.results
+    columns = {
+        "input": [one.input_value for one in results],
+        "verdict": [one.verdict for one in results],
+        "run": [one.run for one in results],
+        "cut": [one.cut for one in results],
+        "judged_cycles": [one.judged_cycles for one in results],
+        "judged_stroke_m": [one.judged_stroke_m for one in results],
+        "points": [len(one.points) for one in results],
+        "judged": [len(one.judged) for one in results],
+        "outside": [len(one.outside) for one in results],
+        "worst_deviation": [one.worst.deviation if one.worst else None for one in results],
+        "wrong_rejection": [one.wrong_rejection for one in results],
+        "wrong_acceptance": [one.wrong_acceptance for one in results],
+    }
+    return Frame(columns, [one.record for one in results], "record")
+
+
+@dataclass(frozen=True)
+class AcceptedPlots(AcceptancePlots):
+    """The figures of all records: ``accepted.plot.forces()`` and ``.used()``; ``accepted.plot()`` leaves out records of which
+    nothing was judged."""
+
+    @property
+    def acceptances(self) -> tuple[Acceptance, ...]:
+        """Those that are drawn."""
+        results: tuple[Acceptance, ...] = self.result.results
+        return results
+
+
+plots.register(Accepted, AcceptedPlots)

@@ -1,0 +1,159 @@
+"""What the acceptance of a record shows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from dampyr.identification.acceptance_tests.acceptance import UNITS, Acceptance, Point, Quantity
+from dampyr.identification.acceptance_tests.reference_cycles import SAME, groups
+from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.figures import style
+from dampyr.show.figures.acceptance import band_used, peak_velocity_band
+from dampyr.show.plots import Plots, plots
+from dampyr.show.table import Table
+
+Drawn = dict[bool | None, tuple[list[float], list[float]]]
+
+
+@describe.register
+def describe_acceptance(acceptance: Acceptance) -> Description:
+    """Verdict, band, cycles and risks, the points, and the forces at peak velocity in the band."""
+    a = acceptance
+    rows = [
+        ("verdict", a.verdict),
+        ("input", input_words(a)),
+        ("band", f"{a.tolerance} of the reference"),
+        ("cycles", f"{a.run:g} run, {a.cut} whole, {a.judged_cycles} judged at {len(a.levels)} level(s)"),
+        ("stroke", f"{1e3 * a.stroke_m:.4g} mm at most, judged to {1e3 * a.judged_stroke_m:.4g} mm"),
+        ("points", f"{len(a.points)}, {len(a.judged)} judged, {len(a.outside)} outside"),
+    ]
+    worst = a.worst
+    if worst is not None and worst.deviation is not None:
+        rows.append(("worst", f"{worst.quantity} of cycle {worst.cycle}, {100 * worst.deviation:+.3g} %"))
+    if a.wrong_rejection is not None and a.wrong_acceptance is not None:
+        rejection, wrongly = percent(a.wrong_rejection), percent(a.wrong_acceptance)
+        rows.append(("risk", f"{rejection} wrong rejection, {wrongly} wrong acceptance"))
+    if a.unjudged:
+        rows.append(("not judged", a.reason or next(iter(a.unjudged))))
+    return Description(
+        f"Acceptance of {a.record!r}",
+        rows,
+        tables=[lambda: _table(acceptance)],
+        figure=lambda: peak_velocity_band(*forces_and_band([acceptance])) if acceptance.points else None,
+        data=lambda: _numbers(acceptance),
+        frame=lambda: _columns(acceptance),
+    )
+
+
+def _table(acceptance: Acceptance) -> Table:
+    return Table(
+        ("cycle", "quantity", "peak velocity", "measured", "expected", "from", "to", "unit", "inside"),
+        [
+            [p.cycle, p.quantity, 1e3 * p.speed, p.measured, p.expected, p.low, p.high, UNITS[p.quantity], p.inside]
+            for p in acceptance.points
+        ],
+        ("", "", "mm/s", "", "", "", "", "", ""),
+    )
+
+
+def _numbers(acceptance: Acceptance) -> dict[str, Any]:
+    """Plain numbers, for JSON."""
+    points = [asdict(p) | {"deviation": p.deviation, "used": p.used} for p in acceptance.points]
+    worst = next((entry for entry, p in zip(points, acceptance.points, strict=True) if p is acceptance.worst), None)
+    return asdict(acceptance) | {
+        "verdict": acceptance.verdict,
+        "passed": acceptance.passed,
+        "judged": len(acceptance.judged),
+        "judged_cycles": acceptance.judged_cycles,
+        "judged_stroke_m": acceptance.judged_stroke_m,
+        "outside": len(acceptance.outside),
+        "worst": worst,
+        "reasons": acceptance.reasons,
+        "points": points,
+    }
+
+
+def _columns(acceptance: Acceptance) -> Frame:
+    """The points: SI units, forces in compression negative."""
+    names = {
+        "cycle": "cycle", "level": "level", "quantity": "quantity", "speed": "speed_m_per_s", "stroke_m": "stroke_m",
+        "measured": "measured", "error": "error", "expected": "expected", "low": "low", "high": "high", "inside": "inside",
+        "deviation": "deviation", "reason": "reason",
+    }  # fmt: skip
+    columns = {head: [getattr(p, name) for p in acceptance.points] for name, head in names.items()}
+    return Frame(columns | {"unit": [UNITS[p.quantity] for p in acceptance.points]})
+
+
+def input_words(one: Acceptance) -> str:
+    """Such as ``1.98 V``."""
+    return "input not known" if one.input_value is None else f"{one.input_value:.5g} {one.input}"
+
+
+def in_short(acceptances: Sequence[Acceptance]) -> str:
+    """How many records came out how, such as "2 passed, 1 failed"."""
+    counts = {each: sum(one.verdict == each for one in acceptances) for each in ("passed", "failed", "not judged")}
+    return ", ".join(f"{count} {each}" for each, count in counts.items() if count)
+
+
+def percent(chance: float) -> str:
+    """A chance for a person: two digits, or a bound where it is next to nothing."""
+    return "below 0.01 %" if chance < 1e-4 else f"{100 * chance:.2g} %"
+
+
+def band(acceptances: Iterable[Acceptance], quantity: Quantity) -> list[tuple[float, float, float, float]]:
+    """The band along the speed, for a picture: (speed m/s, expected, low, high), means of points with the same speed to 2 %."""
+    points = [p for one in acceptances for p in one.judged if p.quantity == quantity]
+    rows = np.array([(p.speed, p.expected, p.low, p.high) for p in points], dtype=float).reshape(-1, 4)
+    return [(speed, middle, low, high) for speed, middle, low, high in groups(rows, SAME).tolist()]
+
+
+def forces_and_band(acceptances: Sequence[Acceptance]) -> tuple[list[list[tuple[float, float, float, float]]], Drawn]:
+    """The bands of extension and compression, and peak speeds m/s and forces N of the points inside, outside and not judged."""
+    points: dict[bool | None, list[Point]] = {True: [], False: [], None: []}
+    for one in acceptances:
+        for p in one.points:
+            if p.quantity != "energy":
+                points[p.inside].append(p)
+    drawn = {state: ([p.speed for p in own], [p.measured for p in own]) for state, own in points.items()}
+    return [band(acceptances, "extension"), band(acceptances, "compression")], drawn
+
+
+def used_of_band(
+    acceptances: Sequence[Acceptance],
+) -> tuple[dict[str, dict[str, list[float]]], dict[str, dict[str, list[bool]]]]:
+    """Record -> quantity -> what each judged cycle uses of the band (see `Point.used`), and whether it lies outside."""
+    used: dict[str, dict[str, list[float]]] = {
+        one.record: {q: [p.used or 0.0 for p in one.judged if p.quantity == q] for q in one.quantities}
+        for one in acceptances
+    }
+    outside: dict[str, dict[str, list[bool]]] = {
+        one.record: {q: [p.inside is False for p in one.judged if p.quantity == q] for q in one.quantities}
+        for one in acceptances
+    }
+    return used, outside
+
+
+@dataclass(frozen=True)
+class AcceptancePlots(Plots):
+    """``acceptance.plot.forces()``, which is what ``acceptance.plot()`` draws, and ``.used()``."""
+
+    @property
+    def acceptances(self) -> tuple[Acceptance, ...]:
+        """Those that are drawn."""
+        return (self.result,)
+
+    def forces(self) -> Any:
+        """The forces at the peak velocities of every cycle, and the band."""
+        return style.in_pyplot(peak_velocity_band, *forces_and_band(self.acceptances), origin=self.result.origin)
+
+    def used(self) -> Any:
+        """How far each judged cycle lies from the reference, in halves of the band: its edges are at -1 and 1."""
+        used, outside = used_of_band(self.acceptances)
+        return style.in_pyplot(band_used, used, outside=outside, origin=self.result.origin)
+
+
+plots.register(Acceptance, AcceptancePlots)

@@ -1,0 +1,111 @@
+"""What samples of a posterior show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from dampyr.errors import InputError
+from dampyr.identification.parameter_uncertainty.posterior import Posterior
+from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.figures import style
+from dampyr.show.figures.sample_pairs import sample_pairs
+from dampyr.show.figures.symbols import label_as_mathtext
+from dampyr.show.plots import Plots, plots
+from dampyr.show.table import Cell, Table
+from dampyr.to_json import plain
+from dampyr.units import for_people
+
+PRIOR = "flat in the coordinates of the search, inside the allowed values"
+
+
+@describe.register
+def describe_posterior(posterior: Posterior) -> Description:
+    """The draws, the state of the chains, density and prior; a table of the intervals and the strongest pairs."""
+    time, r_hat = max(posterior.autocorrelation_time.values()), max(posterior.r_hat.values())
+    return Description(
+        f"Posterior {str(posterior.fit.problem.composition)!r}",
+        [
+            ("draws", f"{posterior.size} of {len(posterior.samples)} numbers, seed {posterior.seed}"),
+            ("chains", ("" if posterior.converged else "not converged: ") + posterior.reason),
+            ("mixing", f"autocorrelation {time:.3g} steps, R-hat {r_hat:.3f} at worst"),
+            ("density", "normal" if posterior.tails == "normal" else "Student's t"),
+            ("prior", PRIOR),
+        ],
+        tables=[lambda: _intervals(posterior)],
+        figure=lambda: sample_pairs(*_drawn(posterior, 2)),
+        data=lambda: _numbers(posterior),
+        frame=lambda: Frame(posterior.samples),
+    )
+
+
+def _intervals(posterior: Posterior) -> Table:
+    """One row a number: its median and 95 % interval, in the units that people read."""
+    spans, rows = posterior.intervals(), list[list[Cell]]()
+    for label, values in posterior.samples.items():
+        shown, factor = for_people(posterior.units[label])
+        low, high = spans[label]
+        rows.append([label, shown or "1", factor * float(np.median(values)), factor * low, factor * high])
+    return Table(("parameter", "unit", "median", "2.5 %", "97.5 %"), rows)
+
+
+def _numbers(posterior: Posterior) -> dict[str, Any]:
+    """Medians, intervals, correlation and the state of the chains for `dampyr.to_json`, SI units; not the samples."""
+    names = (
+        "origin",
+        "held",
+        "converged",
+        "reason",
+        "findings",
+        "autocorrelation_time",
+        "r_hat",
+        "acceptance",
+        "steps",
+        "tails",
+        "seed",
+    )
+    data = {name: getattr(posterior, name) for name in names}
+    data |= {
+        "draws": posterior.size,
+        "median": {label: float(np.median(values)) for label, values in posterior.samples.items()},
+        "standard_deviation": {label: float(np.std(values)) for label, values in posterior.samples.items()},
+        "intervals_95": posterior.intervals(),
+        "units": {label: posterior.units[label] for label in posterior.samples},
+        "correlation": posterior.correlation,
+        "prior": PRIOR,
+    }
+    return dict(plain(data))
+
+
+def _drawn(posterior: Posterior, pairs: int) -> tuple[Any, ...]:
+    if pairs < 1:
+        raise InputError(f"pairs = {pairs} is not allowed; give 1 or more")
+    axes = {}
+    for label in posterior.samples:
+        shown, factor = for_people(posterior.units[label])
+        axes[label] = style.Axis(label_as_mathtext(label), shown or "1", factor)
+    estimates = {label: posterior.fit.parameters[label] for label in posterior.samples}
+    return posterior.samples, axes, estimates, _strongest(posterior, pairs)
+
+
+def _strongest(posterior: Posterior, count: int) -> list[tuple[str, str]]:
+    labels = list(posterior.samples)
+    r = np.abs(posterior.correlation)
+    order = sorted(((float(r[i, j]), i, j) for j in range(len(labels)) for i in range(j)), reverse=True)
+    return [(labels[i], labels[j]) for _, i, j in order[:count]] or [(labels[0], labels[0])]
+
+
+@dataclass(frozen=True)
+class PosteriorPlots(Plots):
+    """``posterior.plot()``."""
+
+    result: Posterior
+
+    def __call__(self, pairs: int = 4) -> Any:
+        """The most correlated ``pairs`` of numbers as clouds with the fit's estimates, as axes ``(k,)``."""
+        return style.in_pyplot(sample_pairs, *_drawn(self.result, pairs), origin=self.result.origin)
+
+
+plots.register(Posterior, PosteriorPlots)

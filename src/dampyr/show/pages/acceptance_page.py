@@ -1,0 +1,174 @@
+"""The page of an acceptance: which records lie within a band about a reference damper, and which points do not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.errors import InputError
+from dampyr.identification import Acceptance, Accepted
+from dampyr.identification.acceptance_tests.acceptance import UNITS
+from dampyr.phrases import counted
+from dampyr.show.figures.acceptance import band_used, peak_velocity_band
+from dampyr.show.identification.accept_records import (
+    judgement_table,
+    level_table,
+    relevelled_table,
+    unjudged_table,
+    worst_table,
+)
+from dampyr.show.identification.acceptance import forces_and_band, in_short, input_words, used_of_band
+from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text, to_look_at
+from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.table import Cell, Table, Verdict
+
+Array = NDArray[np.float64]
+MAX_ROWS, MAX_FIGURES, MAX_POINTS = 40, 8, 60  # what a page can show and a person reads
+
+
+def write_acceptance_page(result: Accepted, path: str | Path) -> Path:
+    """Write the page of the result of `dampyr.identification.accept_records` and return its path.
+
+    It shows verdicts, the band with the points, the points outside, and what was not judged. Raises
+    :class:`~dampyr.errors.InputError` without any judgement.
+    """
+    results, reference = result.results, result.reference
+    if not results:
+        raise InputError("there is no judgement to show; judge one record or more")
+    sections = [
+        Section("In short", [*_short(results), *to_look_at(result.findings)]),
+        Section("The levels", _levels(results)),
+        Section("The forces at peak velocity", _forces(results)),
+        Section("How much of the band is used", _used(results)),
+        Section("The points outside", _outside(results)),
+    ]
+    if result.relevelled:
+        sections.append(Section("With the level of the first cycles taken out", _relevelled(result.relevelled)))
+    if any(one.unjudged for one in results):
+        sections.append(Section("What was not judged", _open(results)))
+    html = page(
+        f"Judged by {Path(reference).name}",
+        sections,
+        subtitle=(
+            f"Every whole cycle of every level of {counted(len(results), 'record')}, within {results[0].tolerance} of the "
+            "reference."
+        ),
+        provenance={"reference": reference, "tolerance": str(results[0].tolerance), "offset": _offset(results[0])},
+        call=f"dampyr.show.pages.write_acceptance_page(result, {Path(path).name!r})",
+        origin=result.origin,
+    )
+    return write_page(path, html)
+
+
+def _relevelled(results: Sequence[Acceptance]) -> list[Block]:
+    text = (
+        f"{in_short(results).capitalize()}. The level of a record, measured over expected in its first cycles, is taken out of "
+        "its later ones: what fails here fails by its shape and not by one factor on the force."
+    )
+    table = replace(relevelled_table(results), caption="The records, relevelled.", notes=())
+    open_points = unjudged_table(results)
+    worst = replace(worst_table(results), caption="The worst points, relevelled.", notes=())
+    return [Text(text), _with_marks(table), worst, *([open_points] if open_points.rows else [])]
+
+
+def _with_marks(table: Table) -> Table:
+    """The table with the marks of a page at its verdicts."""
+    k = list(table.columns).index("verdict")
+    return replace(table, rows=[[*row[:k], Verdict(row[k]), *row[k + 1 :]] for row in table.rows])  # type: ignore[arg-type]
+
+
+def _offset(one: Acceptance) -> str:
+    if one.offset is None:
+        return "the mean force over whole cycles, taken from each record and from the reference"
+    return f"{one.offset:g} N, taken from every measured force"
+
+
+def _short(results: Sequence[Acceptance]) -> list[Block]:
+    what = ", ".join(results[0].quantities)
+    return [
+        Text(
+            f"{in_short(results).capitalize()}. Judged in every whole cycle, and in the mean over each level: {what}. One "
+            "point or one mean outside fails a record; a record of which a level could not be judged in half of its cycles in "
+            "one of these has neither passed nor failed."
+        ),
+        _with_marks(replace(judgement_table(results), caption="The records.")),
+        worst_table(results),
+    ]
+
+
+def _levels(results: Sequence[Acceptance]) -> list[Block]:
+    """The means of every level, and the scatter of single cycles."""
+    table = level_table(results)
+    count = len(table.rows)
+    if not count:
+        return [Text("No record has a whole cycle.")]
+    more = [f"The first {MAX_POINTS} of {count}."] if count > MAX_POINTS else []
+    return [_with_marks(replace(table, rows=table.rows[:MAX_POINTS], notes=[*table.notes, *more]))]
+
+
+def _forces(results: Sequence[Acceptance]) -> list[Block]:
+    groups: dict[str, list[Acceptance]] = {}
+    for one in sorted(results, key=lambda one: -np.inf if one.input_value is None else one.input_value):
+        if one.points:
+            groups.setdefault(input_words(one), []).append(one)
+    blocks: list[Block] = [
+        FigureBlock(
+            peak_velocity_band(*forces_and_band(some)),
+            f"{name}: forces at the peak velocities of every cycle, extension above and compression below. The band is drawn "
+            "through the mean of points of one speed; each point is judged by its own.",
+        )
+        for name, some in list(groups.items())[:MAX_FIGURES]
+    ]
+    if len(groups) > MAX_FIGURES:
+        blocks.append(Text(f"There are {len(groups)} inputs; the lowest {MAX_FIGURES} are shown."))
+    return blocks or [Text("No record has a whole cycle.")]
+
+
+def _used(results: Sequence[Acceptance]) -> list[Block]:
+    judged = [one for one in results if one.judged]
+    if not judged:
+        return [Text("No point was judged.")]
+    worst = sorted(judged, key=lambda one: -abs(one.worst.used or 0.0) if one.worst else 0.0)[:MAX_ROWS]
+    shown = [one for one in judged if one in worst]
+    used, outside = used_of_band(shown)
+    few = f" Of {len(judged)} records the {MAX_ROWS} worst are shown." if len(shown) < len(judged) else ""
+    return [
+        FigureBlock(
+            band_used(used, outside=outside),
+            "Every judged cycle of every record: 0 is the reference, the edges of the band are at −1 and 1. What noise "
+            f"explains is allowed beyond them.{few}",
+        )
+    ]
+
+
+def _outside(results: Sequence[Acceptance]) -> list[Block]:
+    points = [(one.record, p) for one in results for p in one.outside]
+    if not points:
+        return [Text("No point lies outside.")]
+    points.sort(key=lambda pair: -abs(pair[1].used or 0.0))
+    rows: list[list[Cell]] = [
+        [name, p.cycle, p.quantity, 1e3 * p.speed, p.measured, p.low, p.high, UNITS[p.quantity],
+         None if p.deviation is None else 100 * p.deviation]
+        for name, p in points[:MAX_POINTS]
+    ]  # fmt: skip
+    more = f" The worst {MAX_POINTS} of {len(points)}." if len(points) > MAX_POINTS else ""
+    return [
+        Table(
+            ("record", "cycle", "quantity", "peak velocity", "measured", "band from", "to", "unit", "off by"),
+            rows,
+            ("", "", "", "mm/s", "", "", "", "", "%"),
+            digits=4,
+            caption=f"Off by more than 0 % is stronger than the reference, in either direction.{more}",
+        )
+    ]
+
+
+def _open(results: Sequence[Acceptance]) -> list[Block]:
+    return [
+        Text("A reference says nothing beyond its own tests and calibration, and nothing is extrapolated from it."),
+        replace(unjudged_table(results), caption=""),
+    ]

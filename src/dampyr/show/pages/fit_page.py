@@ -1,0 +1,175 @@
+"""The page of one fit: the damper, its accuracy and its residuals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from dampyr.findings import Finding
+from dampyr.identification import Fit, Identified, Validation, identifiability
+from dampyr.identification.fits.diagnostics import findings
+from dampyr.phrases import counted, percent, rounded, sentence
+from dampyr.show.figures.loops import loops
+from dampyr.show.figures.loops_by_input import Loop, loops_by_input
+from dampyr.show.identification.identify import mean_l1
+from dampyr.show.identification.result import measured_and_fitted, parameter_table
+from dampyr.show.identification.score import input_words
+from dampyr.show.pages.best_and_worst import best_and_worst_sections, extremes
+from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text
+from dampyr.show.pages.fit_sections import correlation_blocks, error_tables, law_blocks, score_blocks
+from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.pages.identifiability_section import identifiability_section
+from dampyr.show.pages.leaderboard_section import leaderboard_section
+from dampyr.show.pages.level_sections import levels_section
+from dampyr.show.pages.prediction_section import prediction_section
+from dampyr.show.pages.range_section import range_section
+from dampyr.show.pages.residual_section import residual_section
+from dampyr.show.pages.uncertainty_section import uncertainty_section
+from dampyr.show.table import Cell, Table, Verdict
+
+PANELS = 4  # of loops beside one another: more are too small to read
+
+
+def write_fit_page(
+    fit: Fit | Identified,
+    path: str | Path,
+    sections: Sequence[Section] = (),
+    validation: Validation | Sequence[Validation] | None = None,
+) -> Path:
+    """Write the page of a fit, or of the result of `dampyr.identification.identify`, and return its path.
+
+    Its first screen holds the verdict, loops and parameters. Then come the leaderboard, if any, and ``sections`` of the
+    caller's; all findings; errors, laws and correlations of the parameters; what the records cannot separate; the calibrated
+    range; how well the fit describes its records; with ``validation`` (one or several), how well it predicts others; the
+    analysis of residuals; the best and the worst record.
+    """
+    checks = [validation] if isinstance(validation, Validation) else list(validation or ())
+    if isinstance(fit, Identified):
+        checks = [*fit.validations, *checks]
+        sections = [*([leaderboard_section(fit.board)] if fit.board else []), *sections]
+        inseparable, listed = fit.identifiability, fit.findings
+        damper, fit = fit.damper, fit.fit
+    else:
+        damper, inseparable, listed = fit.damper, identifiability(fit), fit.findings
+    number = len(fit.records)
+    records = "One record, fitted" if number == 1 else f"{number} records, fitted together"
+    if damper is not None:
+        provenance = dict(damper.provenance)
+    else:
+        provenance = {"records": ", ".join(record.name for record in fit.records)}
+    besides = fit.verdict.besides(listed)
+    html = page(
+        f"Identified: {fit.problem.composition}",
+        [
+            _answer(fit, checks, besides),
+            *sections,
+            _search_and_findings(fit, checks, besides),
+            Section("Errors and laws of the parameters", [*error_tables(fit), *law_blocks(fit)]),
+            Section("Correlation of the parameters", correlation_blocks(fit)),
+            *([levels] if (levels := levels_section(fit)) is not None else []),
+            identifiability_section(inseparable),
+            range_section(fit),
+            *([measured] if (measured := uncertainty_section(fit.records)) is not None else []),
+            Section("Goodness of fit", score_blocks(fit)),
+            *([prediction_section(fit, checks)] if checks else []),
+            residual_section(fit.residuals),
+            *best_and_worst_sections(fit),
+        ],
+        subtitle=f"{records} by least squares over the whole motion.",
+        provenance=provenance,
+        call=f"dampyr.show.write_fit_page(fit, {Path(path).name!r})",
+        origin=fit.origin,
+    )
+    return write_page(path, html)
+
+
+def _answer(fit: Fit, checks: Sequence[Validation], besides: Sequence[Finding]) -> Section:
+    """What a reader came for, on one screen: the verdict, the loops, the parameters, and the worst of the findings."""
+    verdict = fit.verdict
+    kind = {"good": "agrees", "bad": "differs"}.get(verdict.kind)
+    blocks: list[Block] = [Verdict(kind, verdict.words) if kind else Text(verdict.words)]  # type: ignore[arg-type]
+    blocks += [
+        Text(
+            f"Predicts records that it was not fitted on with L1 {percent(mean_l1(one))} on average, split by {one.split}."
+        )
+        for one in checks
+        if one.scores
+    ]
+    blocks += [_loops(fit), parameter_table(fit)]
+    if besides:
+        more = f"\n\n{counted(len(besides) - 1, 'more finding')} below." if len(besides) > 1 else ""
+        blocks.append(Text(f"Before you use the numbers: {besides[0]}.{more}"))
+    return Section("In short", blocks)
+
+
+def _loops(fit: Fit) -> FigureBlock:
+    """The loops of the median record of some inputs, or of the fit where it has one input."""
+    groups: dict[str, list[int]] = {}
+    for k in sorted(range(len(fit.records)), key=lambda k: float(np.mean(fit.problem.pieces[k].u))):
+        groups.setdefault(input_words(fit.records[k]), []).append(k)
+    if len(groups) == 1:
+        record = measured_and_fitted(fit)[-1]
+        words = f"{record}, whose misfit is the median: measured and fitted force."
+        return FigureBlock(loops(*measured_and_fitted(fit)[:-1], record_origin=fit.origin), words)
+    names = list(groups)
+    shown = [names[k] for k in np.unique(np.linspace(0, len(names) - 1, min(len(names), PANELS)).round().astype(int))]
+    medians = {name: sorted(groups[name], key=lambda k: fit.scores[fit.records[k].name].l1) for name in shown}
+    drawn = {name: numbers[len(numbers) // 2] for name, numbers in medians.items()}
+    pieces = {name: fit.problem.pieces[k] for name, k in drawn.items()}
+    figure = loops_by_input(
+        {name: Loop(pieces[name].x, pieces[name].force, {"fit": fit.forces[k]}) for name, k in drawn.items()},
+        fit.origin,
+    )
+    records = ", ".join(fit.records[k].name for k in drawn.values())
+    every = "each input" if len(shown) == len(names) else f"{len(shown)} of {len(names)} inputs"
+    return FigureBlock(figure, f"Measured and fitted force; the record with the median misfit of {every}: {records}.")
+
+
+def _search_and_findings(fit: Fit, checks: Sequence[Validation], besides: Sequence[Finding]) -> Section:
+    """What else is to be looked at, and how the search ended."""
+    inputs, precision = _inputs(fit), _precision(fit)
+    l1 = {name: one.l1 for name, one in fit.scores.items()}
+    mean, worst = 100 * float(np.mean(list(l1.values()))), extremes(fit.scores)[-1][1]
+    rows: list[list[Cell]] = [
+        ["model", str(fit.problem.composition)],
+        ["the search", fit.reason],
+        ["input", inputs],
+        [
+            "fits its records",
+            f"L1 {rounded(mean, 2)} % on average, {rounded(100 * l1[worst], 2)} % in {worst}",
+        ],
+    ]
+    for one in checks:
+        summary = f"L1 {100 * mean_l1(one):.2g} % on average, {len(one.scores)} records, split by {one.split}"
+        rows.append(["predicts unseen records", summary])
+    if not checks:
+        rows.append(["predicts unseen records", "not tested (dampyr identify --predict)"])
+    rows.append(["errors", f"by {fit.clusters}; {precision}"])
+    more = [Text("\n\n".join(finding.sentence for finding in besides[1:]))] if len(besides) > 1 else []
+    residual = [] if besides else [Text(sentence(findings(fit.residuals)[0]))]
+    return Section("Findings and search", [*more, *residual, Table(("quantity", "result"), rows)])
+
+
+def _inputs(fit: Fit) -> str:
+    residuals = fit.residuals
+    values = [f"{group.input_value:.5g}" for group in residuals.groups]
+    if len(values) > 8:
+        return f"{len(values)} values from {values[0]} to {values[-1]} {residuals.unit}"
+    return f"{', '.join(values)} {residuals.unit}"
+
+
+def _precision(fit: Fit) -> str:
+    """How many parameters have a small standard error, and how many have none."""
+    precise = [
+        abs(fit.stderr[name]) <= 0.1 * abs(value)
+        for name, value in fit.parameters.items()
+        if np.isfinite(fit.stderr[name])
+    ]
+    undetermined = len(fit.parameters) - len(precise)
+    text = f"{sum(precise)} of {len(fit.parameters)} parameters have a standard error of 10 % or less"
+    text = f"{text}, {undetermined} have none" if undetermined else text
+    if not fit.within_records:
+        return text
+    return f"{text}; {len(fit.within_records)} of these errors hold within these records only"

@@ -1,0 +1,158 @@
+"""Tables and figures of a fit that several pages share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.identification import Fit, Score
+from dampyr.show.figures.correlation import MARKED, correlation, strong_pairs
+from dampyr.show.figures.laws import parameters_against_input
+from dampyr.show.figures.scores import scores as scores_by_input
+from dampyr.show.figures.style import CURRENT, VOLTAGE
+from dampyr.show.identification.law_panels import law_panels
+from dampyr.show.identification.result import error_table, parameter_table, session_table
+from dampyr.show.identification.score import group_by_input
+from dampyr.show.pages.blocks import Block, FigureBlock, Text
+from dampyr.show.table import Cell, Table
+
+PANELS = 6  # of laws in one figure: three rows of two, half of a printed page
+PAIRS = 8  # of parameters listed in words; the matrix shows all
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from dampyr.models import Damper
+
+
+def parameter_tables(fit: Fit) -> list[Table]:
+    """Values with half of their 95 % intervals, the same between sessions where the fit has levels, and the standard errors."""
+    return [parameter_table(fit), *error_tables(fit)]
+
+
+def error_tables(fit: Fit) -> list[Table]:
+    """The intervals between measurement sessions where the fit has levels, and the standard errors with what they allow for."""
+    errors = error_table(fit)
+    errors = replace(errors, caption=f"{errors.caption} {_allowed_for(fit)}")
+    return [errors] if fit.levels is None else [session_table(fit), errors]
+
+
+def _allowed_for(fit: Fit) -> str:
+    within = "each cycle: they hold within these records only, say nothing of how records differ, and give no interval"
+    between = "each record, and intervals take Student's t with the effective number of these"
+    correlated = {
+        "record": between,
+        "cycle": within,
+        "record and cycle": f"{between}; where so labelled, within {within}",
+    }
+    return (
+        f"Errors allow for residuals that are correlated within {correlated[fit.clusters]}. The naive errors assume "
+        "independent samples and are shown for comparison."
+    )
+
+
+def correlation_blocks(fit: Fit) -> list[Block]:
+    """The correlations of the fitted numbers: the matrix, and the strong pairs in words."""
+    names = list(fit.parameters)
+    if len(names) < 2:
+        return [Text(f"There is one parameter, {names[0]}, so there are no correlations.")]
+    return [
+        Text(_correlations_in_words(fit.correlation, names)),
+        FigureBlock(
+            correlation(fit.correlation, names),
+            "Correlations of the errors (the covariance, scaled by the standard errors): rows by name, columns by the rows' "
+            "numbers. Blue: positive, both errors have one sign; orange: negative, one compensates the other.",
+        ),
+    ]
+
+
+def _correlations_in_words(correlations: NDArray[np.float64], names: list[str]) -> str:
+    """The strong pairs, else the strongest one, and which parameters have no correlations."""
+    pairs = strong_pairs(correlations, names, 0.0)
+    words = [f"{one} and {other} ({r:.2f})".replace("(-", "(−") for one, other, r in pairs]
+    strong = sum(abs(r) > MARKED for _, _, r in pairs)
+    if strong:
+        more = f"; and {strong - PAIRS} pairs more" if strong > PAIRS else ""
+        text = (
+            f"Correlated beyond ±{MARKED:g}: {'; '.join(words[: min(strong, PAIRS)])}{more}. The records determine only a "
+            "combination of each pair, so change or compare them together, never one alone."
+        )
+    else:
+        strongest = f"; the strongest are {words[0]}" if words else ""
+        text = f"No two parameters are correlated beyond ±{MARKED:g}{strongest}."
+    unknown = [name for name, r in zip(names, np.diag(correlations), strict=True) if not np.isfinite(r)]
+    return text + (f"\n\nNothing is known of how {', '.join(unknown)} would go with the others." if unknown else "")
+
+
+def law_figures(fit: Fit, damper: Damper) -> list[Figure]:
+    """Each parameter over the input: the law, the fitted values with 95 % intervals, the calibrated range.
+
+    No figure is so high that it would fill a printed page by itself.
+    """
+    panels = law_panels(fit.optimum, fit.intervals(), damper)
+    axis = VOLTAGE if damper.input == "V" else CURRENT
+    count = -(-len(panels) // PANELS)
+    each = -(-len(panels) // count)
+    each += each % 2 if count > 1 else 0
+    parts = [panels[k : k + each] for k in range(0, len(panels), each)]
+    return [parameters_against_input(part, damper.range, axis) for part in parts]
+
+
+def score_table(
+    scores: Mapping[str, Score], caption: str, more: Mapping[str, tuple[str, Mapping[str, Cell]]] | None = None
+) -> Table:
+    """One row per record, ratios in percent; ``more`` name -> (unit, cell of each record) are further columns before them."""
+    more = more or {}
+    rows: list[list[Cell]] = [
+        [
+            name,
+            *(cells[name] for _, cells in more.values()),
+            100 * s.l1,
+            100 * s.nrmse,
+            s.r2,
+            100 * s.pointwise,
+            100 * s.peak_force,
+            100 * s.energy,
+            s.offset,
+        ]
+        for name, s in scores.items()
+    ]
+    return Table(
+        columns=("record", *more, "L1", "NRMSE", "R²", "pointwise", "peak force", "energy", "offset"),
+        units=("", *(unit for unit, _ in more.values()), "%", "%", "", "%", "%", "%", "N"),
+        rows=rows,
+        caption=caption,
+        digits=3,
+    )
+
+
+def score_blocks(fit: Fit) -> list[Block]:
+    """How well a fit describes the records that it was fitted to."""
+    table = score_table(fit.scores, f"From {fit.settling:g} s after the motion starts, each record's own offset taken.")
+    groups = group_by_input(fit.records, {name: one.l1 for name, one in fit.scores.items()})
+    if len(fit.records) == 1:
+        return [Text("This record was fitted: the score describes the fit and is no prediction."), table]
+    return [
+        Text("These records were fitted: the scores describe the fit and are not predictions."),
+        FigureBlock(scores_by_input(groups), "L1 ratio of each record, by input."),
+        table,
+    ]
+
+
+def law_blocks(fit: Fit) -> list[Block]:
+    """The laws of the parameters over the input; none where there is one input."""
+    if fit.damper is None or not fit.damper.range[0] < fit.damper.range[1]:
+        return []
+    bars = "fitted values" if fit.clusters == "cycle" else "fitted values with 95 % intervals"
+    some = " (none where an error holds within these records only)" if fit.clusters == "record and cycle" else ""
+    caption = f"Parameters over the input: {bars}{some}, the laws through them, the calibrated range."
+    return [FigureBlock(figure, caption) for figure in law_figures(fit, fit.damper)]
+
+
+def fit_blocks(fit: Fit) -> list[Block]:
+    """Parameters, their errors and laws."""
+    return [*parameter_tables(fit), *law_blocks(fit)]

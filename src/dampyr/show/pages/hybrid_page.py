@@ -1,0 +1,93 @@
+"""The page of a hybrid test: the building with the force of the test, beside the one that is all computed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from dampyr.hybrid import HybridResult
+from dampyr.origin import OriginKind
+from dampyr.phrases import sentence
+from dampyr.show.figures.building import building_response
+from dampyr.show.figures.ground_motion import ground_motion
+from dampyr.show.figures.loops import loops
+from dampyr.show.figures.style import DISPLACEMENT
+from dampyr.show.hybrid.hybrid_result import outcome, peaks_table
+from dampyr.show.pages.blocks import FigureBlock, Section, Text, to_look_at
+from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.structures.simulate import floor_name
+
+FORCES: Mapping[OriginKind, str] = {
+    "measured": "The building was computed and its damper measured",
+    "simulated": "The building was computed, and the force of its damper is that of a simulated test rig",
+    "virtual": "No rig took part: building, actuator and damper were computed",
+    "derived": "The building was computed and its damper tested",
+    "not stated": "The building was computed and its damper tested",
+}
+
+
+def write_hybrid_page(result: HybridResult, path: str | Path) -> Path:
+    """Write the page of a hybrid test and return its path."""
+    computed = result.computed
+    peaks = replace(peaks_table(result), caption="Peak displacements relative to the ground.")
+    html = page(
+        f"{result.tested.capitalize()}: {result.title}",
+        [
+            Section("In short", [Text(in_short(result)), *to_look_at(result.findings), peaks]),
+            Section("The floors", [_floor(result, k) for k in range(len(computed.floors))]),
+            Section("The damper", _damper(result)),
+            Section(
+                "The ground motion",
+                [FigureBlock(ground_motion(computed.time, computed.ground_acceleration), "As applied, scaled.")],
+            ),
+        ],
+        subtitle=f"{computed.title}; record scaled to {result.scale:g}, {result.voltage:g} V at the coil",
+        provenance={
+            "clock": "the building's own"
+            if result.clock == 1.0
+            else f"{result.clock:g} times slower than the building's",
+            "static force": "none: the damper is its model"
+            if result.origin.kind == "virtual"
+            else f"{result.static_force:.4g} N, {result.origin.series} before the test and taken from the force",
+            "computed": f"{computed.scheme}, step {1e3 * computed.step:.4g} ms",
+        },
+        call=f"dampyr.show.pages.write_hybrid_page(result, {Path(path).name!r})",
+        origin=result.origin,
+    )
+    return write_page(path, html)
+
+
+def in_short(result: HybridResult) -> str:
+    """What the test has shown, in sentences."""
+    slower = f"{result.clock:g}"
+    clock = f" on a clock {slower} times slower" if slower != "1" else ""
+    step_by_step = (
+        f"{FORCES[result.origin.kind]}, step by step{clock}; the ground motion was scaled to {result.scale:g}."
+    )
+    return " ".join((step_by_step, *outcome(result)))
+
+
+def _floor(result: HybridResult, floor: int) -> FigureBlock:
+    name = floor_name(result.computed.floors[floor])
+    return FigureBlock(
+        building_response(result.time, result.histories(floor)),
+        sentence(f"{name}: displacement relative to the ground, in the building's time"),
+    )
+
+
+def _damper(result: HybridResult) -> list[FigureBlock]:
+    moved = {"wanted": result.target, "achieved": result.achieved}
+    velocity = np.gradient(result.achieved, result.time) / result.clock
+    return [
+        FigureBlock(
+            building_response(result.time, moved, DISPLACEMENT),
+            "The damper's stroke: as the building wants it, and as it was achieved.",
+        ),
+        FigureBlock(
+            loops(result.achieved, velocity, result.force, {"model": result.modelled}, record_origin=result.origin),
+            f"The damper's loops: {result.origin.series}, less the static force, and the model along the same path.",
+        ),
+    ]

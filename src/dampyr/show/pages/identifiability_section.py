@@ -1,0 +1,22 @@
+"""Section on what the records of a fit cannot separate."""
+
+from __future__ import annotations
+
+from dampyr.identification import Identifiability
+from dampyr.phrases import sentence
+from dampyr.show.pages.blocks import Block, Section, Text
+from dampyr.show.table import Table
+
+
+def identifiability_section(result: Identifiability) -> Section:
+    """What cannot be separated, and the test that would, a row each."""
+    title = "What these records cannot separate"
+    if not result.inseparable:
+        return Section(title, [Text("These records separate every number that was fitted, and voltage from session.")])
+    rows = [[sentence(one.words), sentence(one.test)] for one in result.inseparable]
+    caption = (
+        "Correlations and widths are those of the fitted model. A test is proposed from motions within the stroke, the speed "
+        "and the acceleration of these records; it counts as one record more."
+    )
+    blocks: list[Block] = [Table(("what the records cannot separate", "the test that would"), rows, caption=caption)]
+    return Section(title, blocks)

@@ -1,0 +1,65 @@
+"""The page of a ground motion: its intensity measures, histories, response spectra and processing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from dampyr.ground_motions import GroundMotion, measures, spectrum
+from dampyr.phrases import sentence
+from dampyr.show.figures.ground_histories import ground_histories
+from dampyr.show.figures.response_spectrum import SPECTRAL_DISPLACEMENT, response_spectrum
+from dampyr.show.ground_motions.intensity_measures import measures_table
+from dampyr.show.ground_motions.motion import drift_in_words, samples_in_words
+from dampyr.show.ground_motions.response_spectrum import spectrum_table
+from dampyr.show.pages.blocks import FigureBlock, Section, Text
+from dampyr.show.pages.html_page import page, write_page
+
+DAMPINGS = (0.02, 0.05, 0.1)  # ratios: the usual 5 %, one below and one above
+TABLE = (0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0)  # s, about evenly spaced in the logarithm
+
+
+def write_motion_page(
+    motion: GroundMotion, path: str | Path, dampings: Sequence[float] = DAMPINGS, periods: Sequence[float] = TABLE
+) -> Path:
+    """Write the page; ``dampings`` as ratios, ``periods`` [s] those of the table."""
+    html = page(
+        motion.name,
+        [
+            Section("Intensity measures", [measures_table(measures(motion))]),
+            Section("Over time", [_histories(motion)]),
+            Section(
+                "Response spectra", [*_spectra(motion, dampings), spectrum_table(spectrum(motion, periods, dampings))]
+            ),
+            Section(
+                "Processing",
+                [
+                    Text(
+                        "\n\n".join(map(sentence, motion.history))
+                        or "None: the samples are as they were read or generated."
+                    )
+                ],
+            ),
+        ],
+        subtitle=samples_in_words(motion),
+        provenance={"source": motion.source or "not known"},
+        call=f"dampyr.show.pages.write_motion_page(motion, {Path(path).name!r})",
+    )
+    return write_page(path, html)
+
+
+def _histories(motion: GroundMotion) -> FigureBlock:
+    figure = ground_histories(motion.time, motion.acceleration, motion.velocity, motion.displacement)
+    drift = drift_in_words(motion)
+    return FigureBlock(figure, "Acceleration and its exact integrals, from rest" + (f"; {drift}." if drift else "."))
+
+
+def _spectra(motion: GroundMotion, dampings: Sequence[float]) -> list[FigureBlock]:
+    spectra = spectrum(motion, damping=dampings)
+    names = [f"{100 * each:g} %" for each in dampings]
+    acceleration = response_spectrum(spectra.periods, dict(zip(names, spectra.pseudo_acceleration)))
+    displacement = response_spectrum(spectra.periods, dict(zip(names, spectra.displacement)), SPECTRAL_DISPLACEMENT)
+    return [
+        FigureBlock(acceleration, "Pseudo-acceleration of an oscillator over its period, for each damping."),
+        FigureBlock(displacement, "Its displacement relative to the ground."),
+    ]

@@ -1,0 +1,131 @@
+"""The page of a plan: the tests, the limits of the rig, the paths, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from dampyr.campaigns import Plan, PlannedTest
+from dampyr.campaigns.check import STROKE_MARGIN
+from dampyr.phrases import sentence
+from dampyr.rig import RigSettings
+from dampyr.show.figures.envelope import envelope
+from dampyr.show.figures.planned_drive import planned_drive
+from dampyr.show.figures.style import case_colours
+from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text
+from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.table import Cell, Table, Verdict
+
+FORCES = (0.0, 500.0, 1000.0, 1500.0)  # N: no load, and three loads in equal steps
+COLUMNS = ("test", "what", "duration", "peak speed", "position", "force", "coil")
+UNITS = ("", "", "s", "mm/s", "mm", "N", "V")
+
+
+def write_plan_page(plan: Plan, path: str | Path) -> Path:
+    """Write the page."""
+    sections = [Section("Planned tests", [plan_table(plan), *_notes(plan)])]
+    moving = [each for each in plan.tests if each.peak_speed > 0]
+    if plan.refusals:
+        refused: list[Block] = [Verdict("differs", sentence(each)) for each in plan.refusals]
+        sections.insert(0, Section("Refused by the rig", refused))
+    if moving:
+        sections.append(Section("Limits of the rig", [_envelope(plan.rig, moving)]))
+    colours = case_colours(_groups(moving).values())
+    drives = [_drive(each, colours[_groups(moving)[each.name]]) for each in _firsts(plan)]
+    sections.append(Section("One test of each kind", drives))
+    header = plan.campaign.header
+    subtitle = f"{len(plan.tests)} tests on {plan.rig.name}, {plan.duration / 60:.1f} min"
+    html = page(
+        header.name,
+        sections,
+        subtitle=subtitle,
+        provenance={"note": header.note} if header.note else "",
+        facts={"operator": header.operator} if header.operator else {},
+        call=f"dampyr.show.pages.write_plan_page(plan, {Path(path).name!r})",
+    )
+    return write_page(path, html)
+
+
+def plan_rows(plan: Plan) -> list[list[Cell]]:
+    """The tests in the order in which they run, as people read them; the columns are ``COLUMNS`` in ``UNITS``."""
+    return [
+        [each.name, each.words, each.duration, 1e3 * each.peak_speed, 1e3 * each.peak_position, each.peak_force,
+         each.peak_voltage]
+        for each in plan.tests
+    ]  # fmt: skip
+
+
+def plan_table(plan: Plan) -> Table:
+    """Every test with what it asks of the rig."""
+    return Table(COLUMNS, plan_rows(plan), UNITS, caption="In the order in which they run.", digits=4)
+
+
+def plan_notes(plan: Plan) -> list[str]:
+    """What the expected force rests on, and what the plan says of single tests."""
+    return [*plan.notes, *dict.fromkeys(f"{each.name}: {note}" for each in plan.tests for note in each.notes)]
+
+
+def _notes(plan: Plan) -> list[Block]:
+    notes = plan_notes(plan)
+    return [Text("\n\n".join(map(sentence, notes)))] if notes else []
+
+
+def _envelope(rig: RigSettings, tests: list[PlannedTest]) -> FigureBlock:
+    places = [(each.peak_speed / (2 * np.pi * each.peak_position), each.peak_position) for each in tests]
+    low, high = min(f for f, _ in places), max(f for f, _ in places)
+    frequency = np.geomspace(0.6 * low, 1.6 * high, 200)
+    limits = {f"{force:g} N": largest_amplitude(rig, frequency, force) for force in FORCES}
+    groups: dict[str, list[tuple[float, float]]] = {}
+    names = _groups(tests)
+    for each, place in zip(tests, places, strict=True):
+        if not each.refusal:
+            groups.setdefault(names[each.name], []).append(place)
+    refused = [place for each, place in zip(tests, places, strict=True) if each.refusal]
+    figure = envelope(
+        frequency,
+        limits,
+        {name: _columns(group) for name, group in groups.items()},
+        _columns(refused),
+        colours=case_colours(names.values()),
+    )
+    caption = (
+        "Each test by its farthest position and the frequency at which a sine of that amplitude has its peak speed. The lines "
+        "are the largest sines at a braking force, with the table's friction, the motor's lag and the stroke."
+    )
+    return FigureBlock(figure, caption, alt="Amplitude over frequency: the rig's limits and the tests.")
+
+
+def largest_amplitude(rig: RigSettings, frequency: np.ndarray, force: float) -> np.ndarray:
+    """The amplitude [m] of the largest sine at each frequency [Hz] against a constant braking force [N]."""
+    omega = 2 * np.pi * frequency
+    speed = rig.actuator.free_speed - rig.actuator.droop * (force + rig.table.friction)
+    lagging = np.hypot(1.0, omega * rig.actuator.lag)
+    max_amplitude = np.minimum(np.maximum(speed, 0.0) / lagging, rig.limits.speed) / omega
+    return np.asarray(np.minimum(max_amplitude, rig.travel - STROKE_MARGIN))
+
+
+def _groups(tests: list[PlannedTest]) -> dict[str, str]:
+    """Test -> what it is drawn as: its voltage where all are of one kind, else its kind."""
+    of_one_kind = len({each.kind for each in tests}) == 1
+    return {each.name: f"{each.peak_voltage:g} V" if of_one_kind else each.kind.replace("_", " ") for each in tests}
+
+
+def _columns(places: list[tuple[float, float]]) -> tuple[list[float], list[float]]:
+    return [f for f, _ in places], [a for _, a in places]
+
+
+def _firsts(plan: Plan) -> list[PlannedTest]:
+    first_tests: dict[str, PlannedTest] = {}
+    for each in plan.tests:
+        if each.drive.reversals is None and each.peak_speed > 0:
+            first_tests.setdefault(each.kind, each)
+    return list(first_tests.values())
+
+
+def _drive(each: PlannedTest, colour: str) -> FigureBlock:
+    drive = each.drive
+    return FigureBlock(
+        planned_drive(drive.time, drive.displacement, drive.voltage, colour=colour),
+        sentence(f"{each.name}: {each.words}"),
+    )

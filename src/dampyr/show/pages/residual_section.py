@@ -1,0 +1,91 @@
+"""Section on the residuals of a fit."""
+
+from __future__ import annotations
+
+from dampyr.identification import Residuals
+from dampyr.identification.fits.diagnostics import findings
+from dampyr.identification.fits.residuals import MISFIT_INTERVALS, MISFIT_NOISE, SIDES
+from dampyr.phrases import sentence
+from dampyr.show.figures.autocorrelation import memory
+from dampyr.show.figures.residual_sizes import residual_sizes
+from dampyr.show.figures.residual_velocity import residual_velocity
+from dampyr.show.figures.style import CURRENT, VOLTAGE, case_colours
+from dampyr.show.identification.residuals import groups_of_a_figure, sizes_by_input, velocity_bands
+from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text
+from dampyr.show.table import Cell, Table
+
+
+def residual_section(residuals: Residuals) -> Section:
+    """The analysis in words, figures and tables."""
+    by_input = sizes_by_input(residuals)
+    words, directions, sizes = _words(residuals), _direction_table(residuals), _size_table(residuals)
+    return Section(
+        "Residuals",
+        [
+            *words,
+            FigureBlock(
+                residual_velocity(velocity_bands(residuals)),
+                "The residual over the velocity (positive: the damper is pulled): median and the half of the samples around "
+                "it, before the motion passes the middle of its stroke (speeding up) and beyond it (slowing down).",
+            ),
+            directions,
+            FigureBlock(
+                memory([(r.lags, r.autocorrelation) for r in residuals.records], residuals.correlation_time),
+                "The autocorrelation of the residual. That of noise would fall to 0 at once; a part that repeats in each "
+                "cycle is an error of the model.",
+            ),
+            FigureBlock(
+                residual_sizes(by_input, VOLTAGE if residuals.unit == "V" else CURRENT, colours=case_colours(by_input)),
+                "The residual's rms over the standard deviation of the force, one point per record; stroke is peak to peak.",
+            ),
+            sizes,
+        ],
+    )
+
+
+def _words(residuals: Residuals) -> list[Block]:
+    blocks: list[Block] = [
+        Text(
+            "The residual is the measured minus the modelled force, over every sample that was fitted. A complete model leaves "
+            "only noise: equal in both directions, uncorrelated in time, and of one size everywhere.\n\n"
+            + " ".join(sentence(text) for text in findings(residuals))
+        )
+    ]
+    criterion = (
+        f"A record counts as misfit where its residual's correlation time exceeds {MISFIT_INTERVALS:g} sampling intervals, or "
+        f"its rms exceeds {MISFIT_NOISE:g} times the noise, that is the rms of the differences of successive residuals over √2."
+    )
+    return [*blocks, Text(criterion)]
+
+
+def _direction_table(residuals: Residuals) -> Table:
+    groups = groups_of_a_figure(residuals)
+    rows: list[list[Cell]] = [
+        [side, *(value for group in groups.values() for value in (group.sides[side].mean, group.sides[side].rms))]
+        for side in SIDES
+    ]
+    columns = ["moving", *(f"{what}, {name}" for name in groups for what in ("mean", "rms"))]
+    return Table(
+        columns,
+        rows,
+        ("", *["N"] * (len(columns) - 1)),
+        ("left", *["right"] * (len(columns) - 1)),
+        caption="The residual by direction: out is pulled, in is pushed.",
+        digits=3,
+    )
+
+
+def _size_table(residuals: Residuals) -> Table:
+    rows: list[list[Cell]] = [
+        [r.name, f"{r.input_value:.5g}", 1e3 * r.stroke, r.frequency, r.rms, 100 * r.relative, r.noise, r.correlation_time,
+         round(r.effective), 100 * r.repeats, r.misfit]
+        for r in residuals.records
+    ]  # fmt: skip
+    return Table(
+        ("record", "input", "stroke", "freq.", "rms", "rel.", "noise", "τ", "n eff.", "repeats", "misfit"),
+        rows,
+        ("", residuals.unit, "mm", "Hz", "N", "%", "N", "s", "", "%", ""),
+        caption="The residual of each record. Rel.: rms over the force's spread. τ: correlation time. n eff.: effective "
+        "sample size. Repeats: the share of its variance that repeats after one cycle.",
+        digits=3,
+    )

@@ -1,0 +1,128 @@
+"""The page of a building's response, several cases side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.phrases import sentence
+from dampyr.show.figures.building import building_response
+from dampyr.show.figures.control_comparison import controlled
+from dampyr.show.figures.ground_motion import ground_motion
+from dampyr.show.figures.loops import loops
+from dampyr.show.figures.style import CURRENT, VOLTAGE, Axis, case_colours
+from dampyr.show.pages.blocks import FigureBlock, Section, Text, to_look_at
+from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.structures.response import errors_in_words
+from dampyr.show.structures.simulate import (
+    WIDE,
+    case_table,
+    energy_table,
+    floor_name,
+    floor_table,
+    interval_table,
+    outcome,
+)
+from dampyr.structures import Response, Simulated
+from dampyr.structures.time_history.simulate import BARE
+
+Array = NDArray[np.float64]
+STROKE = Axis("stroke", "mm", 1e3)
+FINE = 6  # points of a loop for each sample: some hundred in a turn of a stiff frame, which is smooth on paper
+
+
+def write_response_page(cases: Simulated | Mapping[str, Response], path: str | Path) -> Path:
+    """Write the page of the result of `dampyr.structures.simulate`, or of cases by name.
+
+    It shows peaks, energies, the displacement of each floor and the damper's loops. All cases share one ground motion.
+    """
+    simulated = cases if isinstance(cases, Simulated) else Simulated("", "", "", cases)
+    cases = simulated.cases
+    first = next(iter(cases.values()))
+    colours = case_colours(cases, BARE if BARE in cases else None)
+    intervals = [interval_table(simulated)] if simulated.intervals else []
+    peaks = [case_table(simulated), *intervals, floor_table(simulated), energy_table(simulated)]
+    html = page(
+        f"Response: {first.title}",
+        [
+            Section("Peaks", [*to_look_at(simulated.findings), *peaks, Text("\n\n".join(outcome(simulated)))]),
+            Section(
+                "The ground motion",
+                [FigureBlock(ground_motion(first.time, first.ground_acceleration), "As applied.")],
+            ),
+            Section("Displacements", _displacements(cases, colours)),
+            *([Section("Control", _control(cases, colours))] if any(any(r.laws) for r in cases.values()) else []),
+            Section("The dampers' loops", _loops(cases, colours)),
+        ],
+        subtitle="; ".join(cases),
+        provenance={name: _accuracy(r) for name, r in cases.items()},
+        call=f"dampyr.show.pages.write_response_page(result, {Path(path).name!r})",
+        origin=simulated.origin,
+    )
+    return write_page(path, html)
+
+
+def _accuracy(r: Response) -> str:
+    """The scheme, its step, and what the peaks changed by when it was halved."""
+    text = f"{r.scheme}, step {1e3 * r.step:.4g} ms"
+    error = errors_in_words([r])
+    return f"{text}; error {error}" if error else text
+
+
+def _displacements(cases: Mapping[str, Response], colours: Mapping[str, str]) -> list[FigureBlock]:
+    first = next(iter(cases.values()))
+    n = len(first.floors)
+    drawn = range(n) if n <= WIDE else (0, n // 2 - 1, n - 1)
+    return [
+        FigureBlock(
+            building_response(first.time, {name: r.displacement[k] for name, r in cases.items()}, colours=colours),
+            sentence(
+                f"{floor_name(first.floors[k])}: displacement relative to the ground, and the largest sample of each case"
+            ),
+        )
+        for k in drawn
+    ]
+
+
+def _control(cases: Mapping[str, Response], colours: Mapping[str, str]) -> list[FigureBlock]:
+    """A figure for each site that has a law in some case: its stroke in all that have it, and the inputs."""
+    blocks = []
+    for site in dict.fromkeys(site for r in cases.values() for site in r.sites):
+        there = {name: r for name, r in cases.items() if site in r.sites}
+        ruled = {name: r for name, r in there.items() if r.laws[r.sites.index(site)]}
+        if ruled:
+            first = next(iter(ruled.values()))
+            axis = VOLTAGE if first.input_units[first.sites.index(site)] == "V" else CURRENT
+            strokes = {name: r.stroke[r.sites.index(site)] for name, r in there.items()}
+            inputs = {name: r.input[r.sites.index(site)] for name, r in ruled.items()}
+            blocks.append(
+                FigureBlock(
+                    controlled(first.time, strokes, inputs, STROKE, axis, colours=colours),
+                    sentence(f"{site}: stroke of the damper, and the input at the coil"),
+                )
+            )
+    return blocks
+
+
+def _loops(cases: Mapping[str, Response], colours: Mapping[str, str]) -> list[FigureBlock | Text]:
+    blocks: list[FigureBlock | Text] = []
+    for name, r in cases.items():
+        for d, site in enumerate(r.sites):
+            stroke, force = between_samples(r.time, r.stroke[d], r.force[d])
+            every = f"{1e3 * (r.time[1] - r.time[0]):.3g} ms"
+            caption = f"{name}: damper, {site}; samples every {every}, and between them a smooth curve through them"
+            figure = loops(stroke, None, None, {name: force}, colours=colours, points=len(stroke))
+            blocks.append(FigureBlock(figure, sentence(caption)))
+    return blocks or [Text("No case has a damper.")]
+
+
+def between_samples(time: Array, stroke: Array, force: Array) -> tuple[Array, Array]:
+    """A loop through its samples (n,) and, between them, points of a cubic spline of the stroke and of a monotone cubic of
+    the force, which makes no peak that no sample has."""
+    from scipy.interpolate import CubicSpline, PchipInterpolator
+
+    fine = np.interp(np.arange(FINE * (len(time) - 1) + 1) / FINE, np.arange(len(time)), time)
+    return CubicSpline(time, stroke)(fine), PchipInterpolator(time, force)(fine)

@@ -1,0 +1,119 @@
+"""What a plan that was performed and its rounds show."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dampyr.findings import as_dicts
+from dampyr.phrases import counted, sentence
+from dampyr.planning.planner import Planned, Round
+from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.figures.expected_widths import expected_widths
+from dampyr.show.planning.proposal import half_width
+from dampyr.show.table import Cell, Table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@describe.register
+def describe_round(one: Round) -> Description:
+    """Its tests, and how its intervals compare with the expected ones."""
+    ratios = list(one.ratios.values())
+    rows = [("tests", f"{len(one.tests)}, {one.duration / 60:.3g} min")]
+    if ratios:
+        rows.append(("intervals", f"{np.exp(np.mean(np.log(ratios))):.2f} of what was expected, in the geometric mean"))
+    return Description(f"Round {one.number}", rows)
+
+
+@describe.register
+def describe_planned(planned: Planned) -> Description:
+    """Why it stopped, its tests and the intervals that were achieved; expected against achieved half widths."""
+    rows = [
+        ("stopped", planned.reason),
+        ("tests", f"{_number_of_tests(planned)} in {counted(len(planned.rounds), 'round')}"),
+        ("goal", planned.goal),
+        *[(label, f"± {100 * half:.2g} %") for label, half in planned.rounds[-1].achieved.items() if np.isfinite(half)],
+    ]
+    return Description(
+        f"Planned in {planned.folder}",
+        rows,
+        verdict=[sentence(planned.reason)],
+        tables=[lambda: round_table(planned)],
+        figure=lambda: widths_figure(planned),
+        data=lambda: _numbers(planned),
+        frame=lambda: _columns(planned),
+    )
+
+
+def widths_figure(planned: Planned) -> Figure:
+    """Expected against achieved half widths of every round, one marker a coefficient."""
+    pairs = {
+        f"round {one.number}": [(one.expected[label], one.achieved[label]) for label in one.ratios]
+        for one in planned.rounds
+    }
+    return expected_widths({name: some for name, some in pairs.items() if some})
+
+
+def round_table(planned: Planned) -> Table:
+    """Expected and achieved half widths of the intervals, one row a coefficient of a round, and the peak's."""
+    rows: list[list[Cell]] = [
+        [one.number, label, half_width(one.expected.get(label)), half_width(half)]
+        for one in planned.rounds
+        for label, half in one.achieved.items()
+    ]
+    rows += [
+        [one.number, planned.goal, half_width(one.peak_expected), half_width(one.peak_achieved)]
+        for one in planned.rounds
+        if one.peak_expected is not None
+    ]
+    return Table(
+        ("round", "95 % interval over the value", "expected", "achieved"),
+        rows,
+        caption=f"{counted(_number_of_tests(planned), 'test')} in {planned.folder}.",
+    )
+
+
+def _number_of_tests(planned: Planned) -> int:
+    return sum(len(one.tests) for one in planned.rounds)
+
+
+def _columns(planned: Planned) -> Frame:
+    """Expected and achieved half widths in percent, one row a coefficient of a round."""
+    pairs = [(one, label) for one in planned.rounds for label in one.achieved]
+    columns = {
+        "round": [one.number for one, _ in pairs],
+        "coefficient": [label for _, label in pairs],
+        "expected [%]": [100 * one.expected.get(label, np.nan) for one, label in pairs],
+        "achieved [%]": [100 * one.achieved[label] for one, label in pairs],
+    }
+    return Frame(columns)
+
+
+def _numbers(planned: Planned) -> dict[str, Any]:
+    """Rounds, fit and reason by name, for `dampyr.to_json`, SI units."""
+    return {
+        "folder": str(planned.folder),
+        "origin": planned.origin.as_dict(),
+        "goal": planned.goal,
+        "reached": planned.reached,
+        "reason": planned.reason,
+        "findings": as_dicts(planned.findings),
+        "rounds": [
+            {
+                "number": one.number,
+                "folder": str(one.folder),
+                "tests": one.tests,
+                "duration_s": one.duration,
+                "half_width_expected": dict(one.expected),
+                "half_width_achieved": dict(one.achieved),
+                "peak_half_width_expected": one.peak_expected,
+                "peak_half_width_achieved": one.peak_achieved,
+            }
+            for one in planned.rounds
+        ],
+        "parameters": planned.fit.parameters,
+        "stderr": planned.fit.stderr,
+    }

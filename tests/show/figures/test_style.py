@@ -1,0 +1,54 @@
+"""Lines of few points keep every peak, and drawing leaves no trace in matplotlib's settings."""
+
+import subprocess
+import sys
+
+import matplotlib
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from dampyr.show.figures.ground_motion import ground_motion
+from dampyr.show.figures.style import thin
+
+
+@given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 5000), limit=st.integers(8, 400))
+def test_thinning_keeps_the_ends_and_all_extremes(seed: int, n: int, limit: int) -> None:
+    rng = np.random.default_rng(seed)
+    x, y = rng.normal(size=n).cumsum(), rng.normal(size=n)
+    few_x, few_y = thin(x, y, limit)
+    assert len(few_x) == len(few_y) <= limit + 2
+    assert (few_x[0], few_x[-1]) == (x[0], x[-1])
+    for few, all_ in ((few_x, x), (few_y, y)):
+        assert few.min() == all_.min()
+        assert few.max() == all_.max()
+
+
+def test_a_single_spike_survives() -> None:
+    y = np.zeros(100_000)
+    y[73_211] = 1.0
+    x, thinned = thin(np.arange(100_000.0), y)
+    assert len(x) <= 2402
+    assert x[np.argmax(thinned)] == 73_211
+
+
+def test_missing_values_hide_no_peak() -> None:
+    y = np.zeros(10_000)
+    y[100:200], y[150] = np.nan, 7.0
+    assert np.nanmax(thin(np.arange(10_000.0), y)[1]) == 7.0
+
+
+def test_short_lines_are_left_alone() -> None:
+    x, y = thin([3.0, 1.0, 2.0], [0.0, 0.0, 1.0])
+    np.testing.assert_array_equal(x, [3.0, 1.0, 2.0])
+    np.testing.assert_array_equal(y, [0.0, 0.0, 1.0])
+
+
+def test_figures_leave_no_setting_behind_and_need_no_pyplot() -> None:
+    before = dict(matplotlib.rcParams)
+    ground_motion([0.0, 1.0], [0.0, 1.0])
+    assert dict(matplotlib.rcParams) == before
+    draw = "from dampyr.show.figures.ground_motion import ground_motion; ground_motion([0.0, 1.0], [0.0, 1.0])"
+    code = f"import sys; {draw}; print('matplotlib.pyplot' in sys.modules)"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "False"

@@ -1,0 +1,107 @@
+"""The page of a building's response: one colour for a case everywhere, floors by name, loops without corners."""
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_hex
+from tests.show.pages.test_html_page import Reader
+
+from dampyr import structures, studies
+from dampyr.ground_motions import GroundMotion
+from dampyr.show.figures import style
+from dampyr.show.figures.style import case_colours
+from dampyr.show.pages import response_page
+from dampyr.show.pages.blocks import FigureBlock
+from dampyr.show.pages.response_page import FINE, between_samples, write_response_page
+from dampyr.show.structures.simulate import floor_name
+
+
+@pytest.fixture(scope="module")
+def simulated():
+    t = np.arange(0.0, 2.0, 0.02)
+    motion = GroundMotion(2.0 * np.sin(2 * np.pi * 2.0 * t) * np.exp(-t), 0.02)
+    options = structures.SimulateOptions(inputs=(0.0, 1.98), laws=("on_off",))
+    return structures.simulate(structures.two_storey(), motion, studies.raminelli_2020.damper(), options)
+
+
+@pytest.fixture
+def figures(simulated, tmp_path, monkeypatch):
+    """The figures of its page, by their captions."""
+    blocks = {}
+
+    def keep(title, sections, **rest):
+        for section in sections:
+            blocks.update({b.caption: b.figure for b in section.blocks if isinstance(b, FigureBlock)})
+        return "<p></p>"
+
+    monkeypatch.setattr(response_page, "page", keep)
+    write_response_page(simulated, tmp_path / "r.html")
+    return blocks
+
+
+def drawn_colours(figure):
+    """Name of a case -> its colours in a figure; a label goes on with the peak."""
+    named = {}
+    for axes in figure.axes:
+        for line in axes.get_lines():
+            name = str(line.get_label()).partition(":")[0]
+            if not name.startswith("_"):
+                named.setdefault(name, set()).add(to_hex(line.get_color()))
+    return named
+
+
+def test_a_case_has_one_colour_in_all_figures(figures, simulated):
+    colours = {}
+    for caption, figure in figures.items():
+        if caption != "As applied.":
+            for name, some in drawn_colours(figure).items():
+                colours.setdefault(name, set()).update(some)
+    assert set(colours) == set(simulated.cases)
+    assert {name: len(some) for name, some in colours.items()} == dict.fromkeys(colours, 1)
+    assert colours["no damper"] == {style.MUTED}
+    assert len(set.union(*colours.values())) == len(colours)
+    [control] = [figure for caption, figure in figures.items() if "input at the coil" in caption]
+    [law] = [name for name in simulated.cases if name not in ("no damper", "0 V", "1.98 V")]
+    assert {to_hex(control.axes[1].get_lines()[0].get_color())} == colours[law]
+
+
+def test_floors_are_named(simulated, tmp_path, figures):
+    assert {"Floor 1", "Floor 2"} <= {caption.partition(":")[0] for caption in figures}
+    assert (floor_name("3"), floor_name("roof")) == ("floor 3", "roof")
+
+
+def test_peaks_stand_by_floor_and_by_case(simulated, tmp_path):
+    reader = Reader(write_response_page(simulated, tmp_path / "r.html").read_text("utf-8"))
+    heads = [text.strip() for text in reader.inside("th")]
+    assert {"floor", "peak displacement", "base shear", "mean input", "scheme", "still in motion"} <= set(heads)
+    assert heads.count("case") == 3
+
+
+def test_more_than_three_cases_have_panels_of_their_own(figures):
+    [first] = [figure for caption, figure in figures.items() if caption.startswith("Floor 1")]
+    assert len(first.axes) == 3
+    assert all(len([line for line in axes.get_lines() if len(line.get_xdata()) > 1]) == 2 for axes in first.axes)
+
+
+def test_a_loop_goes_through_its_samples_and_has_no_peak_of_its_own(simulated):
+    r = simulated.cases["1.98 V"]
+    stroke, force = between_samples(r.time, r.stroke[0], r.force[0])
+    np.testing.assert_allclose(stroke[::FINE], r.stroke[0], atol=1e-12)
+    np.testing.assert_allclose(force[::FINE], r.force[0], atol=1e-9)
+    assert len(stroke) == FINE * (len(r.time) - 1) + 1
+    assert np.max(np.abs(force)) <= np.max(np.abs(r.force[0])) + 1e-9
+    t = np.arange(0.0, 1.0, 0.02)
+    smooth, _ = between_samples(t, np.sin(2 * np.pi * 2.0 * t), t)
+    fine = np.interp(np.arange(len(smooth)) / FINE, np.arange(len(t)), t)
+    assert np.max(np.abs(smooth - np.sin(2 * np.pi * 2.0 * fine))) < 1e-3  # straight lines miss by 8e-3
+
+
+def test_the_drawn_loop_has_every_point(figures, simulated):
+    [loop] = [figure for caption, figure in figures.items() if caption.startswith("1.98 V: damper")]
+    assert len(loop.axes[0].get_lines()[0].get_xdata()) == FINE * (len(simulated.cases["1.98 V"].time) - 1) + 1
+
+
+def test_colours_go_on_after_the_reference_and_begin_again():
+    names = [f"{k}" for k in range(8)]
+    colours = case_colours(names, "3")
+    assert colours["3"] == style.MUTED
+    assert [colours[name] for name in names if name != "3"] == [*style.CASES, style.CASES[0]]
