@@ -44,7 +44,7 @@ def test_the_exit_code_tells_the_verdict(lab: Path) -> None:
     assert any(line.split() == ["still", "0", "No", "whole", "cycle."] for line in unjudged.splitlines())
     row = next(line for line in failed.stdout.splitlines() if line.strip().startswith("strong"))
     assert row.split()[-1] == "20"
-    assert row.split()[5:7] == ["5", "4"]  # the first cycle grows
+    assert row.split()[5:8] == ["4", "of", "5"]  # the first cycle grows
     assert run(lab / "card.toml", lab / "good.h5", lab / "still.h5").exit_code == 3
     assert run(lab / "card.toml", lab / "good.h5", "--tolerance", "fifteen").exit_code == 2
 
@@ -107,7 +107,7 @@ def test_a_damper_that_is_weak_at_its_design_amplitude_does_not_pass(tmp_path: P
     assert failed.exit_code == 1
     assert "1 record: 1 failed" in failed.stdout
     rows = [line.split() for line in failed.stdout.splitlines() if line.split()[:1] == ["weak"]]
-    assert rows[0][4:9] == ["9", "9", "9", "16", "16"]
+    assert rows[0][4:10] == ["9", "9", "of", "9", "16", "16"]
     assert [row[:7] for row in rows if "failed" in row][-1] == ["weak", "3", "3", "3", "16", "1", "failed"]
     output = json.loads(run("raminelli_2020", tmp_path / "weak.csv", "--json").stdout)["records"][0]
     assert (output["run"], output["cut"], output["judged_cycles"]) == (9.0, 9, 9)
