@@ -180,6 +180,8 @@ def settled(client):
     raise AssertionError(bench_state)
 
 
+# threads of the bench draw from `random` while a request is being drawn
+@pytest.mark.filterwarnings("ignore:Do not use the .random. module inside strategies")
 def test_a_bench_in_control_takes_any_order_of_anything(full_console):
     """Connected, armed, moving: commands in any state answer or refuse, and abort ends it."""
     wanted = operations(full_console, lambda path: "/bench" in path)
