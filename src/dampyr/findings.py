@@ -111,6 +111,12 @@ def worst_first(*groups: Iterable[Finding]) -> tuple[Finding, ...]:
     return tuple(sorted(merged.values(), key=lambda finding: SEVERITIES.index(finding.severity)))
 
 
+def besides(findings: Iterable[Finding], sentences: Iterable[str]) -> list[Finding]:
+    """The findings without those whose sentence stands already, as that of a verdict does."""
+    there = set(sentences)
+    return [finding for finding in findings if finding.sentence not in there]
+
+
 def handed_on(results: Iterable[HasFindings], source: str = "", besides: Iterable[Finding] = ()) -> tuple[Finding, ...]:
     """What is wrong and what is in doubt in ``results``, each once, as whatever is made of them repeats it; notes stay behind.
 

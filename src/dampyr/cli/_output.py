@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dampyr.errors import FindingWarning
-from dampyr.findings import Finding
+from dampyr.findings import Finding, besides
 from dampyr.to_json import plain
 
 if TYPE_CHECKING:
@@ -109,24 +109,17 @@ def print_result(result: Any, tables: int | None = None, findings: int | None = 
     from dampyr.show.descriptions import description_of
 
     description = description_of(result)
-    sentences = [finding.sentence for finding in getattr(result, "findings", ())]
-    sentences = [words for words in sentences if words not in description.verdict]
-    shown, others = description.tables[:tables], description.tables[len(description.tables[:tables]) :]
-    more = [
-        counted(number, noun)
-        for number, noun in (
-            (len(sentences[findings:]) if findings else 0, "more finding"),
-            (len(others), "more table"),
-        )
-        if number
-    ]
-    rest = [f"{' and '.join(more)}: add --details."] if more else []
-    for k, table in enumerate(make() for make in shown):
-        if k == 0:
-            print_shown(table, [*description.verdict, *sentences[:findings], *rest])
-        elif table.rows:
-            click.echo()
-            print_shown(table)
+    sentences = [finding.sentence for finding in besides(getattr(result, "findings", ()), description.verdict)]
+    left = {
+        "more finding": 0 if findings is None else len(sentences[findings:]),
+        "more table": 0 if tables is None else len(description.tables[tables:]),
+    }
+    more = " and ".join(counted(number, noun) for noun, number in left.items() if number)
+    first, *others = description.tables[:tables]
+    print_shown(first(), [*description.verdict, *sentences[:findings], *([f"{more}: add --details."] if more else [])])
+    for table in filter(lambda table: table.rows, (make() for make in others)):
+        click.echo()
+        print_shown(table)
 
 
 def print_shown(table: Table, notes: Sequence[str] = ()) -> None:

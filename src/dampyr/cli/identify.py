@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +11,6 @@ from typing import TYPE_CHECKING
 import click
 
 from dampyr.cli._examples import examples
-from dampyr.cli._leaderboard import cores
 from dampyr.cli._motion import ratio
 from dampyr.cli._output import (
     as_json_option,
@@ -18,7 +18,7 @@ from dampyr.cli._output import (
     findings_below,
     print_json,
     print_result,
-    print_table,
+    print_shown,
     state_origin,
 )
 from dampyr.cli._progress import stages
@@ -28,6 +28,7 @@ from dampyr.errors import DampyrError, InputError
 from dampyr.findings import worst_first
 
 BUDGET = 480.0  # counted s: that of dampyr.identification.leaderboard, which is imported only when it runs
+MAX_WORKERS = 8  # each process compiles the models of its own trials, which more of them would only repeat
 
 if TYPE_CHECKING:
     from dampyr.identification import Fit, Identified
@@ -189,7 +190,7 @@ def command(
         else:
             try:
                 with findings_below():
-                    result = identify(records, options, progress, cores())
+                    result = identify(records, options, progress, _cores())
             except Cut as cut:
                 board = cut.board
                 print_json({"leaderboard": board.as_dict()}) if as_json else print_result(board, shown, shown)
@@ -247,30 +248,23 @@ def _numbers(given: tuple[str, ...]) -> dict[str, float]:
     return values
 
 
+def _cores() -> int:
+    """How many processes may share the trials: one for each core, up to `MAX_WORKERS`."""
+    available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(available, MAX_WORKERS)
+
+
 def _print(result: Identified, shown: int | None) -> None:
     if result.board:
         print_result(result.board, shown, shown)
-        print()
+        click.echo()
     print_result(result, shown, shown)
 
 
 def _print_each(fits: list[Fit]) -> None:
-    from dampyr.units import for_people
+    from dampyr.show.identification.result import fits_by_record
 
-    names = list(fits[0].parameters)
-    each = (replace(one, about=(fit.records[0].name,)) for fit in fits for one in fit.findings)
-    findings = worst_first(each)
-    shown = [for_people(fits[0].units[name]) for name in names]
-    rows = []
-    for fit in fits:
-        record = fit.records[0]
-        values = [value * factor for value, (_, factor) in zip(fit.parameters.values(), shown, strict=True)]
-        state = "yes" if fit.converged else fit.reason
-        rows.append([record.name, record.input_value, *values, 100 * fit.scores[record.name].l1, state])
-    print_table(
-        f"{fits[0].problem.composition}, each of {len(fits)} records by itself",
-        ["record", "input", *names, "L1", "converged"],
-        rows,
-        ["", fits[0].records[0].input or "", *(unit for unit, _ in shown), "%", ""],
-        findings=[finding for finding in findings if finding.severity != "note"],
+    of_records = (replace(finding, about=(fit.records[0].name,)) for fit in fits for finding in fit.findings)
+    print_shown(
+        fits_by_record(fits), [finding.sentence for finding in worst_first(of_records) if finding.severity != "note"]
     )

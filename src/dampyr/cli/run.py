@@ -9,7 +9,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dampyr.cli._examples import examples
-from dampyr.cli._output import as_json_option, drop_unwritten, in_process_option, print_json, print_table, state_origin
+from dampyr.cli._output import (
+    as_json_option,
+    drop_unwritten,
+    in_process_option,
+    print_json,
+    print_result,
+    print_table,
+    state_origin,
+)
 from dampyr.cli._report import report_options
 from dampyr.errors import DampyrError, InputError, RigFault
 
@@ -82,7 +90,7 @@ def command(
 
         write_plan_page(plan, report)
     if dry_run:
-        _tell(plan, as_json)
+        print_json(plan.as_dict()) if as_json else print_result(plan)
     for refusal in plan.refusals:
         click.echo(f"dampyr: {refusal}", err=True)
     if plan.refusals:
@@ -192,37 +200,3 @@ def _summary(plan: Plan, out: Path, tests: list[Entry]) -> None:
 def _fitted(plan: Plan) -> dict[str, str]:
     """The tests that were lowered to what the rig can do, and to what."""
     return {test.name: test.fitted for test in plan.tests if test.fitted}
-
-
-def _tell(plan: Plan, as_json: bool) -> None:
-    if as_json:
-        print_json(_as_dict(plan))
-        return
-    from dampyr.show.pages.plan_page import COLUMNS, UNITS, plan_notes, plan_rows
-
-    print_table(_title(plan), COLUMNS, plan_rows(plan), UNITS, notes=plan_notes(plan))
-
-
-def _title(plan: Plan) -> str:
-    minutes = f"{plan.duration / 60:.1f} min" if plan.duration >= 60 else f"{plan.duration:.0f} s"
-    return f"{plan.campaign.header.name}: {len(plan.tests)} tests on {plan.rig.name}, {minutes}"
-
-
-def _as_dict(plan: Plan) -> dict[str, Any]:
-    return {
-        "campaign": plan.campaign.header,
-        "rig": plan.rig.name,
-        "duration_s": plan.duration,
-        "tests": [
-            {
-                "name": each.name, "kind": each.kind, "step": each.step, "duration_s": each.duration,
-                "peak_speed_m_s": each.peak_speed, "peak_position_m": each.peak_position,
-                "peak_force_N": each.peak_force, "peak_voltage_V": each.peak_voltage,
-                "energy_J": each.energy,
-                "notes": each.notes, "refusal": each.refusal,
-            }
-            for each in plan.tests
-        ],
-        "notes": plan.notes,
-        "refusals": plan.refusals,
-    }  # fmt: skip

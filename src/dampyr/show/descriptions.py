@@ -68,8 +68,8 @@ def load_descriptions(kind: type) -> None:
     _loaded.add(kind)
     for base in kind.__mro__:
         root, _, rest = base.__module__.partition(".")
-        if root == "dampyr" and rest and not rest.startswith("show"):
-            package, _, inner = rest.partition(".")
+        package, _, inner = rest.partition(".")
+        if root == "dampyr" and inner and package != "show":
             name = f"dampyr.show.{package}.{inner.rpartition('.')[2]}"
             if find_spec(f"dampyr.show.{package}") and find_spec(name):
                 import_module(name)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import singledispatch
 from typing import Any
@@ -21,20 +20,15 @@ class Plots:
 
     def __call__(self) -> Any:
         """Draw the figure that stands for the result; its matplotlib axes ``(k,)``."""
-        figure = description_of(self.result).figure
-        assert figure is not None
-        return style.in_pyplot(_drawn, figure, type(self.result).__name__, origin=_origin(self.result))
+        return style.in_pyplot(_figure_of, self.result, origin=getattr(self.result, "origin", NOT_STATED))
 
 
-def _drawn(figure: Callable[[], Any], name: str) -> Any:
-    drawn = figure()
-    if drawn is None:
-        raise InputError(f"this {name} has nothing to draw")
-    return drawn
-
-
-def _origin(result: Any) -> Any:
-    return getattr(result, "origin", NOT_STATED)
+def _figure_of(result: Any) -> Any:
+    draw = description_of(result).figure
+    figure = draw() if draw else None
+    if figure is None:
+        raise InputError(f"this {type(result).__name__} has nothing to draw")
+    return figure
 
 
 @singledispatch

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from dampyr import campaigns, ground_motions, structures
 from dampyr.campaigns.journal import NAME as JOURNAL
 from dampyr.errors import FindingWarning
-from dampyr.findings import as_dicts, worst_first
+from dampyr.findings import as_dicts, besides, worst_first
 from dampyr.identification import Fit, Score, fit, prediction, score
 from dampyr.models import Damper
 from dampyr.models.numerics.differentiation import differentiate
@@ -30,8 +30,9 @@ from dampyr.show.figures.building import building_response
 from dampyr.show.figures.history import history
 from dampyr.show.figures.loops import loops
 from dampyr.show.figures.scores import scores
+from dampyr.show.identification.validation import score_table
 from dampyr.show.pages.blocks import FigureBlock, Section, Text, to_look_at
-from dampyr.show.pages.fit_sections import fit_blocks, score_table
+from dampyr.show.pages.fit_sections import fit_blocks
 from dampyr.show.pages.html_page import page, write_page
 from dampyr.show.table import Table
 from dampyr.structures import Simulated
@@ -245,7 +246,7 @@ def _identified(demo: Demo) -> Section:
             ),
             *fit_blocks(demo.fit),
             Text(verdict.words),
-            *to_look_at(verdict.besides(demo.fit.findings)),
+            *to_look_at(besides(demo.fit.findings, [verdict.words])),
         ],
     )
 

@@ -9,7 +9,8 @@ import pytest
 from dampyr import campaigns
 from dampyr.campaigns import kind, violations_of
 from dampyr.rig import RigSettings
-from dampyr.show.pages.plan_page import largest_amplitude, plan_notes, plan_rows, write_plan_page
+from dampyr.show.campaigns.planned_tests import plan_notes, plan_table
+from dampyr.show.pages.plan_page import largest_amplitude, write_plan_page
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 STEPS = [
@@ -39,7 +40,7 @@ def test_a_plan_without_motion_has_a_page(tmp_path):
 
 
 def test_the_rows_are_in_the_units_that_people_read():
-    [row] = plan_rows(campaigns.plan(campaigns.campaign_of({"step": STEPS[:1]})))
+    [row] = plan_table(campaigns.plan(campaigns.campaign_of({"step": STEPS[:1]}))).rows
     assert row[3:5] == pytest.approx([16 * np.pi, 8.0])
 
 

@@ -19,12 +19,14 @@ from dampyr.console.jobs import CARD, CURVES, DATA, PAGE
 from dampyr.console.page_words import in_page_words
 from dampyr.console.safe_paths import data_of
 from dampyr.errors import InputError
+from dampyr.findings import besides
 from dampyr.identification import Fit, Identified, identify, prediction, score
 from dampyr.identification.fits.diagnostics import findings
 from dampyr.records import Record
 from dampyr.show.identification.leaderboard import choice_in_words
+from dampyr.show.identification.validation import score_table
 from dampyr.show.pages.fit_page import write_fit_page
-from dampyr.show.pages.fit_sections import parameter_tables, score_table
+from dampyr.show.pages.fit_sections import parameter_tables
 from dampyr.show.pages.how_made import made_by
 from dampyr.to_json import plain
 
@@ -50,7 +52,7 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
 def _summarise(result: Identified) -> dict[str, Any]:
     """What the page shows in its own form, besides the data."""
     fit = result.fit
-    scores = score_table(fit.scores, "")
+    scores = score_table(fit.scores)
     l1 = [one.l1 for one in fit.scores.values()]
     return {
         "model": str(fit.problem.composition),
@@ -59,7 +61,9 @@ def _summarise(result: Identified) -> dict[str, Any]:
         "converged": fit.converged,
         "reason": fit.reason,
         "verdict": {"kind": fit.verdict.kind, "words": fit.verdict.words},
-        "warnings_of_fit": [in_page_words(finding.sentence) for finding in fit.verdict.besides(result.findings)],
+        "warnings_of_fit": [
+            in_page_words(finding.sentence) for finding in besides(result.findings, [fit.verdict.words])
+        ],
         "findings": list(findings(fit.residuals)),
         "mean_l1": float(np.mean(l1)),
         "parameters": [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -33,10 +33,6 @@ class FitVerdict:
             return ()
         words = self.words[:1].lower() + self.words[1:].removesuffix(".")
         return (Finding("wrong" if self.kind == "bad" else "doubt", words),)
-
-    def besides(self, findings: Iterable[Finding]) -> list[Finding]:
-        """The findings without the one that says the same as the verdict, for a place that shows both."""
-        return [one for one in findings if one not in self.findings]
 
 
 def fit_verdict(scores: Mapping[str, Score], converged: bool, reason: str) -> FitVerdict:

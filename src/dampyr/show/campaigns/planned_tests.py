@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from dampyr.campaigns.planned_tests import Plan, PlannedTest
-from dampyr.phrases import counted
+from dampyr.phrases import counted, sentence
 from dampyr.show.descriptions import Description, Frame, describe
 from dampyr.show.rig.drive import describe_drive
 from dampyr.show.table import Cell, Table
@@ -31,7 +33,7 @@ def describe_planned_test(test: PlannedTest) -> Description:
 @describe.register
 def describe_plan(plan: Plan) -> Description:
     """Rig, duration, expected force, damper and what is refused; the tests in a table."""
-    forces = [each.peak_force for each in plan.tests if each.peak_force is not None]
+    forces = [test.peak_force for test in plan.tests if test.peak_force is not None]
     rows = [
         ("rig", plan.rig.name),
         ("tests", f"{len(plan.tests)}, {plan.duration:.4g} s with the rests and slow ways between them"),
@@ -43,19 +45,58 @@ def describe_plan(plan: Plan) -> Description:
         ("refused", f"{counted(len(plan.refusals), 'refusal')}: {plan.refusals[0]}" if plan.refusals else "nothing"),
     ]
     return Description(
-        f"Plan of {plan.campaign.header.name!r}", rows, tables=[lambda: _table(plan)], frame=lambda: _columns(plan)
+        f"Plan of {plan.campaign.header.name!r}",
+        rows,
+        verdict=plan_notes(plan),
+        tables=[lambda: plan_table(plan)],
+        data=lambda: _numbers(plan),
+        frame=lambda: _columns(plan),
     )
 
 
-def _table(plan: Plan) -> Table:
-    """The tests with what they ask of the rig."""
+def plan_table(plan: Plan) -> Table:
+    """What each test asks of the rig, in the order in which they run; why it is refused, where one is."""
+    refused = any(test.refusal for test in plan.tests)
     rows: list[list[Cell]] = [
-        [t.name, t.words, t.duration, 1e3 * t.peak_position, 1e3 * t.peak_speed, t.peak_voltage, t.peak_force,
-         t.refusal]
-        for t in plan.tests
+        [test.name, test.words, test.duration, 1e3 * test.peak_speed, 1e3 * test.peak_position, test.peak_force,
+         test.peak_voltage, *[test.refusal] * refused]
+        for test in plan.tests
     ]  # fmt: skip
-    heads = ("test", "what it does", "time", "position", "speed", "voltage", "force", "refused")
-    return Table(heads, rows, ("", "", "s", "mm", "mm/s", "V", "N", ""))
+    minutes = f"{plan.duration / 60:.1f} min" if plan.duration >= 60 else f"{plan.duration:.0f} s"
+    return Table(
+        ("test", "what", "duration", "peak speed", "position", "force", "coil", *["refused"] * refused),
+        rows,
+        ("", "", "s", "mm/s", "mm", "N", "V", *[""] * refused),
+        caption=f"{plan.campaign.header.name}: {len(plan.tests)} tests on {plan.rig.name}, {minutes}.",
+        digits=4,
+    )
+
+
+def plan_notes(plan: Plan) -> list[str]:
+    """What the expected force rests on, and what the plan says of single tests, in sentences."""
+    of_tests = dict.fromkeys(f"{test.name}: {note}" for test in plan.tests for note in test.notes)
+    return [sentence(note) for note in (*plan.notes, *of_tests)]
+
+
+def _numbers(plan: Plan) -> dict[str, Any]:
+    """What each test asks of the rig for JSON, SI units."""
+    return {
+        "campaign": plan.campaign.header,
+        "rig": plan.rig.name,
+        "duration_s": plan.duration,
+        "tests": [
+            {
+                "name": test.name, "kind": test.kind, "step": test.step, "duration_s": test.duration,
+                "peak_speed_m_s": test.peak_speed, "peak_position_m": test.peak_position,
+                "peak_force_N": test.peak_force, "peak_voltage_V": test.peak_voltage,
+                "energy_J": test.energy,
+                "notes": test.notes, "refusal": test.refusal,
+            }
+            for test in plan.tests
+        ],
+        "notes": plan.notes,
+        "refusals": plan.refusals,
+    }  # fmt: skip
 
 
 def _columns(plan: Plan) -> Frame:

@@ -57,7 +57,7 @@ def describe_accepted(accepted: Accepted) -> Description:
 
 
 def _figure(accepted: Accepted) -> Figure | None:
-    judged = [one for one in accepted.results if one.judged]
+    judged = [acceptance for acceptance in accepted.results if acceptance.judged]
     used, outside = used_of_band(judged)
     return band_used(used, outside=outside) if judged else None
 
@@ -67,9 +67,18 @@ def judgement_table(results: Sequence[Acceptance]) -> Table:
     return Table(
         ("record", "input", "verdict", "run", "judged", "stroke", "judged to", "outside", "worst off by"),
         [
-            [one.record, input_words(one), one.verdict, one.run, f"{one.judged_cycles} of {one.cut}", 1e3 * one.stroke_m,
-             1e3 * one.judged_stroke_m if one.judged else None, len(one.outside), _worst_off_by(one)]
-            for one in results
+            [
+                acceptance.record,
+                input_words(acceptance),
+                acceptance.verdict,
+                acceptance.run,
+                f"{acceptance.judged_cycles} of {acceptance.cut}",
+                1e3 * acceptance.stroke_m,
+                _judged_to(acceptance),
+                len(acceptance.outside),
+                _worst_off_by(acceptance),
+            ]
+            for acceptance in results
         ],
         ("", "", "", "cycles", "whole cycles", "mm", "mm", "points", "%"),
         caption=f"{counted(len(results), 'record')}: {in_short(results)}.",
@@ -78,7 +87,7 @@ def judgement_table(results: Sequence[Acceptance]) -> Table:
             "largest stroke among them."
         ],
         digits=4,
-    )  # fmt: skip
+    )
 
 
 def worst_table(results: Sequence[Acceptance]) -> Table:
@@ -88,8 +97,13 @@ def worst_table(results: Sequence[Acceptance]) -> Table:
     return Table(
         ("record", "worst", "cycle", "speed", "measured", "expected", "off by", "wrong rejection", "wrong acceptance"),
         [
-            [one.record, *_worst_point(one), _chance(one.wrong_rejection), _chance(one.wrong_acceptance)]
-            for one in results
+            [
+                acceptance.record,
+                *_worst_point(acceptance),
+                _chance(acceptance.wrong_rejection),
+                _chance(acceptance.wrong_acceptance),
+            ]
+            for acceptance in results
         ],
         ("", "", "", "mm/s", "N or J", "N or J", "%", "chance", "chance"),
         caption="The worst point of each record, and the chances of a wrong verdict.",
@@ -102,15 +116,20 @@ def worst_table(results: Sequence[Acceptance]) -> Table:
     )
 
 
-def _worst_point(one: Acceptance) -> list[Cell]:
-    worst = one.worst
+def _worst_point(acceptance: Acceptance) -> list[Cell]:
+    worst = acceptance.worst
     if worst is None:
         return [None] * 6
-    return [worst.quantity, worst.cycle, 1e3 * worst.speed, worst.measured, worst.expected, _worst_off_by(one)]
+    return [worst.quantity, worst.cycle, 1e3 * worst.speed, worst.measured, worst.expected, _worst_off_by(acceptance)]
 
 
-def _worst_off_by(one: Acceptance) -> float | None:
-    return None if one.worst is None or one.worst.deviation is None else 100 * one.worst.deviation
+def _judged_to(acceptance: Acceptance) -> float | None:
+    """The largest stroke of a judged cycle, mm."""
+    return 1e3 * acceptance.judged_stroke_m if acceptance.judged else None
+
+
+def _worst_off_by(acceptance: Acceptance) -> float | None:
+    return None if acceptance.worst is None or acceptance.worst.deviation is None else 100 * acceptance.worst.deviation
 
 
 def _chance(chance: float | None) -> str | None:
@@ -121,9 +140,9 @@ def level_table(results: Sequence[Acceptance]) -> Table:
     """The means of every level, and the scatter of single cycles."""
     names = results[0].quantities if results else ()
     rows: list[list[Cell]] = [
-        [one.record, each.number, each.cycles, each.judged, 1e3 * each.stroke_m, each.frequency_hz,
-         _verdict_of_level(one, each), *(_mean(each.deviation.get(q), each.scatter.get(q)) for q in names)]
-        for one in results for each in one.levels
+        [acceptance.record, level.number, level.cycles, level.judged, 1e3 * level.stroke_m, level.frequency_hz,
+         _verdict_of_level(acceptance, level), *(_mean(level.deviation.get(q), level.scatter.get(q)) for q in names)]
+        for acceptance in results for level in acceptance.levels
     ]  # fmt: skip
     return Table(
         ("record", "level", "cycles", "judged", "stroke", "frequency", "verdict", *names),
@@ -135,8 +154,8 @@ def level_table(results: Sequence[Acceptance]) -> Table:
     )
 
 
-def _verdict_of_level(one: Acceptance, level: JudgedLevel) -> str:
-    return "failed" if level in one.levels_outside else "not judged" if level.reason else "passed"
+def _verdict_of_level(acceptance: Acceptance, level: JudgedLevel) -> str:
+    return "failed" if level in acceptance.levels_outside else "not judged" if level.reason else "passed"
 
 
 def _mean(deviation: float | None, scatter: float | None) -> str | None:
@@ -151,29 +170,40 @@ def relevelled_table(results: Sequence[Acceptance]) -> Table:
     return Table(
         ("record", "input", "level", "verdict", "judged", "judged", "judged to", "outside", "worst off by"),
         [
-            [one.record, input_words(one), None if math.isnan(one.level) else one.level, one.verdict, one.judged_cycles,
-             len(one.judged), 1e3 * one.judged_stroke_m if one.judged else None, len(one.outside), _worst_off_by(one)]
-            for one in results
+            [
+                acceptance.record,
+                input_words(acceptance),
+                None if math.isnan(acceptance.level) else acceptance.level,
+                acceptance.verdict,
+                acceptance.judged_cycles,
+                len(acceptance.judged),
+                _judged_to(acceptance),
+                len(acceptance.outside),
+                _worst_off_by(acceptance),
+            ]
+            for acceptance in results
         ],
         ("", "", "", "", "cycles", "points", "mm", "points", "%"),
         caption=f"Relevelled by the first cycles: {in_short(results)}.",
         notes=["Level: measured over expected in the first cycles, which is taken out of the later ones."],
         digits=4,
-    )  # fmt: skip
+    )
 
 
 def unjudged_table(results: Sequence[Acceptance]) -> Table:
     """How many points of each record were not judged, and why."""
     rows: list[list[Cell]] = [
-        [one.record, count, sentence(reason)] for one in results for reason, count in one.unjudged.items()
+        [acceptance.record, count, sentence(reason)]
+        for acceptance in results
+        for reason, count in acceptance.unjudged.items()
     ]
     return Table(("record", "points", "why"), rows, caption="What was not judged.")
 
 
 def _numbers(accepted: Accepted) -> dict[str, Any]:
     """All results for JSON, SI units."""
-    records = [one.as_dict() for one in accepted.results]
-    more = {"relevelled": [one.as_dict() for one in accepted.relevelled]} if accepted.relevelled else {}
+    records = [acceptance.as_dict() for acceptance in accepted.results]
+    more = {"relevelled": [acceptance.as_dict() for acceptance in accepted.relevelled]} if accepted.relevelled else {}
     answer = {
         "reference": accepted.reference,
         "origin": accepted.origin.as_dict(),
@@ -188,20 +218,20 @@ def _columns(accepted: Accepted) -> Frame:
     """The judgement of each record; ``worst_deviation`` is a ratio."""
     results = accepted.results
     columns = {
-        "input": [one.input_value for one in results],
-        "verdict": [one.verdict for one in results],
-        "run": [one.run for one in results],
-        "cut": [one.cut for one in results],
-        "judged_cycles": [one.judged_cycles for one in results],
-        "judged_stroke_m": [one.judged_stroke_m for one in results],
-        "points": [len(one.points) for one in results],
-        "judged": [len(one.judged) for one in results],
-        "outside": [len(one.outside) for one in results],
-        "worst_deviation": [one.worst.deviation if one.worst else None for one in results],
-        "wrong_rejection": [one.wrong_rejection for one in results],
-        "wrong_acceptance": [one.wrong_acceptance for one in results],
+        "input": [acceptance.input_value for acceptance in results],
+        "verdict": [acceptance.verdict for acceptance in results],
+        "run": [acceptance.run for acceptance in results],
+        "cut": [acceptance.cut for acceptance in results],
+        "judged_cycles": [acceptance.judged_cycles for acceptance in results],
+        "judged_stroke_m": [acceptance.judged_stroke_m for acceptance in results],
+        "points": [len(acceptance.points) for acceptance in results],
+        "judged": [len(acceptance.judged) for acceptance in results],
+        "outside": [len(acceptance.outside) for acceptance in results],
+        "worst_deviation": [acceptance.worst.deviation if acceptance.worst else None for acceptance in results],
+        "wrong_rejection": [acceptance.wrong_rejection for acceptance in results],
+        "wrong_acceptance": [acceptance.wrong_acceptance for acceptance in results],
     }
-    return Frame(columns, [one.record for one in results], "record")
+    return Frame(columns, [acceptance.record for acceptance in results], "record")
 
 
 @dataclass(frozen=True)

@@ -88,14 +88,17 @@ def _columns(acceptance: Acceptance) -> Frame:
     return Frame(columns | {"unit": [UNITS[p.quantity] for p in acceptance.points]})
 
 
-def input_words(one: Acceptance) -> str:
+def input_words(acceptance: Acceptance) -> str:
     """Such as ``1.98 V``."""
-    return "input not known" if one.input_value is None else f"{one.input_value:.5g} {one.input}"
+    return "input not known" if acceptance.input_value is None else f"{acceptance.input_value:.5g} {acceptance.input}"
 
 
 def in_short(acceptances: Sequence[Acceptance]) -> str:
     """How many records came out how, such as "2 passed, 1 failed"."""
-    counts = {each: sum(one.verdict == each for one in acceptances) for each in ("passed", "failed", "not judged")}
+    counts = {
+        each: sum(acceptance.verdict == each for acceptance in acceptances)
+        for each in ("passed", "failed", "not judged")
+    }
     return ", ".join(f"{count} {each}" for each, count in counts.items() if count)
 
 
@@ -106,7 +109,7 @@ def percent(chance: float) -> str:
 
 def band(acceptances: Iterable[Acceptance], quantity: Quantity) -> list[tuple[float, float, float, float]]:
     """The band along the speed, for a picture: (speed m/s, expected, low, high), means of points with the same speed to 2 %."""
-    points = [p for one in acceptances for p in one.judged if p.quantity == quantity]
+    points = [p for acceptance in acceptances for p in acceptance.judged if p.quantity == quantity]
     rows = np.array([(p.speed, p.expected, p.low, p.high) for p in points], dtype=float).reshape(-1, 4)
     return [(speed, middle, low, high) for speed, middle, low, high in groups(rows, SAME).tolist()]
 
@@ -114,8 +117,8 @@ def band(acceptances: Iterable[Acceptance], quantity: Quantity) -> list[tuple[fl
 def forces_and_band(acceptances: Sequence[Acceptance]) -> tuple[list[list[tuple[float, float, float, float]]], Drawn]:
     """The bands of extension and compression, and peak speeds m/s and forces N of the points inside, outside and not judged."""
     points: dict[bool | None, list[Point]] = {True: [], False: [], None: []}
-    for one in acceptances:
-        for p in one.points:
+    for acceptance in acceptances:
+        for p in acceptance.points:
             if p.quantity != "energy":
                 points[p.inside].append(p)
     drawn = {state: ([p.speed for p in own], [p.measured for p in own]) for state, own in points.items()}
@@ -127,12 +130,16 @@ def used_of_band(
 ) -> tuple[dict[str, dict[str, list[float]]], dict[str, dict[str, list[bool]]]]:
     """Record -> quantity -> what each judged cycle uses of the band (see `Point.used`), and whether it lies outside."""
     used: dict[str, dict[str, list[float]]] = {
-        one.record: {q: [p.used or 0.0 for p in one.judged if p.quantity == q] for q in one.quantities}
-        for one in acceptances
+        acceptance.record: {
+            q: [p.used or 0.0 for p in acceptance.judged if p.quantity == q] for q in acceptance.quantities
+        }
+        for acceptance in acceptances
     }
     outside: dict[str, dict[str, list[bool]]] = {
-        one.record: {q: [p.inside is False for p in one.judged if p.quantity == q] for q in one.quantities}
-        for one in acceptances
+        acceptance.record: {
+            q: [p.inside is False for p in acceptance.judged if p.quantity == q] for q in acceptance.quantities
+        }
+        for acceptance in acceptances
     }
     return used, outside
 

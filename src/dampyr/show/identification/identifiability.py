@@ -12,7 +12,9 @@ from dampyr.to_json import plain
 @describe.register
 def describe_identifiability(result: Identifiability) -> Description:
     """A row for each finding, and a table of them with the tests that would separate it."""
-    rows = [(one.kind, one.brief) for one in result.inseparable] or [("", "these records separate what was fitted")]
+    rows = [(inseparable.kind, inseparable.brief) for inseparable in result.inseparable] or [
+        ("", "these records separate what was fitted")
+    ]
     return Description(
         f"Identifiability: {counted(len(result.inseparable), 'finding')}",
         rows,
@@ -23,5 +25,5 @@ def describe_identifiability(result: Identifiability) -> Description:
 
 def _tests(result: Identifiability) -> Table:
     """One row a finding, and the test that would separate it."""
-    rows = [[one.words, one.test] for one in result.inseparable]
+    rows = [[inseparable.words, inseparable.test] for inseparable in result.inseparable]
     return Table(("what the records cannot separate", "the test that would"), rows)

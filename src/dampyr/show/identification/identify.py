@@ -46,27 +46,27 @@ def describe_identified(result: Identified) -> Description:
 
 
 def _mean_of_validation(result: Identified) -> str:
-    l1 = [one.l1 for one in result.predicted.values() if not isinstance(one, str)]
+    l1 = [score.l1 for score in result.predicted.values() if not isinstance(score, str)]
     return percent(sum(l1) / len(l1)) if l1 else "none could be predicted"
 
 
 def _predictions(result: Identified) -> list[str]:
     """How well records are predicted that the model was not fitted on, a sentence for each way of choosing them."""
-    sentences = [
-        f"Predicts records that it was not fitted on with L1 {percent(mean_l1(one))} on average "
-        f"({counted(len(one.scores), 'record')}; {SPLIT_WORDS.get(one.split, one.split)})."
-        for one in result.validations
-        if one.scores
-    ]
-    sentences += [
-        f"No record was predicted by {SPLIT_WORDS.get(one.split, one.split)}."
-        for one in result.validations
-        if not one.scores
-    ]
+    sentences = [prediction_in_words(validation) for validation in result.validations]
     if result.predicted:
         records = counted(len(result.predicted), "validation record")
         sentences.append(f"Predicts {records} with L1 {_mean_of_validation(result)}.")
     return sentences
+
+
+def prediction_in_words(validation: Validation) -> str:
+    """How well the records of a validation are predicted, by fits without them, in a sentence."""
+    parts = SPLIT_WORDS.get(validation.split, validation.split)
+    if not validation.scores:
+        return f"No record was predicted by {parts}."
+    records = counted(len(validation.scores), "record")
+    l1 = percent(mean_l1(validation))
+    return f"Predicts records that it was not fitted on with L1 {l1} on average ({records}; {parts})."
 
 
 def mean_l1(validation: Validation) -> float:
@@ -80,7 +80,9 @@ def _inseparable(result: Identified) -> Table:
     # what the levels of the fit say of sessions, and how to settle it, is among its findings
     of_sessions = result.fit.levels is not None and bool(result.fit.levels.settles)
     rows = [
-        [one.brief] for one in result.identifiability.inseparable if not (of_sessions and one.kind == SESSION_FINDING)
+        [inseparable.brief]
+        for inseparable in result.identifiability.inseparable
+        if not (of_sessions and inseparable.kind == SESSION_FINDING)
     ]
     return Table(("not separated",), rows, caption="What these records do not separate, and the test that would.")
 
@@ -106,8 +108,8 @@ def _prediction(result: Identified, validation: Validation) -> Table:
 
 def _validation_records(result: Identified) -> Table:
     rows: list[list[Cell]] = [
-        [name, None, None, one] if isinstance(one, str) else [name, 100 * one.l1, 100 * one.relevelled_l1, ""]
-        for name, one in result.predicted.items()
+        [name, None, None, score] if isinstance(score, str) else [name, 100 * score.l1, 100 * score.relevelled_l1, ""]
+        for name, score in result.predicted.items()
     ]
     return Table(
         ("record", "L1", "relevelled", ""),
@@ -128,6 +130,7 @@ def _numbers(result: Identified) -> dict[str, Any]:
         data["leaderboard"] = result.board.as_dict()
     if result.predicted:
         data["validation"] = {
-            name: {"problem": one} if isinstance(one, str) else one.as_dict() for name, one in result.predicted.items()
+            name: {"problem": score} if isinstance(score, str) else score.as_dict()
+            for name, score in result.predicted.items()
         }
     return dict(plain(data))

@@ -54,7 +54,7 @@ def describe_leaderboard(board: Leaderboard) -> Description:
 
 
 def _rows(board: Leaderboard) -> list[tuple[str, str]]:
-    trials = sum(len(one.trials) for one in board.screened)
+    trials = sum(len(model.trials) for model in board.screened)
     screened = f"{counted(len(board.screened), 'model')}, {counted(trials, 'composition')}, {board.seconds:.3g} s"
     if board.cut:
         return [("chosen", f"nothing: {board.cut}"), ("screened", screened)]
@@ -102,10 +102,12 @@ def finalists(board: Leaderboard) -> Table:
 def screened(board: Leaderboard) -> Table:
     """Every model of the catalogue, bare and at its best."""
     rows: list[list[Cell]] = []
-    for one in sorted(board.screened, key=lambda s: s.best.error):
-        added = one.best.model.removeprefix(one.base).removeprefix(" + ") or "nothing"
-        failed = f"no damper: {one.best.reason}" if math.isinf(one.best.error) else ""
-        rows.append([one.base, _percent(one.bare.error), added, _percent(one.best.error), len(one.trials), failed])
+    for model in sorted(board.screened, key=lambda s: s.best.error):
+        added = model.best.model.removeprefix(model.base).removeprefix(" + ") or "nothing"
+        failed = f"no damper: {model.best.reason}" if math.isinf(model.best.error) else ""
+        rows.append(
+            [model.base, _percent(model.bare.error), added, _percent(model.best.error), len(model.trials), failed]
+        )
     return Table(
         ("model", "bare", "best with", "error", "tried", ""),
         rows,
@@ -148,17 +150,23 @@ def _columns(board: Leaderboard) -> Frame:
 def screened_errors(board: Leaderboard) -> tuple[list[str], list[float], list[float]]:
     """Each screened model with its add-ons in lines below it, its error bare, and its error with them."""
     models = [
-        one.best.model.replace(one.base, one.base + "\n", 1).replace("\n + ", "\n+ ").rstrip("\n")
-        for one in board.screened
+        screened_model.best.model.replace(screened_model.base, screened_model.base + "\n", 1)
+        .replace("\n + ", "\n+ ")
+        .rstrip("\n")
+        for screened_model in board.screened
     ]
-    return models, [one.bare.error for one in board.screened], [one.best.error for one in board.screened]
+    return (
+        models,
+        [screened_model.bare.error for screened_model in board.screened],
+        [screened_model.best.error for screened_model in board.screened],
+    )
 
 
 def velocity_in_words(board: Leaderboard) -> str:
     """Which velocity was used."""
     if board.bandwidth is not None:
         return f"derived with {board.bandwidth:g} Hz"
-    fitted = next((one.fit.records for one in board.entries if one.fit), ())
+    fitted = next((entry.fit.records for entry in board.entries if entry.fit), ())
     derived = any(record.velocity is None for record in fitted)
     return "as recorded, or derived with each record's own bandwidth" if derived else "as recorded"
 

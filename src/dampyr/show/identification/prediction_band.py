@@ -28,8 +28,8 @@ def describe_band(band: Band) -> Description:
     return Description(f"Band, {percent(band.level)}", rows, data=lambda: _numbers(band))
 
 
-def _in_words(one: Interval, unit: str) -> str:
-    return f"{one.low:.4g} to {one.high:.4g} {unit}, measured {one.measured:.4g} {unit}"
+def _in_words(interval: Interval, unit: str) -> str:
+    return f"{interval.low:.4g} to {interval.high:.4g} {unit}, measured {interval.measured:.4g} {unit}"
 
 
 def _numbers(band: Band) -> dict[str, Any]:

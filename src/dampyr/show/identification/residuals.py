@@ -41,7 +41,7 @@ def describe_trace(trace: Trace) -> Description:
 @describe.register
 def describe_residuals(residuals: Residuals) -> Description:
     """Size, noise, correlation time and asymmetry of all records, the numbers of each, and the residual over velocity."""
-    relative = [one.relative for one in residuals.records]
+    relative = [record.relative for record in residuals.records]
     return Description(
         "Residuals",
         [
@@ -79,8 +79,8 @@ def _columns(residuals: Residuals) -> Frame:
         "rms": "rms_N", "relative": "relative", "noise": "noise_N", "correlation_time": "correlation_time_s",
         "effective": "effective_samples", "repeats": "repeats", "misfit": "misfit",
     }  # fmt: skip
-    columns = {head: [getattr(one, name) for one in residuals.records] for name, head in names.items()}
-    return Frame(columns, [one.name for one in residuals.records], "record")
+    columns = {head: [getattr(record, name) for record in residuals.records] for name, head in names.items()}
+    return Frame(columns, [record.name for record in residuals.records], "record")
 
 
 def groups_of_a_figure(residuals: Residuals) -> dict[str, Group]:
@@ -122,7 +122,7 @@ class ResidualPlots(Plots):
 
     def memory(self) -> Any:
         """The autocorrelation of each record's residual and their mean, with the correlation time."""
-        records = [(one.lags, one.autocorrelation) for one in self.result.records]
+        records = [(record.lags, record.autocorrelation) for record in self.result.records]
         return style.in_pyplot(memory, records, self.result.correlation_time, origin=self.result.origin)
 
     def sizes(self) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,7 +22,7 @@ from dampyr.show.figures.loops import loops
 from dampyr.show.identification.law_panels import law_panels
 from dampyr.show.identification.score_groups import scores_by_input
 from dampyr.show.plots import Plots, plots
-from dampyr.show.table import Table
+from dampyr.show.table import Cell, Table
 from dampyr.units import for_people
 
 Array = NDArray[np.float64]
@@ -50,7 +50,7 @@ def describe_fit(fit: Fit) -> Description:
 
 
 def _rows(fit: Fit) -> list[tuple[str, str]]:
-    scores = [one.l1 for one in fit.scores.values()]
+    scores = [score.l1 for score in fit.scores.values()]
     samples = sum(piece.t.size for piece in fit.problem.pieces)
     inputs = f"at {listing([f'{u:.4g}' for u in fit.residuals.inputs])} {fit.residuals.unit}"
     rows = [
@@ -92,6 +92,25 @@ def error_table(fit: Fit) -> Table:
     """The standard error of each fitted number, and in parentheses the naive one, which takes the samples for independent."""
     cells = {label: _error(fit, label) for label in fit.parameters}
     return _by_input(fit, cells, "Standard errors (naive ones in parentheses, as if samples were independent).")
+
+
+def fits_by_record(fits: Sequence[Fit]) -> Table:
+    """One row a fit, each of one record by itself: its numbers, the misfit, and whether the search converged."""
+    names = list(fits[0].parameters)
+    shown = [for_people(fits[0].units[name]) for name in names]
+    rows: list[list[Cell]] = []
+    for fit in fits:
+        [record] = fit.records
+        values = [value * factor for value, (_, factor) in zip(fit.parameters.values(), shown, strict=True)]
+        state = "yes" if fit.converged else fit.reason
+        rows.append([record.name, record.input_value, *values, 100 * fit.scores[record.name].l1, state])
+    return Table(
+        ("record", "input", *names, "L1", "converged"),
+        rows,
+        ("", fits[0].records[0].input or "", *(unit for unit, _ in shown), "%", ""),
+        caption=f"{fits[0].problem.composition}, each of {counted(len(fits), 'record')} by itself.",
+        digits=4,
+    )
 
 
 def _by_input(fit: Fit, cells: Mapping[str, str], caption: str) -> Table:
@@ -196,7 +215,7 @@ def number_of(fit: Fit, record: str | None) -> int:
     """The place of a record among the fitted ones; without a name that of the one with the median L1 ratio."""
     names = [piece.name for piece in fit.problem.pieces]
     if record is None:
-        errors = [one.l1 for one in fit.scores.values()]
+        errors = [score.l1 for score in fit.scores.values()]
         return int(np.argsort(errors)[len(errors) // 2])
     if record not in names:
         raise InputError(f"{record!r} is not among the fitted records; choose from {listing(names, 8)}")
@@ -215,8 +234,8 @@ class FitPlots(Plots):
     def loops(self, record: str | None = None) -> Any:
         """Measured and fitted force over displacement and over velocity."""
         fit = self.result
-        one = fit.records[number_of(fit, record)].origin
-        return style.in_pyplot(loops, *measured_and_fitted(fit, record), record_origin=one, origin=fit.origin)
+        record_origin = fit.records[number_of(fit, record)].origin
+        return style.in_pyplot(loops, *measured_and_fitted(fit, record), record_origin=record_origin, origin=fit.origin)
 
     def history(self, record: str | None = None) -> Any:
         """Measured and fitted force over time, and the residual below."""

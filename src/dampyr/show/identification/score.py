@@ -34,7 +34,7 @@ def describe_score(score: Score) -> Description:
 
 def _numbers(score: Score) -> dict[str, Any]:
     """Plain numbers, for JSON; ``band`` is there where there is one."""
-    values = {one.name: getattr(score, one.name) for one in fields(score) if one.name != "band"}
+    values = {field.name: getattr(score, field.name) for field in fields(score) if field.name != "band"}
     band = {} if score.band is None else {"band": score.band.as_dict()}
     return values | {"window": asdict(score.window)} | band
 

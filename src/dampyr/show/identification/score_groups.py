@@ -20,8 +20,8 @@ def scores_by_input(records: Iterable[Record], scores: Mapping[str, Score], capt
         groups.setdefault(record.input_value, []).append(scores[record.name])
     rows: list[list[Cell]] = []
     for u in sorted(groups, key=lambda u: math.inf if u is None else u):
-        l1 = [100 * one.l1 for one in groups[u]]
-        relevelled = [100 * one.relevelled_l1 for one in groups[u] if math.isfinite(one.relevelled_l1)]
+        l1 = [100 * score.l1 for score in groups[u]]
+        relevelled = [100 * score.relevelled_l1 for score in groups[u] if math.isfinite(score.relevelled_l1)]
         mean = sum(relevelled) / len(relevelled) if relevelled else None
         rows.append([u, len(l1), sum(l1) / len(l1), max(l1), mean])
     return Table(

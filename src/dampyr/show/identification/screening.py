@@ -24,5 +24,7 @@ def describe_screened(screened: Screened) -> Description:
 
 def _trials(screened: Screened) -> Table:
     """One row a trial: its error, its time, and why there is none."""
-    rows: list[list[Cell]] = [[one.model, 100 * one.error, one.seconds, one.reason] for one in screened.trials]
+    rows: list[list[Cell]] = [
+        [trial.model, 100 * trial.error, trial.seconds, trial.reason] for trial in screened.trials
+    ]
     return Table(("model", "validation error", "time", "reason"), rows, ("", "%", "s", ""))

@@ -23,29 +23,33 @@ SHOWN = 6  # parameters that a short text lists, and panels of a figure
 
 
 @describe.register
-def describe_spread(one: Spread) -> Description:
+def describe_spread(number: Spread) -> Description:
     """The mean, the spread and the interval of a new specimen, with their specimens and those left out."""
-    shown, factor = for_people(one.unit)
-    (low, high), (bottom, top) = (tuple(factor * end for end in each) for each in (one.mean_interval, one.new_specimen))
-    spread, interval = _spread(one)
+    shown, factor = for_people(number.unit)
+    (low, high), (bottom, top) = (
+        tuple(factor * end for end in each) for each in (number.mean_interval, number.new_specimen)
+    )
+    spread, interval = _spread(number)
     rows = [
-        ("mean", f"{factor * one.mean:.4g} {shown}, {100 * one.level:g} % interval {low:.4g} … {high:.4g}"),
+        ("mean", f"{factor * number.mean:.4g} {shown}, {100 * number.level:g} % interval {low:.4g} … {high:.4g}"),
         ("spread", f"{spread}, interval {interval}"),
         ("new specimen", f"{bottom:.4g} … {top:.4g} {shown}".rstrip()),
-        ("specimens", listing(list(one.estimates), 6)),
+        ("specimens", listing(list(number.estimates), 6)),
     ]
-    without = [(f"without {name}", why) for name, why in one.left_out.items()]
-    return Description(f"Spread {one.label!r}", [*rows, *without])
+    without = [(f"without {name}", why) for name, why in number.left_out.items()]
+    return Description(f"Spread {number.label!r}", [*rows, *without])
 
 
 @describe.register
 def describe_specimens(specimens: Specimens) -> Description:
     """The specimens, mean and spread of the first numbers; a table of all and a figure of the estimates."""
     rows = [("specimens", f"{len(specimens.fits)}: {listing(list(specimens.fits), 6)}")]
-    for one in list(specimens.spreads.values())[:SHOWN]:
-        shown, factor = for_people(one.unit)
-        spread, interval = _spread(one)
-        rows.append((one.label, f"{factor * one.mean:.4g} {shown}, spread {spread} ({interval})".replace(" ,", ",")))
+    for number in list(specimens.spreads.values())[:SHOWN]:
+        shown, factor = for_people(number.unit)
+        spread, interval = _spread(number)
+        rows.append(
+            (number.label, f"{factor * number.mean:.4g} {shown}, spread {spread} ({interval})".replace(" ,", ","))
+        )
     if len(specimens.spreads) > SHOWN:
         rows.append(("", f"and {len(specimens.spreads) - SHOWN} more"))
     return Description(
@@ -66,12 +70,23 @@ def mean_and_spread(specimens: Specimens) -> Table:
     """One row a number, in units that people read: mean, spread, both with their intervals, and that of a new specimen."""
     level = f"{100 * specimens.level:g} %"
     rows: list[list[Cell]] = []
-    for one in specimens.spreads.values():
-        shown, factor = for_people(one.unit)
-        spread, of_spread = _spread(one)
-        mean, new = (f"{factor * low:.4g} … {factor * high:.4g}" for low, high in (one.mean_interval, one.new_specimen))
+    for number in specimens.spreads.values():
+        shown, factor = for_people(number.unit)
+        spread, of_spread = _spread(number)
+        mean, new = (
+            f"{factor * low:.4g} … {factor * high:.4g}" for low, high in (number.mean_interval, number.new_specimen)
+        )
         rows.append(
-            [one.label, shown or "1", f"{factor * one.mean:.4g}", mean, spread, of_spread, new, len(one.estimates)]
+            [
+                number.label,
+                shown or "1",
+                f"{factor * number.mean:.4g}",
+                mean,
+                spread,
+                of_spread,
+                new,
+                len(number.estimates),
+            ]
         )
     names = list(specimens.fits)
     return Table(
@@ -81,11 +96,11 @@ def mean_and_spread(specimens: Specimens) -> Table:
     )
 
 
-def _spread(one: Spread) -> tuple[str, str]:
+def _spread(number: Spread) -> tuple[str, str]:
     """The spread and its interval: in percent where it is relative, else in the unit for people."""
-    shown, factor = ("%", 100.0) if one.relative else for_people(one.unit)
-    low, high = (factor * each for each in one.spread_interval)
-    return f"{factor * one.spread:.3g} {shown}".rstrip(), f"{low:.2g} … {high:.2g} {shown}".rstrip()
+    shown, factor = ("%", 100.0) if number.relative else for_people(number.unit)
+    low, high = (factor * each for each in number.spread_interval)
+    return f"{factor * number.spread:.3g} {shown}".rstrip(), f"{low:.2g} … {high:.2g} {shown}".rstrip()
 
 
 def _numbers(specimens: Specimens) -> dict[str, Any]:
@@ -96,7 +111,9 @@ def _numbers(specimens: Specimens) -> dict[str, Any]:
                 "model": _model(specimens),
                 "origin": specimens.origin.as_dict(),
                 "level": specimens.level,
-                "specimens": {name: [record.name for record in one.records] for name, one in specimens.fits.items()},
+                "specimens": {
+                    name: [record.name for record in number.records] for name, number in specimens.fits.items()
+                },
                 "parameters": dict(specimens.spreads),
                 "left_out": specimens.left_out,
                 "not_estimated": specimens.not_estimated,
@@ -110,15 +127,15 @@ def _columns(specimens: Specimens) -> Frame:
     """Mean, spread and their intervals, SI units: a row a number."""
     each = list(specimens.spreads.values())
     columns = {
-        "mean": [one.mean for one in each],
-        "mean_low": [one.mean_interval[0] for one in each],
-        "mean_high": [one.mean_interval[1] for one in each],
-        "spread": [one.spread for one in each],
-        "spread_low": [one.spread_interval[0] for one in each],
-        "spread_high": [one.spread_interval[1] for one in each],
-        "relative": [one.relative for one in each],
-        "specimens": [len(one.estimates) for one in each],
-        "unit": [one.unit for one in each],
+        "mean": [number.mean for number in each],
+        "mean_low": [number.mean_interval[0] for number in each],
+        "mean_high": [number.mean_interval[1] for number in each],
+        "spread": [number.spread for number in each],
+        "spread_low": [number.spread_interval[0] for number in each],
+        "spread_high": [number.spread_interval[1] for number in each],
+        "relative": [number.relative for number in each],
+        "specimens": [len(number.estimates) for number in each],
+        "unit": [number.unit for number in each],
     }
     return Frame(columns, list(specimens.spreads), "parameter")
 
@@ -131,20 +148,20 @@ def _panels(specimens: Specimens, labels: Sequence[str]) -> list[Estimates]:
         raise InputError(f"{unknown[0]!r} has no spread; choose from {listing(list(specimens.spreads), 8)}")
     panels = []
     for label in labels or list(specimens.spreads)[:SHOWN]:
-        one = specimens.spreads[label]
-        shown, factor = for_people(one.unit)
+        number = specimens.spreads[label]
+        shown, factor = for_people(number.unit)
         bars = {
             name: float(t.ppf(0.5 + 0.5 * specimens.level, specimens.fits[name].freedom[label])) * error
-            for name, error in one.errors.items()
+            for name, error in number.errors.items()
         }
         panels.append(
             Estimates(
                 style.Axis(label_as_mathtext(label), shown or "1", factor),
-                one.estimates,
+                number.estimates,
                 bars,
-                one.shrunken,
-                one.mean_interval,
-                one.new_specimen,
+                number.shrunken,
+                number.mean_interval,
+                number.new_specimen,
             )
         )
     return panels

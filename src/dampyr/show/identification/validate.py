@@ -29,7 +29,7 @@ FITTED: Mapping[bool | None, str] = {True: "yes", False: "no", None: "unknown"}
 @describe.register
 def describe_validated(validated: Validated) -> Description:
     """Model, records and mean scores, what the bands hold; tables of scores and bands by record, and of scores by input."""
-    l1 = {name: one.l1 for name, one in validated.scores.items()}
+    l1 = {name: score.l1 for name, score in validated.scores.items()}
     worst = max(l1, key=lambda name: l1[name])
     seen = list(validated.fitted_on.values()).count(True)
     return Description(
@@ -61,7 +61,7 @@ def describe_validated(validated: Validated) -> Description:
 
 def _l1_by_input(validated: Validated) -> dict[str, list[float]]:
     """The L1 ratio of each record, by its input in words."""
-    return group_by_input(validated.records, {name: one.l1 for name, one in validated.scores.items()})
+    return group_by_input(validated.records, {name: score.l1 for name, score in validated.scores.items()})
 
 
 def validated_scores(validated: Validated) -> Table:
@@ -115,7 +115,7 @@ def levels_and_bands(validated: Validated) -> Table:
 
 
 def _of_sessions(bands: Mapping[str, Band]) -> str:
-    sessions = sorted({one.session for one in bands.values() if one.session is not None})
+    sessions = sorted({band.session for band in bands.values() if band.session is not None})
     of_fitted = f"; those of {', '.join(sessions)} have the level of that session" if sessions else ""
     return f"Records count as of a new measurement session{of_fitted}."
 
@@ -144,21 +144,21 @@ def by_input(validated: Validated) -> Table:
 
 def bands_in_words(bands: Mapping[str, Band]) -> str:
     """How much the bands hold of the records, and of how many the peak."""
-    each = list(bands.values())
-    holds = sum(one.holds for one in each) / len(each)
-    peaks = sum(one.peak.holds for one in each)
+    all_bands = list(bands.values())
+    holds = sum(band.holds for band in all_bands) / len(all_bands)
+    peaks = sum(band.peak.holds for band in all_bands)
     words = (
-        f"the {percent(each[0].level)} bands hold {percent(holds)} of the samples and the peaks of {peaks} of "
-        f"{counted(len(each), 'record')}"
+        f"the {percent(all_bands[0].level)} bands hold {percent(holds)} of the samples and the peaks of {peaks} of "
+        f"{counted(len(all_bands), 'record')}"
     )
-    return f"{words}, {each[0].prior}" if each[0].prior else words
+    return f"{words}, {all_bands[0].prior}" if all_bands[0].prior else words
 
 
 def _numbers(validated: Validated) -> dict[str, Any]:
     """All results for JSON, SI units."""
     fitted_on = validated.fitted_on
-    scores = {name: one.as_dict() | {"fitted_on": fitted_on[name]} for name, one in validated.scores.items()}
-    bands = {name: one.as_dict() for name, one in validated.bands.items()}
+    scores = {name: score.as_dict() | {"fitted_on": fitted_on[name]} for name, score in validated.scores.items()}
+    bands = {name: band.as_dict() for name, band in validated.bands.items()}
     more = {"no_band": validated.no_band} if validated.no_band else {}
     answer = {
         "card": validated.card,
@@ -185,16 +185,18 @@ class ValidatedPlots(Plots):
 
     def history(self, record: str) -> Any:
         """Measured and predicted force over time, the record's offset taken, and the residual below."""
-        one, predicted = self.result.measured_and_predicted(record)
-        drawn, origin = (one.time, one.force, predicted), self.result.origin
-        named = {"name": "predicted", "title": one.name, "record_origin": one.origin}
+        measured, predicted = self.result.measured_and_predicted(record)
+        drawn, origin = (measured.time, measured.force, predicted), self.result.origin
+        named = {"name": "predicted", "title": measured.name, "record_origin": measured.origin}
         return style.in_pyplot(history, *drawn, **named, origin=origin)
 
     def loops(self, record: str) -> Any:
         """Measured and predicted force over displacement, and over velocity where the record has it."""
-        one, predicted = self.result.measured_and_predicted(record)
-        drawn = one.displacement, one.velocity, one.force, {"predicted": predicted}
-        return style.in_pyplot(loops, *drawn, title=one.name, record_origin=one.origin, origin=self.result.origin)
+        measured, predicted = self.result.measured_and_predicted(record)
+        drawn = measured.displacement, measured.velocity, measured.force, {"predicted": predicted}
+        return style.in_pyplot(
+            loops, *drawn, title=measured.name, record_origin=measured.origin, origin=self.result.origin
+        )
 
     def scores(self) -> Any:
         """The L1 ratio of each record, by input."""

@@ -21,7 +21,7 @@ NO_ENERGY = "Energy –: no whole cycle in the window, so it is not scored."
 @describe.register
 def describe_fold(fold: Fold) -> Description:
     """What was fitted and predicted, and the scores of the predicted records."""
-    l1 = [one.l1 for one in fold.scores.values()]
+    l1 = [score.l1 for score in fold.scores.values()]
     rows = [
         ("fitted on", counted(len(fold.fitted_on), "record")),
         ("predicted", listing(list(fold.scores), 3) if fold.scores else f"nothing: {fold.reason}"),
@@ -63,8 +63,8 @@ def describe_validation(validation: Validation) -> Description:
 def _l1_by_input(validation: Validation) -> dict[str, list[float]]:
     groups: dict[str, list[float]] = {}
     for u in validation.by_input:
-        own = [one.l1 for name, one in validation.scores.items() if validation.inputs.get(name, 0.0) == u]
-        groups[f"{u:.4g} {validation.unit}".rstrip()] = own
+        l1_of_input = [score.l1 for name, score in validation.scores.items() if validation.inputs.get(name, 0.0) == u]
+        groups[f"{u:.4g} {validation.unit}".rstrip()] = l1_of_input
     return groups
 
 
@@ -92,7 +92,7 @@ def _columns(validation: Validation) -> Frame:
     return Frame(columns | score_columns(validation.scores), list(part), "record")
 
 
-def score_table(scores: Mapping[str, Score]) -> Table:
+def score_table(scores: Mapping[str, Score], caption: str = "") -> Table:
     """One row a record, ratios in percent."""
     return Table(
         ("record", "L1", "relevelled", "NRMSE", "R²", "pointwise", "peak force", "energy", "offset"),
@@ -111,6 +111,7 @@ def score_table(scores: Mapping[str, Score]) -> Table:
             for name, s in scores.items()
         ],
         ("", "%", "%", "%", "", "%", "%", "%", "N"),
+        caption=caption,
         notes=[NO_ENERGY] if any(math.isnan(s.energy) for s in scores.values()) else (),
         digits=3,
     )
@@ -124,4 +125,4 @@ def score_columns(scores: Mapping[str, Score]) -> dict[str, list[float]]:
     """The columns of a data frame of scores: ratios, and the offset in N."""
     ratios = ("l1", "relevelled_l1", "level", "nrmse", "r2", "pointwise", "peak_force", "energy")
     names = {name: name for name in ratios} | {"offset": "offset_N"}
-    return {head: [getattr(one, name) for one in scores.values()] for name, head in names.items()}
+    return {head: [getattr(score, name) for score in scores.values()] for name, head in names.items()}

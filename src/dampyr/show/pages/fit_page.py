@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from dampyr.findings import Finding
+from dampyr.findings import Finding, besides
 from dampyr.identification import Fit, Identified, Validation, identifiability
 from dampyr.identification.fits.diagnostics import findings
-from dampyr.phrases import counted, percent, rounded, sentence
+from dampyr.phrases import counted, rounded, sentence
 from dampyr.show.figures.loops import loops
 from dampyr.show.figures.loops_by_input import Loop, loops_by_input
-from dampyr.show.identification.identify import mean_l1
+from dampyr.show.identification.identify import mean_l1, prediction_in_words
 from dampyr.show.identification.result import measured_and_fitted, parameter_table
 from dampyr.show.identification.score import input_words
 from dampyr.show.pages.best_and_worst import best_and_worst_sections, extremes
@@ -59,13 +59,13 @@ def write_fit_page(
         provenance = dict(damper.provenance)
     else:
         provenance = {"records": ", ".join(record.name for record in fit.records)}
-    besides = fit.verdict.besides(listed)
+    others = besides(listed, [fit.verdict.words])
     html = page(
         f"Identified: {fit.problem.composition}",
         [
-            _answer(fit, checks, besides),
+            _answer(fit, checks, others),
             *sections,
-            _search_and_findings(fit, checks, besides),
+            _search_and_findings(fit, checks, others),
             Section("Errors and laws of the parameters", [*error_tables(fit), *law_blocks(fit)]),
             Section("Correlation of the parameters", correlation_blocks(fit)),
             *([levels] if (levels := levels_section(fit)) is not None else []),
@@ -85,22 +85,16 @@ def write_fit_page(
     return write_page(path, html)
 
 
-def _answer(fit: Fit, checks: Sequence[Validation], besides: Sequence[Finding]) -> Section:
+def _answer(fit: Fit, checks: Sequence[Validation], others: Sequence[Finding]) -> Section:
     """What a reader came for, on one screen: the verdict, the loops, the parameters, and the worst of the findings."""
     verdict = fit.verdict
     kind = {"good": "agrees", "bad": "differs"}.get(verdict.kind)
     blocks: list[Block] = [Verdict(kind, verdict.words) if kind else Text(verdict.words)]  # type: ignore[arg-type]
-    blocks += [
-        Text(
-            f"Predicts records that it was not fitted on with L1 {percent(mean_l1(one))} on average, split by {one.split}."
-        )
-        for one in checks
-        if one.scores
-    ]
+    blocks += [Text(prediction_in_words(validation)) for validation in checks]
     blocks += [_loops(fit), parameter_table(fit)]
-    if besides:
-        more = f"\n\n{counted(len(besides) - 1, 'more finding')} below." if len(besides) > 1 else ""
-        blocks.append(Text(f"Before you use the numbers: {besides[0]}.{more}"))
+    if others:
+        more = f"\n\n{counted(len(others) - 1, 'more finding')} below." if len(others) > 1 else ""
+        blocks.append(Text(f"Before you use the numbers: {others[0]}.{more}"))
     return Section("In short", blocks)
 
 
@@ -127,7 +121,7 @@ def _loops(fit: Fit) -> FigureBlock:
     return FigureBlock(figure, f"Measured and fitted force; the record with the median misfit of {every}: {records}.")
 
 
-def _search_and_findings(fit: Fit, checks: Sequence[Validation], besides: Sequence[Finding]) -> Section:
+def _search_and_findings(fit: Fit, checks: Sequence[Validation], others: Sequence[Finding]) -> Section:
     """What else is to be looked at, and how the search ended."""
     inputs, precision = _inputs(fit), _precision(fit)
     l1 = {name: one.l1 for name, one in fit.scores.items()}
@@ -147,8 +141,8 @@ def _search_and_findings(fit: Fit, checks: Sequence[Validation], besides: Sequen
     if not checks:
         rows.append(["predicts unseen records", "not tested (dampyr identify --predict)"])
     rows.append(["errors", f"by {fit.clusters}; {precision}"])
-    more = [Text("\n\n".join(finding.sentence for finding in besides[1:]))] if len(besides) > 1 else []
-    residual = [] if besides else [Text(sentence(findings(fit.residuals)[0]))]
+    more = [Text("\n\n".join(finding.sentence for finding in others[1:]))] if len(others) > 1 else []
+    residual = [] if others else [Text(sentence(findings(fit.residuals)[0]))]
     return Section("Findings and search", [*more, *residual, Table(("quantity", "result"), rows)])
 
 

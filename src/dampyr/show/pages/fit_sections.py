@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.identification import Fit, Score
+from dampyr.identification import Fit
 from dampyr.show.figures.correlation import MARKED, correlation, strong_pairs
 from dampyr.show.figures.laws import parameters_against_input
 from dampyr.show.figures.scores import scores as scores_by_input
@@ -17,8 +16,9 @@ from dampyr.show.figures.style import CURRENT, VOLTAGE
 from dampyr.show.identification.law_panels import law_panels
 from dampyr.show.identification.result import error_table, parameter_table, session_table
 from dampyr.show.identification.score import group_by_input
+from dampyr.show.identification.validation import score_table
 from dampyr.show.pages.blocks import Block, FigureBlock, Text
-from dampyr.show.table import Cell, Table
+from dampyr.show.table import Table
 
 PANELS = 6  # of laws in one figure: three rows of two, half of a printed page
 PAIRS = 8  # of parameters listed in words; the matrix shows all
@@ -100,34 +100,6 @@ def law_figures(fit: Fit, damper: Damper) -> list[Figure]:
     each += each % 2 if count > 1 else 0
     parts = [panels[k : k + each] for k in range(0, len(panels), each)]
     return [parameters_against_input(part, damper.range, axis) for part in parts]
-
-
-def score_table(
-    scores: Mapping[str, Score], caption: str, more: Mapping[str, tuple[str, Mapping[str, Cell]]] | None = None
-) -> Table:
-    """One row per record, ratios in percent; ``more`` name -> (unit, cell of each record) are further columns before them."""
-    more = more or {}
-    rows: list[list[Cell]] = [
-        [
-            name,
-            *(cells[name] for _, cells in more.values()),
-            100 * s.l1,
-            100 * s.nrmse,
-            s.r2,
-            100 * s.pointwise,
-            100 * s.peak_force,
-            100 * s.energy,
-            s.offset,
-        ]
-        for name, s in scores.items()
-    ]
-    return Table(
-        columns=("record", *more, "L1", "NRMSE", "R²", "pointwise", "peak force", "energy", "offset"),
-        units=("", *(unit for unit, _ in more.values()), "%", "%", "", "%", "%", "%", "N"),
-        rows=rows,
-        caption=caption,
-        digits=3,
-    )
 
 
 def score_blocks(fit: Fit) -> list[Block]:

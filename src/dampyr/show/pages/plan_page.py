@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,21 +11,22 @@ from dampyr.campaigns import Plan, PlannedTest
 from dampyr.campaigns.check import STROKE_MARGIN
 from dampyr.phrases import sentence
 from dampyr.rig import RigSettings
+from dampyr.show.campaigns.planned_tests import plan_notes, plan_table
 from dampyr.show.figures.envelope import envelope
 from dampyr.show.figures.planned_drive import planned_drive
 from dampyr.show.figures.style import case_colours
 from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text
 from dampyr.show.pages.html_page import page, write_page
-from dampyr.show.table import Cell, Table, Verdict
+from dampyr.show.table import Verdict
 
 FORCES = (0.0, 500.0, 1000.0, 1500.0)  # N: no load, and three loads in equal steps
-COLUMNS = ("test", "what", "duration", "peak speed", "position", "force", "coil")
-UNITS = ("", "", "s", "mm/s", "mm", "N", "V")
 
 
 def write_plan_page(plan: Plan, path: str | Path) -> Path:
     """Write the page."""
-    sections = [Section("Planned tests", [plan_table(plan), *_notes(plan)])]
+    table = replace(plan_table(plan), caption="In the order in which they run.")
+    notes = "\n\n".join(plan_notes(plan))
+    sections = [Section("Planned tests", [table, *([Text(notes)] if notes else [])])]
     moving = [each for each in plan.tests if each.peak_speed > 0]
     if plan.refusals:
         refused: list[Block] = [Verdict("differs", sentence(each)) for each in plan.refusals]
@@ -45,30 +47,6 @@ def write_plan_page(plan: Plan, path: str | Path) -> Path:
         call=f"dampyr.show.pages.write_plan_page(plan, {Path(path).name!r})",
     )
     return write_page(path, html)
-
-
-def plan_rows(plan: Plan) -> list[list[Cell]]:
-    """The tests in the order in which they run, as people read them; the columns are ``COLUMNS`` in ``UNITS``."""
-    return [
-        [each.name, each.words, each.duration, 1e3 * each.peak_speed, 1e3 * each.peak_position, each.peak_force,
-         each.peak_voltage]
-        for each in plan.tests
-    ]  # fmt: skip
-
-
-def plan_table(plan: Plan) -> Table:
-    """Every test with what it asks of the rig."""
-    return Table(COLUMNS, plan_rows(plan), UNITS, caption="In the order in which they run.", digits=4)
-
-
-def plan_notes(plan: Plan) -> list[str]:
-    """What the expected force rests on, and what the plan says of single tests."""
-    return [*plan.notes, *dict.fromkeys(f"{each.name}: {note}" for each in plan.tests for note in each.notes)]
-
-
-def _notes(plan: Plan) -> list[Block]:
-    notes = plan_notes(plan)
-    return [Text("\n\n".join(map(sentence, notes)))] if notes else []
 
 
 def _envelope(rig: RigSettings, tests: list[PlannedTest]) -> FigureBlock:

@@ -19,13 +19,13 @@ if TYPE_CHECKING:
 
 
 @describe.register
-def describe_round(one: Round) -> Description:
+def describe_round(planned_round: Round) -> Description:
     """Its tests, and how its intervals compare with the expected ones."""
-    ratios = list(one.ratios.values())
-    rows = [("tests", f"{len(one.tests)}, {one.duration / 60:.3g} min")]
+    ratios = list(planned_round.ratios.values())
+    rows = [("tests", f"{len(planned_round.tests)}, {planned_round.duration / 60:.3g} min")]
     if ratios:
         rows.append(("intervals", f"{np.exp(np.mean(np.log(ratios))):.2f} of what was expected, in the geometric mean"))
-    return Description(f"Round {one.number}", rows)
+    return Description(f"Round {planned_round.number}", rows)
 
 
 @describe.register
@@ -51,8 +51,10 @@ def describe_planned(planned: Planned) -> Description:
 def widths_figure(planned: Planned) -> Figure:
     """Expected against achieved half widths of every round, one marker a coefficient."""
     pairs = {
-        f"round {one.number}": [(one.expected[label], one.achieved[label]) for label in one.ratios]
-        for one in planned.rounds
+        f"round {planned_round.number}": [
+            (planned_round.expected[label], planned_round.achieved[label]) for label in planned_round.ratios
+        ]
+        for planned_round in planned.rounds
     }
     return expected_widths({name: some for name, some in pairs.items() if some})
 
@@ -60,14 +62,19 @@ def widths_figure(planned: Planned) -> Figure:
 def round_table(planned: Planned) -> Table:
     """Expected and achieved half widths of the intervals, one row a coefficient of a round, and the peak's."""
     rows: list[list[Cell]] = [
-        [one.number, label, half_width(one.expected.get(label)), half_width(half)]
-        for one in planned.rounds
-        for label, half in one.achieved.items()
+        [planned_round.number, label, half_width(planned_round.expected.get(label)), half_width(half)]
+        for planned_round in planned.rounds
+        for label, half in planned_round.achieved.items()
     ]
     rows += [
-        [one.number, planned.goal, half_width(one.peak_expected), half_width(one.peak_achieved)]
-        for one in planned.rounds
-        if one.peak_expected is not None
+        [
+            planned_round.number,
+            planned.goal,
+            half_width(planned_round.peak_expected),
+            half_width(planned_round.peak_achieved),
+        ]
+        for planned_round in planned.rounds
+        if planned_round.peak_expected is not None
     ]
     return Table(
         ("round", "95 % interval over the value", "expected", "achieved"),
@@ -77,17 +84,17 @@ def round_table(planned: Planned) -> Table:
 
 
 def _number_of_tests(planned: Planned) -> int:
-    return sum(len(one.tests) for one in planned.rounds)
+    return sum(len(planned_round.tests) for planned_round in planned.rounds)
 
 
 def _columns(planned: Planned) -> Frame:
     """Expected and achieved half widths in percent, one row a coefficient of a round."""
-    pairs = [(one, label) for one in planned.rounds for label in one.achieved]
+    pairs = [(planned_round, label) for planned_round in planned.rounds for label in planned_round.achieved]
     columns = {
-        "round": [one.number for one, _ in pairs],
+        "round": [planned_round.number for planned_round, _ in pairs],
         "coefficient": [label for _, label in pairs],
-        "expected [%]": [100 * one.expected.get(label, np.nan) for one, label in pairs],
-        "achieved [%]": [100 * one.achieved[label] for one, label in pairs],
+        "expected [%]": [100 * planned_round.expected.get(label, np.nan) for planned_round, label in pairs],
+        "achieved [%]": [100 * planned_round.achieved[label] for planned_round, label in pairs],
     }
     return Frame(columns)
 
@@ -103,16 +110,16 @@ def _numbers(planned: Planned) -> dict[str, Any]:
         "findings": as_dicts(planned.findings),
         "rounds": [
             {
-                "number": one.number,
-                "folder": str(one.folder),
-                "tests": one.tests,
-                "duration_s": one.duration,
-                "half_width_expected": dict(one.expected),
-                "half_width_achieved": dict(one.achieved),
-                "peak_half_width_expected": one.peak_expected,
-                "peak_half_width_achieved": one.peak_achieved,
+                "number": planned_round.number,
+                "folder": str(planned_round.folder),
+                "tests": planned_round.tests,
+                "duration_s": planned_round.duration,
+                "half_width_expected": dict(planned_round.expected),
+                "half_width_achieved": dict(planned_round.achieved),
+                "peak_half_width_expected": planned_round.peak_expected,
+                "peak_half_width_achieved": planned_round.peak_achieved,
             }
-            for one in planned.rounds
+            for planned_round in planned.rounds
         ],
         "parameters": planned.fit.parameters,
         "stderr": planned.fit.stderr,
