@@ -55,11 +55,11 @@ def describe_plan(plan: Plan) -> Description:
 
 
 def plan_table(plan: Plan) -> Table:
-    """What each test asks of the rig, in the order in which they run; why it is refused, where one is."""
+    """What each test asks of the rig, in the order in which they run, and which are refused; the refusals of the plan say why."""
     refused = any(test.refusal for test in plan.tests)
     rows: list[list[Cell]] = [
         [test.name, test.words, test.duration, 1e3 * test.peak_speed, 1e3 * test.peak_position, test.peak_force,
-         test.peak_voltage, *[test.refusal] * refused]
+         test.peak_voltage, *["yes" if test.refusal else ""] * refused]
         for test in plan.tests
     ]  # fmt: skip
     minutes = f"{plan.duration / 60:.1f} min" if plan.duration >= 60 else f"{plan.duration:.0f} s"
