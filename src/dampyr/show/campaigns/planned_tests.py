@@ -55,7 +55,7 @@ def describe_plan(plan: Plan) -> Description:
 
 
 def plan_table(plan: Plan) -> Table:
-    """What each test asks of the rig, in the order in which they run, and which are refused; the refusals of the plan say why."""
+    """What each test asks of the rig, in the order in which they run, and which are refused (the plan's refusals say why)."""
     refused = any(test.refusal for test in plan.tests)
     rows: list[list[Cell]] = [
         [test.name, test.words, test.duration, 1e3 * test.peak_speed, 1e3 * test.peak_position, test.peak_force,
