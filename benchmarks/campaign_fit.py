@@ -12,7 +12,7 @@ from benchmarks._lines import Line
 from benchmarks._timing import race
 from dampyr.errors import DampyrWarning
 from dampyr.identification import fit
-from dampyr.identification.fits.fit import prepared
+from dampyr.identification.fits.least_squares import prepared
 from dampyr.identification.search.fit_data import Piece, piece
 from dampyr.identification.search.initial_guess import begin
 from dampyr.identification.search.normal_equations import modelled_force
@@ -53,7 +53,7 @@ def run(data: Path | None) -> list[Line] | str:
         difficult = hard(records)
     return [
         *lines,
-        *race({JOINT: lambda: fit(COMPOSITION, records, bandwidth=8.0, fixed=FIXED)}, {}, rounds=3),
+        *race({JOINT: lambda: fit(records, COMPOSITION, bandwidth=8.0, fixed=FIXED)}, {}, rounds=3),
         Line("dampyr fit, per record", each.median / len(records), each.fastest / len(records), each.rounds),
         *difficult,
     ]
@@ -64,17 +64,17 @@ def hard(records: list[Record]) -> list[Line]:
     record = next(record for record in records if float(np.mean(np.asarray(record.voltage))) > 1.5)
     problem = prepared(HARD, [record])
     start = begin(problem)
-    ours, (cost, evaluations) = fit(HARD, record), valley(problem, start)
+    ours, (cost, evaluations) = fit(record, HARD), valley(problem, start)
     steps_and_end = (
         f"sum of squares {cost / ours.outcome.cost:.4g} times that of dampyr, which says {ours.reason.partition(':')[0]!r}; "
         f"{evaluations} evaluations"
     )
-    contenders = {HARD_ONE: lambda: fit(HARD, record), HARD_PEER: lambda: valley(problem, start)}
+    contenders = {HARD_ONE: lambda: fit(record, HARD), HARD_PEER: lambda: valley(problem, start)}
     joint = [f"{HARD_JOINT}{more}" for more in ("", " + compliance", " + delay")]
     return [
         *race(contenders, {HARD_PEER: steps_and_end}, rounds=3),
         *race(
-            {name: lambda name=name: fit(name.partition("with ")[2], records) for name in joint},
+            {name: lambda name=name: fit(records, name.partition("with ")[2]) for name in joint},
             {},
             rounds=3,
             budget=30.0,
@@ -108,7 +108,7 @@ def valley(problem: Problem, start: Point) -> tuple[float, int]:
 
 def identified(record: Record) -> list[float]:
     """kx, kw and rho by dampyr."""
-    return list(fit("dahl", record).parameters.values())
+    return list(fit(record, "dahl").parameters.values())
 
 
 def searched(one: Piece) -> list[float]:

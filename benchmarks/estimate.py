@@ -12,7 +12,7 @@ from benchmarks._lines import Line
 from benchmarks._timing import race
 from benchmarks.bouc_wen_force import compiled
 from dampyr.identification import fit
-from dampyr.identification.fits.fit import prepared
+from dampyr.identification.fits.least_squares import prepared
 from dampyr.identification.search.problem import Point, Problem
 from dampyr.identification.search.variable_projection import search
 from dampyr.models import Damper
@@ -36,11 +36,11 @@ def run(data: Path | None) -> list[Line]:
         ours = searched(model, record)
         contenders: dict[str, Callable[[], Any]] = {f"{model}: dampyr, the search": ours}
         contenders[f"{model}: dampyr, fit with start and errors"] = lambda model=model, record=record: fit(
-            model, record
+            record, model
         )
         for name, peer in peers(model, record).items():
             contenders[f"{model}: scipy, {name}"] = peer
-        lines += compared(race(contenders, agreement(contenders, fit(model, record))), contenders)
+        lines += compared(race(contenders, agreement(contenders, fit(record, model))), contenders)
     return lines
 
 

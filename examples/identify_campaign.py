@@ -21,7 +21,7 @@ import dampyr as dp
 from dampyr.units import for_people
 
 records = dp.records.read_campaign(dp.records.locate("labcontrol"))
-fit = dp.identification.fit("dahl", records)
+fit = dp.identification.fit(records, "dahl")
 print(f"{len(records)} records, converged: {fit.converged}")
 for name, value in fit.parameters.items():
     unit, factor = for_people(fit.units[name])

@@ -32,7 +32,7 @@ seen = dp.records.measure(record)
 print(
     f"{record.input_value} {record.input}, {seen.frequency_hz:.3f} Hz, {1e3 * seen.peak_to_peak_m:.2f} mm peak to peak"
 )
-fit = dp.identification.fit("dahl", record)
+fit = dp.identification.fit(record, "dahl")
 for name, value in fit.parameters.items():
     unit, factor = for_people(fit.units[name])
     print(f"{name:8} {value * factor:.2f} {unit}")

@@ -13,7 +13,7 @@ from dampyr.studies import raminelli_2020
 folder = dp.records.locate("labcontrol")
 [unseen] = dp.records.read_campaign(folder, role="validation")
 alike = [r for r in dp.records.read_campaign(folder) if r.voltage == unseen.voltage]
-fit = dp.identification.fit("dahl + spring", alike)
+fit = dp.identification.fit(alike, "dahl + spring")
 
 print(f"{unseen.name}      L1   peak force  energy")
 for name, damper in (("fitted", fit.damper), ("published", raminelli_2020.damper())):

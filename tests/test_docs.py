@@ -346,7 +346,7 @@ def test_the_fits_are_told_as_they_are(campaign_folder: Path) -> None:
 
     scores: dict[str, list[float]] = {}
     for record in read_campaign(campaign_folder):
-        scores.setdefault(f"{record.voltage:g} V", []).append(fit("dahl", record).scores[record.name].l1)
+        scores.setdefault(f"{record.voltage:g} V", []).append(fit(record, "dahl").scores[record.name].l1)
     computed = [[volts, str(len(l1)), f"{100 * np.mean(l1):.1f} %"] for volts, l1 in scores.items()]
     assert [table_of(page, "| coil | records |") for page in FIGURES] == [computed, computed]
 
@@ -506,7 +506,7 @@ def test_the_model_of_the_how_to_is_a_model(tmp_path: Path, monkeypatch: pytest.
     t = np.linspace(0.0, 6.0, 1200)
     x, v = 0.01 * np.sin(6.0 * t), 0.06 * np.cos(6.0 * t)
     force = 20.0 + 3000.0 * v / (1 + np.abs(v) / 0.04)
-    fit_result = fit("bent_dashpot", Record(t, x, force, velocity=v, voltage=0.0))
+    fit_result = fit(Record(t, x, force, velocity=v, voltage=0.0), "bent_dashpot")
     np.testing.assert_allclose(list(fit_result.parameters.values()), [3000.0, 0.04], rtol=1e-5)
     sys.modules.pop("dampyr.models.parts.bent_dashpot")
 

@@ -305,9 +305,9 @@ class Calls:
 
     def _with_options(self, call: Callable[..., Any], name: str, data: tuple[Any, ...], options: dict[str, Any]) -> Any:
         """A call that takes its options in an object of the class ``name``, or by their names."""
-        if "options" in inspect.signature(call).parameters:
-            return call(*data, getattr(self.identification, name)(**options))
-        return call(*data, **options)
+        if set(options) <= set(inspect.signature(call).parameters):
+            return call(*data, **options)
+        return call(*data, getattr(self.identification, name)(**options))
 
     def ensemble(self, *data: Any, voltages: list[float], scales: Any, **options: Any) -> Any:
         """Peaks of many cases; the argument of the inputs became ``voltage`` as it is in `respond`."""

@@ -18,6 +18,7 @@ import runpy
 import sys
 from collections.abc import Callable, Iterator
 from dataclasses import MISSING, Field, fields
+from importlib import import_module
 from pathlib import Path
 from textwrap import fill
 from typing import Any, get_origin, get_type_hints
@@ -29,9 +30,12 @@ from page_notebook import notebook
 from dampyr import registry
 from dampyr.cli import cli
 from dampyr.cli._examples import examples_of
+from dampyr.cli._options import OptionsCommand
 from dampyr.config import origin, split
 from dampyr.models import published
 from dampyr.models.part import part
+from dampyr.options import Option, options_of
+from dampyr.phrases import listing
 from dampyr.records.datasets import available_data_sets, data_set
 from dampyr.units import Quantity, for_people
 
@@ -390,6 +394,73 @@ def command_examples() -> str:
     return "\n".join(["```sh", *dict.fromkeys(line for group in groups for line in group), "```"])
 
 
+# Options
+
+
+def options_commands() -> Iterator[tuple[str, OptionsCommand]]:
+    """The commands with options of classes, by what is typed after ``dampyr``."""
+    return ((name, command) for name, command in commands() if isinstance(command, OptionsCommand))
+
+
+def option_classes() -> list[type]:
+    """Every class of options that a command takes, in the order of their names."""
+    return sorted(
+        {cls for _, command in options_commands() for cls in command.classes.values()}, key=lambda c: c.__name__
+    )
+
+
+def option_sections() -> str:
+    """Each class of options: who takes it, and its options."""
+    return "\n".join(map(option_section, option_classes()))
+
+
+def option_section(cls: type) -> str:
+    """The section of one class."""
+    package = import_module(".".join(cls.__module__.split(".")[:2]))
+    functions = {name: getattr(package, name) for name in package.__all__ if inspect.isfunction(getattr(package, name))}
+    calls = [
+        f"`{package.__name__}.{name}`"
+        for name, call in functions.items()
+        if cls.__name__ in str(inspect.signature(call).parameters.get("options", ""))
+    ]
+    typed = [f"`dampyr {name}`" for name, command in options_commands() if cls in command.classes.values()]
+    rows = [
+        [
+            f"`{o.name}`",
+            f"`{o.flag}`",
+            cell(o.values()),
+            f"`{o.default_text}`" if o.default_text else "",
+            cell(meaning(o)),
+        ]
+        for o in options_of(cls)
+    ]
+    taken = f"Taken by {listing(calls)} and {listing(typed)}."
+    return "\n".join(
+        [f"## `{cls.__name__}`", "", taken, "", table(["argument", "option", "value", "default", "what"], rows), ""]
+    )
+
+
+def meaning(option: Option) -> str:
+    """What an option is, and what each of its choices means."""
+    meanings = [f"{name}: {words}" for name, words in (option.choices or {}).items() if words != name]
+    return f"{option.words}. {'; '.join(meanings)}" if meanings else option.words
+
+
+def option_names(command: str) -> Callable[[], str]:
+    """The options of a command that come from classes, in a line, each class with its section."""
+
+    def names() -> str:
+        member = dict(options_commands())[command]
+        flags = {
+            cls: ", ".join(f"`{option.flag}`" for option in member.options_of(cls)) for cls in member.classes.values()
+        }
+        return "; ".join(
+            f"{listed} ([{cls.__name__}](options.md#{cls.__name__.lower()}))" for cls, listed in flags.items()
+        )
+
+    return names
+
+
 LISTS: dict[str, Callable[[], str]] = {
     "parts": lambda: in_line(PARTS),
     "part-sections": part_sections,
@@ -415,6 +486,8 @@ LISTS: dict[str, Callable[[], str]] = {
     "command-table": command_table,
     "command-examples": command_examples,
     "command-sections": command_sections,
+    "option-sections": option_sections,
+    **{f"options-of-{name}": option_names(name) for name, _ in options_commands()},
     "bibliography": citations.sections,
 }
 

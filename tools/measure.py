@@ -410,8 +410,10 @@ def traced_walks(root: Path) -> dict[str, Any]:
     if not Path(dp.__file__).resolve().is_relative_to(source):
         raise SystemExit(f"{PACKAGE} was imported from {dp.__file__}, which is not in {root}")
     records = synthetic_records(dp)
-    dp.identification.fit("dahl", records)
-    fit_trace, fit = traced(source, lambda progress: dp.identification.fit("dahl", records, progress=progress))
+    dp.identification.fit(records=records, model="dahl")
+    fit_trace, fit = traced(
+        source, lambda progress: dp.identification.fit(records=records, model="dahl", progress=progress)
+    )
     write_fit_page = import_module("dampyr.show" if hasattr(dp, "show") else "dampyr.report").write_fit_page
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "page.html"

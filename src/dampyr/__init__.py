@@ -5,7 +5,7 @@ The packages are loaded on first access, so ``import dampyr`` is quick::
     import dampyr as dp
 
     records = dp.records.read_campaign("data/labcontrol-mr-damper")
-    fit = dp.identification.fit("dahl", records)
+    fit = dp.identification.fit(records, "dahl")
     response = dp.structures.respond(dp.structures.two_storey(), dp.ground_motions.el_centro(),
                                      dampers={1: fit.damper}, voltage=1.98)
 """

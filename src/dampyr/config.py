@@ -11,16 +11,29 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
+from types import NoneType, UnionType
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from dampyr.errors import FileError, InputError, MissingData
 from dampyr.units import Quantity, parse
 
 T = TypeVar("T")
+
+
+class Choices:
+    """Note of a field that holds a text: the texts that it may hold, and what each means where that is stated."""
+
+    def __init__(self, words: Mapping[str, str] | Iterable[str]) -> None:
+        self.words = dict(words) if isinstance(words, Mapping) else {text: text for text in words}
+
+    def check(self, where: str, text: str) -> None:
+        """Raise :class:`InputError` unless ``text`` is one of them."""
+        if text not in self.words:
+            raise InputError(unknown(f"{where} = {text!r}", text, list(self.words)))
 
 
 MAX_DOTTED = 32  # parts of a key such as a.b.c: no table of ours nests deeper than 4
@@ -90,17 +103,38 @@ def unknown(where: str, name: str, available: list[str]) -> str:
 
 def value_of(hint: Any, value: Any, where: str) -> Any:
     """One value as its annotation wants it."""
-    kind, quantity = split(hint)
-    if is_dataclass(kind):
-        return fill(kind, value, where)  # type: ignore[arg-type]
-    if get_origin(kind) is tuple:
+    kind, *notes = get_args(hint) if get_origin(hint) is Annotated else (hint,)
+    members = get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
+    if value is None and NoneType in members:
+        return None
+    kinds = [member for member in members if member is not NoneType]
+    if is_dataclass(kinds[0]):
+        return fill(kinds[0], value, where)  # type: ignore[arg-type]
+    containers = {get_origin(member): member for member in kinds if get_origin(member) is not None}
+    if tuple in containers:
         listed = value if isinstance(value, list | tuple) else [value]
-        inner = Annotated[get_args(kind)[0], quantity] if quantity else get_args(kind)[0]
+        inner = _noted(get_args(containers[tuple])[0], notes)
         return tuple(value_of(inner, each, where) for each in listed)
-    allowed = [t for t in get_args(kind) if t is not type(None)] or [kind]
-    if quantity is not None and float in allowed:
-        return _measured(quantity, value, where)
-    return _plain(allowed[0], value, where)
+    if Mapping in containers and (isinstance(value, Mapping) or len(kinds) == 1):
+        if not isinstance(value, Mapping):
+            raise InputError(f"{where} = {value!r} must be a mapping of names to values")
+        inner = _noted(get_args(containers[Mapping])[1], notes)
+        return {name: value_of(inner, each, f"{where}[{name!r}]") for name, each in value.items()}
+    for note in notes:
+        if isinstance(note, Quantity) and float in kinds:
+            return _measured(note, value, where)
+    plain = _plain(kinds[0], value, where)
+    for note in notes:
+        if isinstance(note, Choices):
+            note.check(where, plain)
+        if isinstance(note, Quantity) and kinds[0] is int:
+            note.check(where, plain)
+    return plain
+
+
+def _noted(kind: Any, notes: list[Any]) -> Any:
+    """The annotation of what a container holds: that of the container."""
+    return Annotated[(kind, *notes)] if notes else kind
 
 
 def split(hint: Any) -> tuple[Any, Quantity | None]:

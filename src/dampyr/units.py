@@ -54,7 +54,8 @@ class Quantity:
             shown = f"{value:g}"
             if value not in (self.low, self.high) and shown in (f"{self.low:g}", f"{self.high:g}"):
                 shown = repr(float(value))  # all digits, so that it is not told to be what it must be
-            raise InputError(f"{name} = {shown} {self.unit} is not allowed; it must be {self.range_in_words()}")
+            value_in_words = f"{shown} {self.unit}".rstrip()
+            raise InputError(f"{name} = {value_in_words} is not allowed; it must be {self.range_in_words()}")
 
     def without_rounding(self, values: Any, size: float) -> Any:
         """``values``, those beyond a limit by rounding alone (1e-7 of ``size``, their largest term) on its allowed side."""

@@ -23,8 +23,7 @@ from dampyr.campaigns.marks import (
 )
 from dampyr.cli import cli
 from dampyr.errors import RigFault
-from dampyr.identification import identify
-from dampyr.identification.fits.identify import IdentifyOptions
+from dampyr.identification import fit
 from dampyr.records import Record
 from dampyr.records.cycle_analysis.cycles import similar_cycles
 from dampyr.records.formats import h5
@@ -357,9 +356,7 @@ def test_a_drifting_cell_is_marked_and_told_where_its_records_are_used(
     listed = CliRunner().invoke(cli, ["records", str(folder)])
     assert listed.stdout.count("the force's zero drifts") == 2
     assert records.describe(recorded[0])["marks"] == recorded[0].marks
-    [drifts] = [
-        one for one in identify(recorded, IdentifyOptions(model="bingham")).findings if "zero drifts" in str(one)
-    ]
+    [drifts] = [one for one in fit(recorded, "bingham").findings if "zero drifts" in str(one)]
     assert (drifts.severity, set(drifts.about)) == ("doubt", {record.name for record in recorded})
     said = CliRunner().invoke(cli, ["identify", str(folder), "--model", "bingham"])
     assert said.stdout.count("the force's zero drifts") == 1

@@ -5,7 +5,6 @@ import json
 import re
 from pathlib import Path
 
-import click
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
@@ -13,7 +12,6 @@ from tests.identification.test_leaderboard import without_velocity
 from tests.identification.test_uncertainty import records
 
 from dampyr.cli import cli
-from dampyr.identification import IdentifyOptions
 from dampyr.models import Damper
 from dampyr.records import write
 
@@ -162,16 +160,3 @@ def test_the_goodness_of_fit_is_listed_by_rising_input() -> None:
     assert [row[:2] for row in table.rows] == [[0.25, 1], [1.0, 2], [10.0, 1], [None, 1]]
     assert all(row[2:] == [pytest.approx(10.0), pytest.approx(10.0), pytest.approx(5.0)] for row in table.rows)
     assert table.units[0] == "A"
-
-
-def test_its_defaults_are_those_of_python() -> None:
-    """They are written twice, since the command line imports the library only when it runs."""
-    options = IdentifyOptions()
-    command = cli.get_command(click.Context(cli), "identify")
-    assert command is not None
-    defaults = {p.name: p.default for p in command.params}
-    assert defaults["budget"] == options.budget
-    assert defaults["settling"] == options.settling
-    assert defaults["weighting"] == options.weighting
-    assert defaults["loss"] == options.loss
-    assert defaults["starts"] == options.starts

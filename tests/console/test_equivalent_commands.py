@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("fastapi")
 
 from dampyr.cli import cli
-from dampyr.cli._motion import ratio
+from dampyr.cli._options import OptionsCommand
 from dampyr.console.building_schemas import EnsembleRequest, MotionRequest, ResponseRequest
 from dampyr.console.equivalent_commands import (
     WHERE,
@@ -20,6 +20,7 @@ from dampyr.console.equivalent_commands import (
 )
 from dampyr.console.identify_schemas import IdentifyRequest, ValidateRequest
 from dampyr.console.record_acceptance import AcceptanceRequest
+from dampyr.identification import FitOptions, ScoreOptions
 
 KEYS = ["data/uploads/a test.h5", "labcontrol/ensaio.A.1.mat"]
 
@@ -34,32 +35,26 @@ def parsed(text: str) -> dict[str, object]:
         member = cli.get_command(root, name)
         assert member is not None
         context: click.Context = member.make_context(name, words, parent=root)
-        return {"command": name, **context.params}
+        chosen = member.chosen(context.params) if isinstance(member, OptionsCommand) else {}
+        return {"command": name, **context.params, **chosen}
 
 
 def test_identification() -> None:
-    request = IdentifyRequest(records=KEYS, model="dahl + spring", predict="record", loss="huber", settling=3.0)
+    request = IdentifyRequest(records=KEYS, model="dahl + spring", predict=["record"], loss="huber", settling=3.0)
     given = parsed(identify_command(request))
-    assert (given["command"], given["model"], given["splits"]) == ("identify", "dahl + spring", ("record",))
+    assert (given["command"], given["model"]) == ("identify", "dahl + spring")
     assert [str(path) for path in given["paths"]] == ["uploads/a test.h5", "labcontrol/ensaio.A.1.mat"]
-    assert (given["loss"], given["settling"]) == ("huber", 3.0)
-    tried = parsed(identify_command(IdentifyRequest(records=KEYS, tried=["dahl", "bingham"])))
-    assert (tried["model"], tried["tried"], tried["loss"]) == (None, ("dahl", "bingham"), "squares")
-    assert (
-        tried["session_prior"]
-        == parsed(identify_command(request.model_copy(update={"session_prior": 0.08})))["session_prior"]
-    )
-    prior = parsed(identify_command(IdentifyRequest(records=KEYS, model="dahl", session_prior=0.05)))
-    assert ratio(str(prior["session_prior"])) == 0.05
+    assert given["options"] == FitOptions(predict=("record",), loss="huber", settling=3.0)
+    tried = parsed(identify_command(IdentifyRequest(records=KEYS, models=["dahl", "bingham"])))
+    assert (tried["model"], tried["options"]) == (None, FitOptions(models=("dahl", "bingham")))
 
 
 def test_validation_and_acceptance() -> None:
     given = parsed(validate_command(ValidateRequest(records=KEYS, card="cards/x.toml", allow_extrapolation=True)))
-    assert (str(given["card"]), given["allow_extrapolation"]) == ("cards/x.toml", True)
-    assert given["band"] == "90%"
-    for band, words in ((0.5, "0.5"), (None, "none")):
+    assert (str(given["card"]), given["options"]) == ("cards/x.toml", ScoreOptions(allow_extrapolation=True))
+    for band in (0.5, None):
         given = parsed(validate_command(ValidateRequest(records=KEYS, card="cards/x.toml", band=band)))
-        assert given["band"] == words
+        assert given["options"] == ScoreOptions(band=band)
     request = AcceptanceRequest(
         key=KEYS, reference=["cards/x.toml"], tolerance=0.1, force=20, judge=["energy"], offset=-5
     )

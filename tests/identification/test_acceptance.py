@@ -261,7 +261,7 @@ def test_repeated_real_tests_judge_each_other(campaign_folder):
 def test_a_card_of_the_campaign_judges_the_validation_record(campaign_folder):
     records = read_campaign(campaign_folder, role=None)
     at = [r for r in records if r.voltage == 0.8712]
-    card = fit("hyperbolic_tangent", [r for r in at if r.role == "fit"]).damper
+    card = fit([r for r in at if r.role == "fit"], "hyperbolic_tangent").damper
     (vali,) = [r for r in at if r.role == "validation"]
     assert accept(vali, card).passed is True
     assert accept(vali.replace(note="weak", force=0.75 * vali.force), card).passed is False

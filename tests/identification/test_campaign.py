@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dampyr.identification import cross_validate, fit, plastic_region, score
+from dampyr.identification import FitOptions, fit, plastic_region, score
+from dampyr.identification.scoring.validation import cross_validate
 from dampyr.models import Interpolation, Polynomial
 from dampyr.records import campaign_rows, read_campaign
 
@@ -18,7 +19,7 @@ def records(campaign_folder: Path):
 
 
 def test_all_38_files_are_fitted_each_to_the_floors(records) -> None:
-    fits = {record.name: fit("dahl", record) for record in records}
+    fits = {record.name: fit(record, "dahl") for record in records}
     assert len(fits) == 38
     assert all(fit_result.converged for fit_result in fits.values())
     for voltage, floor in FLOORS.items():
@@ -30,7 +31,7 @@ def test_all_38_files_are_fitted_each_to_the_floors(records) -> None:
 
 
 def test_a_joint_fit_is_one_call_and_close_to_the_separate_ones(records) -> None:
-    fit_result = fit("dahl", records)
+    fit_result = fit(records, "dahl")
     assert fit_result.converged
     assert fit_result.clusters == "record"
     means = [np.mean([fit_result.scores[r.name].l1 for r in records if r.voltage == pytest.approx(u)]) for u in FLOORS]
@@ -40,8 +41,8 @@ def test_a_joint_fit_is_one_call_and_close_to_the_separate_ones(records) -> None
 
 def test_the_first_try_composition_beats_plain_dahl_by_far(records) -> None:
     fit_result = fit(
-        "dahl + hyperbolic_tangent + spring + delay",
         [r for r in records if r.voltage > 3],
+        "dahl + hyperbolic_tangent + spring + delay",
         fixed={"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0},
     )
     assert 100 * np.mean([s.l1 for s in fit_result.scores.values()]) < 6.2
@@ -53,10 +54,10 @@ WINNER = "hyperbolic_tangent + compliance + spring + delay"  # of `leaderboard`,
 @pytest.mark.prove
 def test_records_and_voltages_that_it_never_saw_are_predicted_as_the_readme_says(records) -> None:
     options = {"bandwidth": 18.2, "steps": 300}
-    by_record = cross_validate(WINNER, records, **options).by_input
+    by_record = cross_validate(records, WINNER, options=FitOptions(**options)).by_input
     printed = {0.0: 7.6, 0.8712: 5.2, 1.98: 4.8, 3.212: 4.6}
     assert {u: 100 * l1 for u, l1 in by_record.items()} == pytest.approx(printed, abs=0.06)
-    by_voltage = cross_validate(WINNER, records, "input", **options).by_input
+    by_voltage = cross_validate(records, WINNER, "input", FitOptions(**options)).by_input
     assert {u: 100 * l1 for u, l1 in by_voltage.items()} == pytest.approx({0.8712: 8.7, 1.98: 9.8}, abs=0.06)
 
 

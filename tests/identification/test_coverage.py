@@ -40,7 +40,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(per_voltage: int, enduran
     truth = np.concatenate([law.values for law in LAWS.values()])
     held, naive = np.zeros(truth.size), np.zeros(truth.size)
     for seed in range(campaigns):
-        fit_result = fit("dahl", campaign(seed, per_voltage))
+        fit_result = fit(campaign(seed, per_voltage), "dahl")
         assert fit_result.clusters == "record"
         values = np.array(list(fit_result.parameters.values()))
         spans = np.array(list(fit_result.intervals(0.95).values()))
@@ -98,7 +98,7 @@ def share_held(
             for u, n in zip(TESTED, counts, strict=True)
             for k in range(n)
         ]
-        fit_result = fit("dahl", records)
+        fit_result = fit(records, "dahl")
         for label, (low, high) in fit_result.intervals(0.95).items():
             name, _, at = label.partition(" @ ")
             if label not in fit_result.within_records:

@@ -55,5 +55,5 @@ def test_a_fit_to_records_of_the_rig_is_flagged(sheet: str) -> None:
     x, v = 0.01 * np.sin(2 * np.pi * t), 0.01 * 2 * np.pi * np.cos(2 * np.pi * t)
     force = dahl(2000.0, 400.0).force(t, x, velocity=v, voltage=0.0)
     record = Record(t, x, force, velocity=v, voltage=0.0, provenance={"data_sheet": sheet})
-    flagged = [note for note in map(str, fit("dahl", [record]).findings) if "data sheet" in note]
+    flagged = [note for note in map(str, fit([record], "dahl").findings) if "data sheet" in note]
     assert len(flagged) == (1 if sheet else 0)

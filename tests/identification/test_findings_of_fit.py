@@ -10,7 +10,7 @@ from tests.identification.synthetic import sine
 
 from dampyr.cli import cli
 from dampyr.findings import OF_DAMPER, handed_on
-from dampyr.identification import Fit, IdentifyOptions, accept_records, fit, identify, validate
+from dampyr.identification import Fit, accept_records, fit, validate
 from dampyr.models import Damper
 from dampyr.records import Record, describe, write
 from dampyr.show.pages.acceptance_page import write_acceptance_page
@@ -37,12 +37,12 @@ def sprung(name: str, stiffness: float) -> Record:
 
 @pytest.fixture(scope="module")
 def of_clipped() -> Fit:
-    return fit("dahl", clipped())
+    return fit(clipped(), "dahl")
 
 
 @pytest.fixture(scope="module")
 def missed() -> Fit:
-    return fit("dahl", [sprung("soft", 3e4), sprung("stiff", 9e4)])
+    return fit([sprung("soft", 3e4), sprung("stiff", 9e4)], "dahl")
 
 
 def test_what_records_lists_is_what_everything_else_says() -> None:
@@ -88,7 +88,7 @@ def test_records_of_another_damper_and_the_card_are_told_apart(of_clipped: Fit) 
 
 
 def test_validation_records_are_looked_at_too() -> None:
-    result = identify([sine(DAHL, 0.0), clipped().replace(note="kept", role="validation")], IdentifyOptions("dahl"))
+    result = fit([sine(DAHL, 0.0), clipped().replace(note="kept", role="validation")], "dahl")
     assert [one for one in result.findings if one.words.startswith(SATURATED) and one.about == ("clipped",)]
 
 

@@ -66,7 +66,7 @@ def passes(monkeypatch: pytest.MonkeyPatch, *args: object) -> tuple[Fit, float]:
 @pytest.mark.parametrize("values", [SPENCER, SOFT])
 def test_the_numbers_of_a_damper_come_back(values: dict[str, float], monkeypatch: pytest.MonkeyPatch) -> None:
     for records in ([sine(damper(values), 0.0)], [random_record(damper(values), 1, 0.0, voltage=0.0)]):
-        fit_result, count = passes(monkeypatch, MODEL, records)
+        fit_result, count = passes(monkeypatch, records, MODEL)
         assert fit_result.converged, fit_result.reason
         assert fit_result.iterations <= 25
         assert count < 60
@@ -76,7 +76,7 @@ def test_the_numbers_of_a_damper_come_back(values: dict[str, float], monkeypatch
 def test_they_come_back_within_their_errors_from_noisy_records(monkeypatch: pytest.MonkeyPatch) -> None:
     true = damper(SPENCER)
     records = [sine(true, 0.0, f"{1e3 * a:g} mm", a, f, noise=3.0, seed=k) for k, (a, f) in enumerate(SINES)]
-    fit_result, count = passes(monkeypatch, MODEL, records)
+    fit_result, count = passes(monkeypatch, records, MODEL)
     assert fit_result.converged, fit_result.reason
     assert fit_result.iterations <= 50
     assert count < 60
@@ -89,7 +89,7 @@ def test_a_ridge_ends_as_converged_and_has_infinite_errors(monkeypatch: pytest.M
     """Records of a Bouc-Wen damper have no dashpot in series: vc and r go to 0 together, k1 and kappa are one spring."""
     record = sine(BOUC_WEN, 0.0, noise=5.0)
     fit_result, count = passes(monkeypatch, MODEL, [record])
-    plain = fit("bouc_wen", record)
+    plain = fit(record, "bouc_wen")
     assert fit_result.converged, fit_result.reason
     assert fit_result.iterations <= 40
     assert count < 60
@@ -109,7 +109,7 @@ def test_a_search_along_a_long_valley_still_ends(model: str, monkeypatch: pytest
     true = Damper("dahl", values) if model == "dahl" else BOUC_WEN
     several = [sine(true, 0.0, f"{1e3 * a:g} mm", a, f, noise=3.0, seed=k) for k, (a, f) in enumerate(SINES)]
     for records in (several, [random_record(true, 2, 0.03, voltage=0.0)]):
-        fit_result, count = passes(monkeypatch, MODEL, records)
+        fit_result, count = passes(monkeypatch, records, MODEL)
         assert fit_result.converged, fit_result.reason
         assert fit_result.iterations <= 50
         assert count < 60
@@ -123,7 +123,7 @@ def test_thirty_sines_and_a_random_record_of_another_laboratory(monkeypatch: pyt
             t, x, v, force, _ = laboratory.columns(*laboratory.sine(amplitude, frequency), current, rng).T
             given = {"time": t, "displacement": 1e-3 * x, "velocity": 1e-3 * v, "force": force, "current": current}
             records.append(Record(**given, name=f"{amplitude:g} mm {frequency:g} Hz {current:g} A"))
-    fit_result, count = passes(monkeypatch, MODEL, records)
+    fit_result, count = passes(monkeypatch, records, MODEL)
     assert fit_result.converged, fit_result.reason
     assert fit_result.iterations <= 25
     assert count < 25

@@ -17,28 +17,19 @@ import pytest
 from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
-from dampyr.identification import (
-    Entry,
-    Fold,
-    IdentifyOptions,
-    Leaderboard,
-    Score,
-    Validation,
-    cross_validate,
-    fit,
-    identify,
-    leaderboard,
-)
-from dampyr.identification.fits.identify import reasons_of_choice
+from dampyr.identification import Entry, FitOptions, Fold, Leaderboard, Score, Validation, fit
+from dampyr.identification.fits.result import reasons_of_choice
 from dampyr.identification.model_choice import parallel, screening
 from dampyr.identification.model_choice.leaderboard import (
     Cut,
     enough_records,
+    leaderboard,
     optimism,
     standard_error,
 )
 from dampyr.identification.model_choice.screening import CUT, NOT_BEGUN, Trial, screen_all, screening_set, shortened
 from dampyr.identification.scoring.scoring_window import Window
+from dampyr.identification.scoring.validation import cross_validate
 from dampyr.models import Damper, Interpolation, available_parts, compose
 from dampyr.records import Record, read_campaign, with_velocity
 from dampyr.show.identification.leaderboard import choice_in_words, velocity_in_words
@@ -66,7 +57,9 @@ def campaign(per_input: int = 4) -> list[Record]:
 
 @pytest.fixture(scope="module")
 def board() -> Leaderboard:
-    return leaderboard(campaign(), models=("dahl", NAME), add_ons=("spring", "lag", "compliance"), budget=None)
+    return leaderboard(
+        campaign(), FitOptions(models=("dahl", NAME), add_ons=("spring", "lag", "compliance"), budget=None)
+    )
 
 
 @pytest.mark.prove
@@ -135,11 +128,9 @@ def test_the_order_in_which_workers_end_changes_nothing(board: Leaderboard, monk
     monkeypatch.setattr(parallel, "run_all", run)
     same = leaderboard(
         campaign(),
-        ("dahl", NAME),
-        ("spring", "lag", "compliance"),
+        FitOptions(models=("dahl", NAME), add_ons=("spring", "lag", "compliance"), budget=None),
         executor=Backwards(),
         progress=lambda *a: calls.append(a),
-        budget=None,
     )
     assert [(e.model, e.error) for e in same.entries] == [(e.model, e.error) for e in board.entries]
     assert {what for what, _ in calls} == {"choosing the velocity", "screening models", "validating the best"}
@@ -151,19 +142,20 @@ def test_forked_workers_are_refused() -> None:
     if "fork" not in get_all_start_methods():
         return  # nothing can fork here
     with ProcessPoolExecutor(1, mp_context=get_context("fork")) as executor, pytest.raises(InputError, match="spawn"):
-        leaderboard(campaign(), (NAME,), (), executor=executor)
+        leaderboard(campaign(), FitOptions(models=(NAME,), add_ons=()), executor=executor)
 
 
 def test_what_cannot_be_fitted_says_why_and_does_not_stop_the_rest() -> None:
     flat = [r.replace(note="one voltage", voltage=1.0) for r in campaign() if r.voltage == 1.0]
     ranking = leaderboard(
-        [*flat, *(r.replace(note="again", name=r.name + "b") for r in flat)], ("dahl", NAME), (), budget=None
+        [*flat, *(r.replace(note="again", name=r.name + "b") for r in flat)],
+        FitOptions(models=("dahl", NAME), add_ons=(), budget=None),
     )
     assert np.isnan(ranking.winner.unseen_input)  # one input cannot be left out
     with pytest.raises(InputError, match=r"4 records would be cut into pieces, but 1V-0_1 lasts"):
         leaderboard(flat)
     with pytest.raises(InputError, match="not among the parts"):
-        leaderboard(campaign(), ("no_such_model",))
+        leaderboard(campaign(), FitOptions(models=("no_such_model",)))
 
 
 def test_the_screening_set_is_small_and_holds_every_input() -> None:
@@ -196,7 +188,9 @@ def without_velocity(rate: float = 200.0, seconds: float = 45.0) -> list[Record]
 
 @pytest.mark.parametrize("bandwidth", [None, 20.0])
 def test_records_without_velocity_may_differ_in_speed(bandwidth: float | None) -> None:
-    ranking = leaderboard(without_velocity(), ("dahl",), (), bandwidth=bandwidth, budget=None)
+    ranking = leaderboard(
+        without_velocity(), FitOptions(models=("dahl",), add_ons=(), bandwidth=bandwidth, budget=None)
+    )
     assert ranking.bandwidth == (bandwidth or 40.0)  # a fifth of the rate, less than 15 times 5 Hz
     assert velocity_in_words(ranking) == f"derived with {ranking.bandwidth:g} Hz"
     assert ranking.winner.fit is not None
@@ -218,37 +212,47 @@ def test_samples_are_left_out_after_the_velocity_is_derived() -> None:
 def test_records_whose_rates_no_bandwidth_serves_have_each_its_own() -> None:
     records = without_velocity()
     coarse = [r.thinned(20).replace(note="a slow logger", name=r.name) if "0.1Hz" in r.name else r for r in records]
-    ranking = leaderboard(coarse, ("dahl",), (), budget=None)
+    ranking = leaderboard(coarse, FitOptions(models=("dahl",), add_ons=(), budget=None))
     assert ranking.bandwidth is None
     assert velocity_in_words(ranking) == "as recorded, or derived with each record's own bandwidth"
     assert ranking.winner.error < 0.05
 
 
-@pytest.mark.parametrize("call", [leaderboard, partial(fit, "dahl"), partial(cross_validate, "dahl", folds=2)])
+@pytest.mark.parametrize(
+    "call",
+    [
+        leaderboard,
+        lambda records, options: fit(records, options=options),
+        lambda records, options: fit(records, "dahl", options),
+        lambda records, options: cross_validate(records, "dahl", "record", options),
+    ],
+)
 def test_a_bandwidth_that_a_record_does_not_carry_is_refused_before_any_fit(
     call: Callable[..., object], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def search(*args: object, **options: object) -> None:
         raise AssertionError("a search began")
 
-    monkeypatch.setattr(importlib.import_module("dampyr.identification.fits.fit"), "search", search)
+    monkeypatch.setattr(importlib.import_module("dampyr.identification.fits.least_squares"), "search", search)
     records = without_velocity()
     records[4] = records[4].thinned(4)
     with pytest.raises(
         InputError, match=r"2V-0\.7Hz: a bandwidth of 20 Hz .* 0\.02 s apart carry at most 12\.5 Hz; lower it to 12\.5"
     ):
-        call(records, bandwidth=20.0)
+        call(records, FitOptions(bandwidth=20.0))
     with pytest.raises(
         InputError, match=r"0V-5Hz: .* 7\.995 s of samples carry at least 0\.5003 Hz; raise it to 0\.5003 Hz"
     ):
-        call(without_velocity(), bandwidth=0.3)
+        call(without_velocity(), FitOptions(bandwidth=0.3))
 
 
 @pytest.mark.prove
 @pytest.mark.parametrize("bandwidth", [None, 20.0])
 def test_the_campaign_without_its_velocity(campaign_folder: Path, bandwidth: float | None) -> None:
     records = [r.replace(note="no velocity", velocity=None) for r in read_campaign(campaign_folder)]
-    ranking = leaderboard(records, ("dahl",), ("spring",), finalists=1, bandwidth=bandwidth, budget=None)
+    ranking = leaderboard(
+        records, FitOptions(models=("dahl",), add_ons=("spring",), finalists=1, bandwidth=bandwidth, budget=None)
+    )
     assert ranking.bandwidth == (bandwidth or pytest.approx(18.2, abs=0.1))
     assert ranking.winner.error < 0.12
 
@@ -264,7 +268,9 @@ def test_one_call_meets_the_floors_on_the_campaign(campaign_folder: Path, models
 
     records = read_campaign(campaign_folder)
     with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as executor:
-        best = leaderboard(records, models, executor=executor, budget=None).winner  # whatever the machine
+        best = leaderboard(
+            records, FitOptions(models=models, budget=None), executor=executor
+        ).winner  # whatever the machine
     by_record, by_input = best.validations
     print(best.model, by_record.by_input, by_input.by_input)
     for voltage, floor in ((0.0, 8.0), (0.8712, 5.8), (1.98, 5.2), (3.212, 5.2)):
@@ -365,7 +371,10 @@ def test_one_long_record_is_cut_and_a_short_one_is_refused() -> None:
 
 def test_a_choice_on_one_long_record_fits_the_record_itself() -> None:
     truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
-    board = leaderboard([sine(truth, 0.0, "long", noise=2.0, seconds=30.0)], ("dahl",), (), budget=None, bandwidth=15.0)
+    board = leaderboard(
+        [sine(truth, 0.0, "long", noise=2.0, seconds=30.0)],
+        FitOptions(models=("dahl",), add_ons=(), budget=None, bandwidth=15.0),
+    )
     assert board.winner.fit is not None
     assert [record.name for record in board.winner.fit.records] == ["long"]
     assert sorted(board.winner.validations[0].scores) == [f"long_{k}" for k in range(1, 6)]
@@ -391,14 +400,16 @@ def test_work_without_news_is_heard_of_all_the_same(monkeypatch: pytest.MonkeyPa
 
 
 def test_what_takes_too_much_work_is_stopped_and_says_so() -> None:
-    ranking = leaderboard(campaign(2), (NAME,), ("spring", "compliance"), budget=1e-6, bandwidth=15.0)
+    ranking = leaderboard(
+        campaign(2), FitOptions(models=(NAME,), add_ons=("spring", "compliance"), budget=1e-6, bandwidth=15.0)
+    )
     [screened] = ranking.screened
     assert [one.reason for one in screened.trials[1:]] == [NOT_BEGUN] * 2  # the bare model is tried whatever it takes
     assert np.isfinite(screened.bare.error)
     for words in ("the trial fits of ", "no work was left to try more add-ons"):
         assert any(words in note for note in ranking.left_out), words
     with pytest.raises(InputError, match="budget = -1 s is not allowed"):
-        leaderboard(campaign(2), (NAME,), budget=-1.0)
+        leaderboard(campaign(2), FitOptions(models=(NAME,), budget=-1.0))
 
 
 # the budget is work, which no load of the machine changes
@@ -455,7 +466,11 @@ def test_a_busy_machine_and_many_workers_choose_the_same_model_and_write_the_sam
 ) -> None:
     def ranked(executor: Executor | None) -> Leaderboard:
         records = [record.thinned(2) for record in campaign(2)]
-        return leaderboard(records, (NAME,), ("spring",), 1, budget=budget, executor=executor, bandwidth=15.0)
+        return leaderboard(
+            records,
+            FitOptions(models=(NAME,), add_ons=("spring",), finalists=1, budget=budget, bandwidth=15.0),
+            executor=executor,
+        )
 
     quiet = ranked(None)
     with Busy(monkeypatch, 0), ThreadPoolExecutor(3) as executor:
@@ -470,7 +485,11 @@ def test_processes_choose_the_same_model_and_write_the_same_card(tmp_path: Path)
     from multiprocessing import get_context
 
     def ranked(executor: Executor | None) -> Leaderboard:
-        return leaderboard(campaign(2), ("dahl", NAME), ("spring",), budget=1.0, executor=executor, bandwidth=15.0)
+        return leaderboard(
+            campaign(2),
+            FitOptions(models=("dahl", NAME), add_ons=("spring",), budget=1.0, bandwidth=15.0),
+            executor=executor,
+        )
 
     with ProcessPoolExecutor(3, mp_context=get_context("spawn")) as executor:
         assert reported(ranked(executor), tmp_path) == reported(ranked(None), tmp_path)
@@ -509,7 +528,7 @@ def test_no_job_begins_after_the_deadline(workers: int) -> None:
 
 
 def test_every_part_of_the_catalogue_has_a_cost_and_work_counts_evaluations_times_samples() -> None:
-    from dampyr.identification.fits.fit import prepared
+    from dampyr.identification.fits.least_squares import prepared
     from dampyr.identification.search.work import COSTS, EVALUATION, Work
 
     assert sorted(COSTS) == sorted(available_parts())
@@ -522,19 +541,19 @@ def test_every_part_of_the_catalogue_has_a_cost_and_work_counts_evaluations_time
 
 def test_a_fit_stops_where_its_work_is_spent_however_fast_the_machine() -> None:
     record = campaign(1)[0]
-    stopped = fit(NAME, record, budget=1e-9)
+    stopped = fit(record, NAME, budget=1e-9)
     assert not stopped.converged
     assert stopped.reason == "did not converge: its share of the work was used up"
-    whole = fit(NAME, record, budget=60.0)
+    whole = fit(record, NAME, budget=60.0)
     assert whole.converged
     assert 0.0 < stopped.outcome.work < whole.outcome.work < 60.0
-    assert whole.parameters == fit(NAME, record).parameters
-    with pytest.raises(InputError, match="budget = 0 s is not allowed; give work above 0"):
-        fit(NAME, record, budget=0.0)
+    assert whole.parameters == fit(record, NAME).parameters
+    with pytest.raises(InputError, match="budget = 0 s is not allowed; it must be greater than 0"):
+        fit(record, NAME, budget=0.0)
 
 
 def test_a_limit_in_seconds_ends_the_search_and_chooses_nothing() -> None:
-    board = leaderboard(campaign(2), (NAME,), ("spring",), seconds=1e-9, bandwidth=15.0)
+    board = leaderboard(campaign(2), FitOptions(models=(NAME,), add_ons=("spring",), seconds=1e-9, bandwidth=15.0))
     assert board.cut.startswith("the search was cut after 1e-09 s, 0 of 2 trials done")
     assert board.cut.endswith("give more of them, or name the model that you want")
     assert {trial.reason for trial in board.screened[0].trials} == {CUT}
@@ -546,9 +565,9 @@ def test_a_limit_in_seconds_ends_the_search_and_chooses_nothing() -> None:
             choose()
         assert refused.value.board is board
     with pytest.raises(Cut, match="no model is chosen"):
-        identify(campaign(2), IdentifyOptions(tried=(NAME,), seconds=1e-9, bandwidth=15.0))
-    with pytest.raises(InputError, match="seconds = -1 is not allowed"):
-        leaderboard(campaign(2), (NAME,), seconds=-1.0)
+        fit(campaign(2), models=(NAME,), seconds=1e-9, bandwidth=15.0)
+    with pytest.raises(InputError, match="seconds = -1 s is not allowed"):
+        leaderboard(campaign(2), FitOptions(models=(NAME,), seconds=-1.0))
 
 
 def test_finalists_that_were_finished_in_time_are_shown(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -560,7 +579,7 @@ def test_finalists_that_were_finished_in_time_are_shown(monkeypatch: pytest.Monk
         return [*plain_run(jobs[:-1], executor, tell), None]
 
     monkeypatch.setattr(parallel, "run_all", last_is_late)
-    board = leaderboard(campaign(2), ("dahl", NAME), (), seconds=1e6, bandwidth=15.0)
+    board = leaderboard(campaign(2), FitOptions(models=("dahl", NAME), add_ons=(), seconds=1e6, bandwidth=15.0))
     assert len(board.entries) == 1
     assert "1 finalist not validated" in board.cut
     with pytest.raises(Cut):
@@ -580,7 +599,7 @@ def test_a_search_that_ends_between_two_rounds_says_which_limit_ended_it(
         now[0] = 100.0 if done >= 1 / 3 else 0.0
 
     add_ons = ("spring", "compliance", "delay")
-    [screened], unfinished = screen_all(["dahl"], [], add_ons, 0, {}, None, progress, limit, deadline)
+    [screened], unfinished = screen_all(["dahl"], [], FitOptions(add_ons=add_ons), None, progress, limit, deadline)
     done = [trial.model for trial in screened.trials if not trial.reason]
     assert done == ["dahl", "dahl + spring", "dahl + compliance", "dahl + delay"][: 3 if np.isfinite(limit) else 4]
     assert {trial.reason for trial in screened.trials} == {"", reason}

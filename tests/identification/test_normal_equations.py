@@ -7,7 +7,8 @@ import pytest
 from scipy.optimize import least_squares
 from tests.identification.synthetic import sine
 
-from dampyr.identification.fits.fit import fit, prepared
+from dampyr.identification import FitOptions, fit
+from dampyr.identification.fits.least_squares import prepared
 from dampyr.identification.search.initial_guess import begin
 from dampyr.identification.search.normal_equations import (
     NormalEquations,
@@ -99,7 +100,7 @@ LONG = {"delayed", "accelerated", "varying and delayed", "varying and warm"}  # 
 def test_the_sums_are_those_of_the_derivatives(case: str) -> None:
     model, options, varying = CASES[case]
     listed = [varied(r) for r in records()] if varying else records()
-    problem = prepared(model, listed, **options)
+    problem = prepared(model, listed, FitOptions(**options))
     point = somewhere(problem)
     weights = [np.random.default_rng(r).uniform(0.5, 1.5, p.t.size) / p.spread for r, p in enumerate(problem.pieces)]
     weighted = replace(problem, pieces=[replace(p, weight=w) for p, w in zip(problem.pieces, weights, strict=True)])
@@ -144,12 +145,12 @@ def test_records_at_inputs_of_their_own_are_searched_apart_to_the_same_end() -> 
     start = begin(problem)
     one, together = search(problem, start), levenberg_marquardt(problem, start, None, 1e-12)
     np.testing.assert_allclose(one.point.theta, together.point.theta, rtol=1e-4)
-    bound = prepared("dahl", records(), laws={"dahl.rho": "constant"})
+    bound = prepared("dahl", records(), FitOptions(laws={"dahl.rho": "constant"}))
     assert len(independent_blocks(bound)) == 1
 
 
 def test_a_law_that_all_inputs_share_is_not_searched_apart() -> None:
-    fit_result = fit("dahl", records(0.0), laws={"dahl.rho": "polynomial:1"})
+    fit_result = fit(records(0.0), "dahl", laws={"dahl.rho": "polynomial:1"})
     assert fit_result.outcome.cost < 1e-10
 
 
@@ -158,7 +159,7 @@ def test_a_law_that_all_inputs_share_is_not_searched_apart() -> None:
 def test_the_search_ends_where_scipy_ends(model: str) -> None:
     record = records(3.0)[4]
     fixed = {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0} if "tangent" in model else {}
-    problem = prepared(model, [record], fixed=fixed)
+    problem = prepared(model, [record], FitOptions(fixed=fixed))
     ours = search(problem, begin(problem), tolerance=1e-12)
     scale = np.concatenate((np.maximum(np.abs(ours.point.theta), 1.0), [100.0, 1.0]))
 
@@ -178,7 +179,7 @@ def test_the_search_ends_where_scipy_ends(model: str) -> None:
 def test_two_parts_that_say_nearly_the_same_do_not_stop_the_search() -> None:
     damper = Damper("dahl + spring", {"dahl.kx": 800.0, "dahl.kw": 60.0, "dahl.rho": 40.0, "spring.k0": 100.0})
     record = sine(damper, 0.0, amplitude=0.004, noise=0.2)
-    fit_result = fit("dahl + spring", record)
+    fit_result = fit(record, "dahl + spring")
     problem = fit_result.problem
     again = search(
         problem, replace(fit_result.outcome.point, theta=fit_result.outcome.point.theta * 1.3), tolerance=1e-11

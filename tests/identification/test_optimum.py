@@ -59,7 +59,7 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, list[int]]:
 def test_a_page_of_a_fit_linearises_nothing_but_the_tests_that_it_proposes(
     tmp_path: Path, calls: dict[str, list[int]]
 ) -> None:
-    fitted = fit("bouc_wen", campaign(LOOP, noise=10.0, per_voltage=3))
+    fitted = fit(campaign(LOOP, noise=10.0, per_voltage=3), "bouc_wen")
     assert any(one.kind == "pair" for one in identifiability(fitted).inseparable)
     for some in calls.values():
         some.clear()
@@ -70,7 +70,7 @@ def test_a_page_of_a_fit_linearises_nothing_but_the_tests_that_it_proposes(
 
 
 def test_a_fit_works_its_forces_and_derivatives_out_once_at_its_end(calls: dict[str, list[int]]) -> None:
-    fitted = fit("dahl", campaign(Damper("dahl", DAHL), noise=20.0))
+    fitted = fit(campaign(Damper("dahl", DAHL), noise=20.0), "dahl")
     assert calls["modelled_force"].count(len(fitted.records)) == len(fitted.records)
     assert calls["products"][-1] == len(fitted.records)  # by cluster, once
     end = len(calls["products"])
@@ -83,7 +83,7 @@ def test_a_fit_works_its_forces_and_derivatives_out_once_at_its_end(calls: dict[
 
 @pytest.mark.parametrize("loss", ["squares", "huber"])
 def test_the_blocks_of_an_optimum_are_what_they_would_be_alone(loss: str) -> None:
-    fitted = fit("dahl", campaign(Damper("dahl", DAHL), noise=20.0, per_voltage=3), loss=loss)
+    fitted = fit(campaign(Damper("dahl", DAHL), noise=20.0, per_voltage=3), "dahl", loss=loss)
     whole = fitted.optimum
     assert len(whole.blocks) == len(VOLTS)
     assert sorted(place for block in whole.blocks for place in block.places) == list(range(whole.problem.size))
@@ -102,10 +102,10 @@ def test_the_blocks_of_an_optimum_are_what_they_would_be_alone(loss: str) -> Non
 def fits_with_priors() -> Fit:
     truth = Damper("dahl", DAHL)
     records = [sine(truth, u, f"{u}-{k}", 0.005 + 0.002 * k, noise=5.0, seed=k) for u in (0.0, 2.0) for k in range(3)]
-    return fit("dahl", records, nuisances=("offset", "gain", "state"))
+    return fit(records, "dahl", nuisances=("offset", "gain", "state"))
 
 
-@pytest.mark.parametrize("make", [fits_with_priors, lambda: fit("dahl", campaign(Damper("dahl", DAHL), noise=20.0))])
+@pytest.mark.parametrize("make", [fits_with_priors, lambda: fit(campaign(Damper("dahl", DAHL), noise=20.0), "dahl")])
 def test_the_equations_of_an_optimum_are_those_of_a_linearisation_there(make: Callable[[], Fit]) -> None:
     end = make().optimum
     anew = linearise(end.problem, end.point)
@@ -118,7 +118,7 @@ def test_the_equations_of_an_optimum_are_those_of_a_linearisation_there(make: Ca
 
 
 def test_the_derivatives_in_an_optimum_are_those_of_its_forces() -> None:
-    end = fit("dahl", campaign(Damper("dahl", DAHL), noise=20.0, per_voltage=2), laws="polynomial:1").optimum
+    end = fit(campaign(Damper("dahl", DAHL), noise=20.0, per_voltage=2), "dahl", laws="polynomial:1").optimum
     problem, place = end.problem, 1
     step = 1e-6 * abs(float(end.point.theta[place]))
     theta = end.point.theta + step * (np.arange(problem.size) == place)
@@ -134,7 +134,7 @@ def test_the_derivatives_in_an_optimum_are_those_of_its_forces() -> None:
 
 def test_the_law_matrix_takes_the_fitted_numbers_to_the_coefficients_of_the_damper() -> None:
     laws = {"dahl.kx": "polynomial:2", "dahl.rho": "constant"}
-    fitted = fit("dahl", campaign(Damper("dahl", DAHL), noise=5.0), laws=laws, fixed={"dahl.rho": 2500.0})
+    fitted = fit(campaign(Damper("dahl", DAHL), noise=5.0), "dahl", laws=laws, fixed={"dahl.rho": 2500.0})
     assert fitted.damper is not None
     np.testing.assert_allclose(fitted.optimum.law_coefficients(fitted.optimum.point.theta), fitted.damper.coefficients)
     stronger = fitted.optimum.admissible_damper(fitted.damper, 1.1 * fitted.optimum.point.theta)

@@ -20,7 +20,7 @@ pytest.importorskip("emcee", reason="the extra bayes is not installed: pip insta
 @pytest.fixture(scope="module")
 def linear() -> Fit:
     """Of a model that is linear in all that is fitted: its posterior is known."""
-    return fit("dahl", noisy_records(count=5, seconds=3.0), fixed={"dahl.rho": 4000.0}, nuisances=("offset",))
+    return fit(noisy_records(count=5, seconds=3.0), "dahl", fixed={"dahl.rho": 4000.0}, nuisances=("offset",))
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +84,7 @@ def test_progress_ends_at_one(linear: Fit) -> None:
 
 
 def test_its_dampers_are_admissible_and_go_into_an_ensemble() -> None:
-    vague = fit("dahl", noisy_records(count=4, amplitude=(2e-5, 6e-5), seed=3, seconds=3.0))
+    vague = fit(noisy_records(count=4, amplitude=(2e-5, 6e-5), seed=3, seconds=3.0), "dahl")
     samples = sample_posterior(vague, lengths=2.0, steps=100)
     assert all(np.all(values > 0.0) for values in samples.samples.values())
     dampers = samples.dampers(3, seed=1)
@@ -102,7 +102,7 @@ def test_its_dampers_are_admissible_and_go_into_an_ensemble() -> None:
 
 
 def test_few_records_leave_a_direction_and_a_note() -> None:
-    three = fit("dahl", noisy_records(count=3, seconds=3.0))
+    three = fit(noisy_records(count=3, seconds=3.0), "dahl")
     samples = sample_posterior(three, lengths=2.0, steps=100)
     assert any(
         "3 records show no variance between them in 1 of 3 directions" in note for note in map(str, samples.findings)
@@ -111,7 +111,7 @@ def test_few_records_leave_a_direction_and_a_note() -> None:
 
 
 def test_a_number_at_its_limit_is_held() -> None:
-    limited = fit("dahl + inertia", noisy_records(count=4, seconds=3.0))
+    limited = fit(noisy_records(count=4, seconds=3.0), "dahl + inertia")
     samples = sample_posterior(limited, lengths=2.0, steps=100)
     assert samples.held == {"inertia.m": 0.0}
     assert "inertia.m" not in samples.samples
@@ -154,7 +154,7 @@ def test_r_hat_sees_walkers_that_stay_apart() -> None:
 @pytest.mark.prove
 def test_of_a_model_that_is_not_linear_its_intervals_agree_with_profiles() -> None:
     records = noisy_records(count=6, amplitude=(2e-4, 6e-4), seed=3, seconds=3.0)
-    small = fit("dahl", records, fixed={"dahl.kx": 1200.0})
+    small = fit(records, "dahl", fixed={"dahl.kx": 1200.0})
     samples = sample_posterior(small, lengths=60.0, steps=20_000)
     assert samples.converged, samples.reason
     for label, span in samples.intervals().items():

@@ -13,7 +13,7 @@ from tests.endurance import Endurance
 from tests.identification.test_coverage import TESTED, as_measured
 
 from dampyr.errors import InputError
-from dampyr.identification import Fit, ValidateOptions, fit, prediction_band, validate
+from dampyr.identification import Fit, ScoreOptions, fit, prediction_band, validate
 from dampyr.identification.scoring.score import score
 from dampyr.models import Damper
 from dampyr.records import Record, read_campaign
@@ -61,7 +61,7 @@ def test_bands_hold_the_peaks_of_another_session(each: int, repeated: bool, endu
     campaigns = endurance.count(1000, part=40)
     peaks, energies, samples, before = [], [], [], []
     for seed in range(campaigns):
-        done = fit("dahl", list(campaign(seed, repeated, each)))
+        done = fit(list(campaign(seed, repeated, each)), "dahl")
         assert done.damper is not None
         record = unseen(seed)
         band = prediction_band(done.damper, record, seed=seed)
@@ -97,7 +97,7 @@ def test_false_samples_in_the_fitted_records_spoil_no_band_of_clean_ones() -> No
     new = [of_a_sensor(unseen(seed), 3.0) for seed in range(12)]
     whites, peaks = [], []
     for false in (0.0, 0.002):
-        damper = fit("dahl", [of_a_sensor(record, 3.0, false) for record in campaign(2, True, 5)]).damper
+        damper = fit([of_a_sensor(record, 3.0, false) for record in campaign(2, True, 5)], "dahl").damper
         assert damper is not None
         assert damper.prediction_error is not None
         bands = [prediction_band(damper, record, draws=100) for record in new]
@@ -129,7 +129,7 @@ def test_the_peak_is_the_dampers_and_not_that_of_its_sensor(fitted: Fit) -> None
 
 @pytest.fixture(scope="module")
 def fitted() -> Fit:
-    return fit("dahl", list(campaign(3, True, 5)))
+    return fit(list(campaign(3, True, 5)), "dahl")
 
 
 def test_a_band_is_the_same_twice_and_another_with_another_seed(fitted: Fit) -> None:
@@ -204,7 +204,7 @@ def test_a_level_that_is_no_share_is_refused(fitted: Fit, level: float) -> None:
     with pytest.raises(InputError, match=r"it must lie between 0 and 1"):
         score(fitted.damper, unseen(0), band=level)
     with pytest.raises(InputError):
-        ValidateOptions(band=level)
+        ScoreOptions(band=level)
 
 
 def test_a_card_of_before_has_scores_and_no_bands(fitted: Fit) -> None:
@@ -259,16 +259,16 @@ def test_a_motion_that_does_not_repeat_gives_its_level_by_its_first_fifth(fitted
 def test_the_published_campaign_beside_its_relevelled_errors(campaign_folder: Path) -> None:
     """Five-fold and leave-voltage errors of Dahl (11.92 and 11.09 % at d63df51, too), and with the level of each
     record's first cycles."""
-    from dampyr.identification import cross_validate
+    from dampyr.identification.scoring.validation import cross_validate
 
     records = read_campaign(campaign_folder)
-    by_record, by_input = (cross_validate("dahl", records, split=split) for split in ("record", "input"))
+    by_record, by_input = (cross_validate(records, "dahl", split) for split in ("record", "input"))
     assert by_record.error <= 0.11921
     assert by_input.error <= 0.11095
     assert by_record.relevelled < by_record.error
     assert by_input.relevelled < by_input.error
     [vali] = read_campaign(campaign_folder, role="validation")
-    damper = fit("dahl", records).damper
+    damper = fit(records, "dahl").damper
     assert damper is not None
     band = prediction_band(damper, vali)
     assert band.holds > 0.85

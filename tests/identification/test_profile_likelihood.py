@@ -47,7 +47,7 @@ def records() -> list[Record]:
 @pytest.fixture(scope="module")
 def linear(records: list[Record]) -> Fit:
     """Of a model that is linear in all that is fitted."""
-    return fit("dahl", records, fixed={"dahl.rho": 4000.0}, nuisances=("offset",))
+    return fit(records, "dahl", fixed={"dahl.rho": 4000.0}, nuisances=("offset",))
 
 
 @pytest.mark.parametrize("level", [0.8, 0.95])
@@ -70,7 +70,7 @@ def test_a_wrong_scale_is_seen(linear: Fit) -> None:
 
 
 def test_where_sliding_is_hardly_reached_the_interval_is_asymmetric() -> None:
-    small = fit("dahl", noisy_records(amplitude=(2e-5, 6e-5), seed=3))
+    small = fit(noisy_records(amplitude=(2e-5, 6e-5), seed=3), "dahl")
     one = profile(small, "dahl.kw")
     assert one.closed == (True, True), one.reason
     below, above = one.value - one.interval[0], one.interval[1] - one.value
@@ -84,7 +84,7 @@ def test_where_sliding_is_hardly_reached_the_interval_is_asymmetric() -> None:
 
 
 def test_a_side_that_does_not_close_is_open() -> None:
-    hardly = fit("dahl", noisy_records(amplitude=(1e-5, 3e-5), count=4, seed=3))
+    hardly = fit(noisy_records(amplitude=(1e-5, 3e-5), count=4, seed=3), "dahl")
     kw, rho = profile(hardly, "dahl.kw"), profile(hardly, "dahl.rho")
     assert kw.closed == (True, False)
     assert kw.interval[1] == math.inf
@@ -95,7 +95,7 @@ def test_a_side_that_does_not_close_is_open() -> None:
 
 
 def test_a_number_at_its_limit_has_one_side(records: list[Record]) -> None:
-    limited = fit("dahl + inertia", records)
+    limited = fit(records, "dahl + inertia")
     assert math.isnan(limited.stderr["inertia.m"]), limited.parameters
     one = profile(limited, "inertia.m")
     assert one.closed == (False, True)
@@ -105,7 +105,7 @@ def test_a_number_at_its_limit_has_one_side(records: list[Record]) -> None:
 
 
 def test_one_or_two_records_give_a_curve_and_no_interval(records: list[Record]) -> None:
-    two = fit("dahl", records[:2])
+    two = fit(records[:2], "dahl")
     one = profile(two, "dahl.kw")
     assert one.within
     assert all(map(math.isnan, one.interval))
@@ -114,7 +114,7 @@ def test_one_or_two_records_give_a_curve_and_no_interval(records: list[Record]) 
 
 
 def test_the_fit_that_stopped_early_is_named(records: list[Record]) -> None:
-    early = fit("dahl", records, steps=1)
+    early = fit(records, "dahl", steps=1)
     assert not early.converged
     notes = [finding.words for finding in profile(early, "dahl.rho").findings]
     assert "the search did not converge" in notes[0]
@@ -122,7 +122,7 @@ def test_the_fit_that_stopped_early_is_named(records: list[Record]) -> None:
 
 
 def test_a_number_that_is_known_to_no_power_of_ten_ends_within_its_allowed_values(records: list[Record]) -> None:
-    inverted = fit("dahl", [record.replace(note="turned", force=-record.force) for record in records])
+    inverted = fit([record.replace(note="turned", force=-record.force) for record in records], "dahl")
     one = profile(inverted, "dahl.rho")
     assert one.closed != (True, True)
     assert "open" in one.reason
@@ -157,7 +157,7 @@ def test_inverse_of_numbers_with_units_of_their_own() -> None:
 
 def test_on_the_campaign_profiles_agree_with_the_intervals_of_linear_numbers(campaign_folder: Path) -> None:
     records = [r for r in dp.records.read_campaign(campaign_folder) if r.voltage == 3.212 and r.role == "fit"]
-    fitted = fit("dahl", records)
+    fitted = fit(records, "dahl")
     for label, interval in fitted.intervals().items():
         one = profile(fitted, label)
         tolerance = 0.01 if label != "dahl.rho" else 0.05

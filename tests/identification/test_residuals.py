@@ -236,11 +236,11 @@ MIXED = Damper(
 
 def test_a_fit_of_the_true_model_leaves_noise_and_one_of_another_does_not() -> None:
     true = [sine(DAHL, 0.0, f"t{k}", 0.006 + 0.002 * k, 1.2 - 0.1 * k, noise=2.0, seed=k) for k in range(4)]
-    right = fit("dahl", true).residuals
+    right = fit(true, "dahl").residuals
     assert right.misfits == ()
     assert right.whole.rms == pytest.approx(2.0, rel=0.05)
     other = [sine(MIXED, 0.0, f"m{k}", 0.006 + 0.002 * k, 1.2 - 0.1 * k, noise=1.0, seed=k) for k in range(4)]
-    wrong = fit("dahl", other).residuals
+    wrong = fit(other, "dahl").residuals
     assert wrong.misfits == ("m0", "m1", "m2", "m3")
     assert any("misses more than noise in 4 of 4 records" in text for text in warnings_of(wrong))
 
@@ -255,7 +255,7 @@ def test_the_residual_of_a_fit_is_measured_less_modelled() -> None:
     """A force that is too large at speed, both ways, leaves a residual that is positive there and negative at rest."""
     records = [sine(DAHL, 0.0, f"t{k}", 0.006 + 0.002 * k, 1.2 - 0.1 * k, noise=1.0, seed=k) for k in range(3)]
     harder = [replace(r, force=r.force + 900.0 * np.abs(r.velocity)) for r in records]
-    residuals = fit("dahl", harder).residuals
+    residuals = fit(harder, "dahl").residuals
     for curve in residuals.whole.curves.values():
         finite = np.isfinite(curve.median)
         fast = finite & (np.abs(curve.velocity) > 0.8 * np.abs(curve.velocity[finite]).max())

@@ -8,10 +8,11 @@ import pytest
 from tests.identification.synthetic import sine
 from tests.identification.test_normal_equations import DAHL, LAWS, VOLTS, numeric, somewhere
 
-from dampyr.identification import accept, cross_validate, fit, score, validate
-from dampyr.identification.fits.fit import prepared
+from dampyr.identification import FitOptions, accept, fit, score, validate
+from dampyr.identification.fits.least_squares import prepared
 from dampyr.identification.scoring.score import prediction
 from dampyr.identification.scoring.scoring_window import too_short
+from dampyr.identification.scoring.validation import cross_validate
 from dampyr.identification.search.fit_data import piece, thinned, weighted
 from dampyr.identification.search.normal_equations import products
 from dampyr.models import Constant, Damper, WithTemperature
@@ -54,7 +55,7 @@ def test_the_sums_are_those_of_the_averaged_derivatives(case: str, trailing: boo
     """Against central differences of the modelled force, over whole windows only."""
     model, options = CASES[case]
     given = [smoothed(record, SAMPLES + r, trailing) for r, record in enumerate(records(2.0))]
-    problem = prepared(model, given, **options)
+    problem = prepared(model, given, FitOptions(**options))
     point = somewhere(problem)
     for r, one in enumerate(problem.pieces):
         table = numeric(problem, point, r)
@@ -70,7 +71,7 @@ def test_an_input_that_varies_goes_through_the_average_too() -> None:
     damper = Damper("dahl", LAWS)
     record = sine(damper, 1.0, "a", noise=1.0)
     record = smoothed(record.replace(note="", voltage=1.0 + np.sin(record.time)))
-    problem = prepared("dahl", [record], laws="polynomial:1")
+    problem = prepared("dahl", [record], FitOptions(laws="polynomial:1"))
     point = somewhere(problem)
     table = numeric(problem, point, 0)
     part = problem.pieces[0].comparable
@@ -83,14 +84,14 @@ def test_an_input_that_varies_goes_through_the_average_too() -> None:
 def test_the_parameters_behind_a_smoothed_force_and_those_of_a_fit_that_ignores_it() -> None:
     truth = {"dahl.kx": 800.0, "dahl.kw": 55.0, "dahl.rho": 2500.0}
     made = [sine(DAHL, 0.0, f"{k}", 0.004 + 0.003 * k, 1.0 - 0.2 * k, seed=k) for k in range(3)]
-    fitted = fit("dahl", [smoothed(record) for record in made])
+    fitted = fit([smoothed(record) for record in made], "dahl")
     assert fitted.converged
     assert {k.partition(" @")[0]: v for k, v in fitted.parameters.items()} == pytest.approx(truth, rel=1e-5)
     assert max(one.l1 for one in fitted.scores.values()) < 1e-5
     assert fitted.residuals.whole.rms < 1e-4
     [note] = [note for note in map(str, fitted.findings) if "moving average" in note]
     assert note.startswith("the measured force of 0, 1, 2 is smoothed")
-    ignored = fit("dahl", [smoothed(record).replace(note="", smoothed=None) for record in made])
+    ignored = fit([smoothed(record).replace(note="", smoothed=None) for record in made], "dahl")
     values = {k.partition(" @")[0]: v for k, v in ignored.parameters.items()}
     assert abs(values["dahl.rho"] / 2500.0 - 1.0) > 0.05
 
@@ -101,7 +102,7 @@ def test_a_robust_loss_and_several_starts() -> None:
     spoilt[300:310] += 400.0
     made[0] = made[0].replace(note="", force=spoilt)
     options = {"fixed": {}, "laws": "interpolation"}
-    assert fit("dahl", made, loss="huber", starts=2, **options).parameters["dahl.kw @ 2 V"] == pytest.approx(
+    assert fit(made, "dahl", loss="huber", starts=2, **options).parameters["dahl.kw @ 2 V"] == pytest.approx(
         380, rel=0.02
     )
 
@@ -173,7 +174,7 @@ def test_what_has_no_whole_window_has_no_part_in_a_robust_loss(loss: str) -> Non
         force[-(SAMPLES // 2) :] += 30.0
         force[at : at + SAMPLES // 2] -= 30.0
         spoilt.append(record.replace(note="", force=force))
-    one, other = (fit("dahl", each, loss=loss) for each in (made, spoilt))
+    one, other = (fit(each, "dahl", loss=loss) for each in (made, spoilt))
     assert one.converged
     assert other.converged
     assert other.parameters == pytest.approx(one.parameters, rel=1e-4)
@@ -184,7 +185,7 @@ def test_what_has_no_whole_window_has_no_part_in_a_robust_loss(loss: str) -> Non
 def test_a_record_that_is_too_short_to_settle_is_scored_over_whole_windows_of_its_motion() -> None:
     record = smoothed(sine(DAHL, 0.0, "short", seconds=2.4))
     longer = smoothed(sine(DAHL, 0.0, "long", 0.006))
-    fitted = fit("dahl", [longer, record])
+    fitted = fit([longer, record], "dahl")
     at = fitted.scores["short"].window
     assert at.last == record.n - 1 - SAMPLES // 2
     assert at.first == int(np.searchsorted(record.time, motion_start(record))) + SAMPLES // 2
@@ -193,7 +194,7 @@ def test_a_record_that_is_too_short_to_settle_is_scored_over_whole_windows_of_it
 
 def test_cross_validation_and_acceptance_compare_like_with_like() -> None:
     made = [smoothed(record) for record in records(0.5, count=3)]
-    assert cross_validate("dahl", made, folds=3).error < 0.02
+    assert cross_validate(made, "dahl", options=FitOptions(folds=3)).error < 0.02
     damper = Damper("dahl", LAWS)
     assert accept(made[0], damper).passed
     far = smoothed(records(0.5)[0], 41)
@@ -208,7 +209,7 @@ def test_cross_validation_and_acceptance_compare_like_with_like() -> None:
 
 def test_a_smoothed_displacement_is_told_in_the_notes() -> None:
     made = [smoothed(record, motion=True) for record in records(1.0)]
-    fitted = fit("dahl", made)
+    fitted = fit(made, "dahl")
     [note] = [note for note in map(str, fitted.findings) if "less sharp" in note]
     assert "is smoothed (over up to 0.105 s) and that is not undone" in note
 
@@ -236,7 +237,7 @@ def test_ordinary_records_take_the_compiled_sums(monkeypatch: pytest.MonkeyPatch
 
     monkeypatch.setattr(normal_equations, "_products_of_stored", counting)
     plain, other, *_ = records(1.0)
-    problem = prepared("dahl", [plain, smoothed(other)], laws="constant")
+    problem = prepared("dahl", [plain, smoothed(other)], FitOptions(laws="constant"))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         products(problem, somewhere(problem))

@@ -61,7 +61,7 @@ def specimens(seed: int, spread: float = SPREAD, number: int = 10, count: int = 
 
 @pytest.fixture(scope="module")
 def five() -> Specimens:
-    return fit_specimens("dahl", specimens(0, number=5, count=4))
+    return fit_specimens(specimens(0, number=5, count=4), "dahl")
 
 
 def test_of_equal_errors_everything_has_a_closed_form() -> None:
@@ -150,7 +150,7 @@ def test_without_spread_its_lower_end_is_zero() -> None:
 
 
 def test_of_records_without_spread_too() -> None:
-    result = fit_specimens("dahl", specimens(3, spread=0.0, number=6))
+    result = fit_specimens(specimens(3, spread=0.0, number=6), "dahl")
     for one in result.spreads.values():
         assert one.spread_interval[0] == 0.0, one
         assert one.spread < 0.05
@@ -175,7 +175,7 @@ def test_the_table_is_relative_where_a_parameter_is_positive(five: Specimens) ->
 
 
 def test_pooled_errors_share_what_records_differ_by_and_not_the_motions(five: Specimens) -> None:
-    own = fit_specimens("dahl", specimens(0, number=5, count=4), errors="own")
+    own = fit_specimens(specimens(0, number=5, count=4), "dahl", errors="own")
     for label, one in own.spreads.items():
         assert one.errors == pytest.approx({name: fitted.stderr[label] for name, fitted in own.fits.items()})
         pooled = np.array(list(five.spreads[label].errors.values()))
@@ -222,7 +222,7 @@ def in_sessions(groups: dict[str, list[Record]], sessions: dict[str, str | None]
         name: [each.replace(note="of a session", measurement_session=sessions[name]) for each in some]
         for name, some in groups.items()
     }
-    return fit_specimens("dahl", named)
+    return fit_specimens(named, "dahl")
 
 
 def test_it_says_whether_sessions_are_in_the_spread() -> None:
@@ -247,7 +247,7 @@ def test_bands_of_a_type_hold_the_records_of_a_new_specimen(endurance: Endurance
     repeats = 60 if endurance.full else 30
     peaks, samples = [], []
     for seed in range(repeats):
-        damper = fit_specimens("dahl", specimens(3000 + seed, number=6, count=5)).damper()
+        damper = fit_specimens(specimens(3000 + seed, number=6, count=5), "dahl").damper()
         rng = np.random.default_rng(seed)
         truth = {name: value * float(np.exp(SPREAD * rng.standard_normal())) for name, value in TRUTH.items()}
         band = score(damper, specimen("another", truth, rng, 1)[0], band=0.9).band
@@ -269,7 +269,7 @@ def test_what_goes_together_between_specimens_is_seen() -> None:
         factor = float(np.exp(0.15 * rng.standard_normal()))
         truth = {"dahl.kx": 1300.0 * factor, "dahl.kw": 210.0 * factor, "dahl.rho": 6000.0}
         records += specimen(f"damper {n}", truth, rng, 5)
-    result = fit_specimens("dahl", records)
+    result = fit_specimens(records, "dahl")
     assert result.between[0, 1] > 0.5  # of eight specimens, with kx known to 7 %
 
 
@@ -278,7 +278,7 @@ def test_specimens_and_numbers_that_cannot_be_used_are_named() -> None:
     groups = {f"damper {n}": specimen(f"damper {n}", TRUTH, rng, 4) for n in range(4)}
     groups["damper 3"] = groups["damper 3"][:2]
     turned = [r.replace(note="turned", force=-r.force) for r in specimen("damper 4", TRUTH, rng, 4)]
-    result = fit_specimens("dahl", groups | {"damper 4": turned})
+    result = fit_specimens(groups | {"damper 4": turned}, "dahl")
     assert set(result.left_out) == {"damper 4"}
     assert "sign is inverted" in result.left_out["damper 4"]
     for one in result.spreads.values():
@@ -288,7 +288,7 @@ def test_specimens_and_numbers_that_cannot_be_used_are_named() -> None:
     assert len(notes) == 5  # the last one says what of sessions is in the spread
     few = {name: some[:2] for name, some in groups.items() if name != "damper 0"}
     with pytest.raises(InputError, match="no number is determined in 3 specimens"):
-        fit_specimens("dahl", few)
+        fit_specimens(few, "dahl")
 
 
 def test_an_input_of_two_specimens_has_no_spread() -> None:
@@ -300,21 +300,21 @@ def test_an_input_of_two_specimens_has_no_spread() -> None:
             for record in specimen(f"damper {n}", TRUTH, rng, 4)
         ]
     with pytest.raises(InputError, match="no number is determined"):
-        fit_specimens("dahl", groups)  # labels of one input alone differ from those of two
-    rest = fit_specimens("dahl", groups, laws="constant")
+        fit_specimens(groups, "dahl")  # labels of one input alone differ from those of two
+    rest = fit_specimens(groups, "dahl", laws="constant")
     assert set(rest.spreads) == set(TRUTH)
 
 
 def test_wrong_calls_say_what_is_wrong() -> None:
     records = specimens(8, number=2, count=3)
     with pytest.raises(InputError, match=r"2 specimens \(damper 1, damper 2\) cannot give a spread"):
-        fit_specimens("dahl", records)
+        fit_specimens(records, "dahl")
     with pytest.raises(InputError, match="damper 1-0 names no specimen; give it in a column specimen"):
-        fit_specimens("dahl", [records[0].replace(note="unnamed", specimen=None), *records[1:]])
+        fit_specimens([records[0].replace(note="unnamed", specimen=None), *records[1:]], "dahl")
     with pytest.raises(InputError, match="'best' is an unknown kind of errors"):
-        fit_specimens("dahl", records, errors="best")
+        fit_specimens(records, "dahl", errors="best")
     with pytest.raises(InputError, match="level = 0"):
-        fit_specimens("dahl", records, level=0.0)
+        fit_specimens(records, "dahl", level=0.0)
     for wrong in (([1.0, 2.0], [0.1, 0.1]), ([1.0, 2.0, 3.0], [0.1, 0.0, 0.1]), ([1.0, 2.0, np.nan], [0.1, 0.1, 0.1])):
         with pytest.raises(InputError):
             random_effects(*wrong)
@@ -350,7 +350,7 @@ def test_intervals_hold_the_spread_and_the_mean_as_often_as_they_say(endurance: 
     repeats = 100 if endurance.full else 10
     spreads, means = dict.fromkeys(TRUTH, 0), dict.fromkeys(TRUTH, 0)
     for seed in range(repeats):
-        for label, one in fit_specimens("dahl", specimens(1000 + seed)).spreads.items():
+        for label, one in fit_specimens(specimens(1000 + seed), "dahl").spreads.items():
             spreads[label] += one.spread_interval[0] <= SPREAD <= one.spread_interval[1]
             means[label] += one.mean_interval[0] <= TRUTH[label] <= one.mean_interval[1]
     shares = [", ".join(f"{k} {100 * v / repeats:.0f} %" for k, v in each.items()) for each in (spreads, means)]
@@ -375,7 +375,7 @@ def test_five_specimens_of_three_records_hold_a_sixth(endurance: Endurance) -> N
 
         records = [r for n in range(5) for r in specimen(f"damper {n}", one_of_the_type(), rng, 3, gain=0.05)]
         sixth = one_of_the_type()
-        for label, one in fit_specimens("dahl", records).spreads.items():
+        for label, one in fit_specimens(records, "dahl").spreads.items():
             held.append(one.new_specimen[0] <= sixth[label] <= one.new_specimen[1])
     figures = f"{repeats} repeats: {100 * np.mean(held):.1f} % of {len(held)}"
     endurance.report("95 % intervals of a sixth specimen after five of three records", 7, figures)

@@ -7,7 +7,8 @@ import pytest
 from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError, RangeError
-from dampyr.identification import cross_validate, fit, score
+from dampyr.identification import FitOptions, fit, score
+from dampyr.identification.scoring.validation import cross_validate
 from dampyr.models import Constant, Damper, Interpolation, WithTemperature
 from dampyr.records import Record
 from dampyr.show.identification.result import parameter_table
@@ -43,7 +44,7 @@ def records() -> list[Record]:
 
 
 def test_what_follows_the_temperature_comes_back(records: list[Record]) -> None:
-    fit_result = fit("dahl", records, laws=LAWS)
+    fit_result = fit(records, "dahl", laws=LAWS)
     assert fit_result.converged, fit_result.reason
     truth = {"0 V, 15": 900.0, "2 V, 15": 2500.0, "0 V, 45": 600.0, "2 V, 45": 1800.0}
     for at, value in truth.items():
@@ -56,14 +57,14 @@ def test_what_follows_the_temperature_comes_back(records: list[Record]) -> None:
     assert damper.temperatures == (COLD, WARM)
     np.testing.assert_allclose(damper.at_temperature(30.0).values(2.0)[0], 2150.0, rtol=0.01)
     assert any(row[:2] == ["dahl.kx, 45 °C", "N s/mm"] for row in parameter_table(fit_result).rows)
-    plain = fit("dahl", records, laws={"dahl.rho": "constant"})
+    plain = fit(records, "dahl", laws={"dahl.rho": "constant"})
     assert max(s.l1 for s in fit_result.scores.values()) < 0.25 * max(s.l1 for s in plain.scores.values())
 
 
 def test_records_are_predicted_at_their_own_temperature(records: list[Record]) -> None:
-    done = cross_validate("dahl", records, folds=5, laws=LAWS)
+    done = cross_validate(records, "dahl", options=FitOptions(folds=5, laws=LAWS))
     assert max(s.l1 for s in done.scores.values()) < 0.02
-    damper = fit("dahl", records, laws=LAWS).damper
+    damper = fit(records, "dahl", laws=LAWS).damper
     assert damper is not None
     bare = records[0].replace(note="without temperature", temperature=None)
     with pytest.raises(InputError, match="parameters depend on its temperature, and the record has none"):
@@ -78,7 +79,7 @@ def test_its_errors_are_those_of_repeated_fits() -> None:
             r.replace(note="another gain", force=r.force * (1.0 + 0.03 * rng.standard_normal()))
             for r in warmed((COLD, 20.0, 30.0, 38.0, WARM))
         ]
-        fit_result = fit("dahl", made, laws=LAWS)
+        fit_result = fit(made, "dahl", laws=LAWS)
         values.append(list(fit_result.parameters.values())[:4])
         errors.append(list(fit_result.stderr.values())[:4])
     ratio = np.std(values, axis=0) / np.mean(errors, axis=0)
@@ -86,7 +87,7 @@ def test_its_errors_are_those_of_repeated_fits() -> None:
 
 
 def test_the_card_holds_it_and_one_temperature_makes_an_ordinary_damper(records: list[Record], tmp_path: Path) -> None:
-    damper = fit("dahl", records, laws=LAWS).damper
+    damper = fit(records, "dahl", laws=LAWS).damper
     assert damper is not None
     read = Damper.load(damper.save(tmp_path / "card.toml"))
     assert read.all_laws == damper.all_laws
@@ -111,18 +112,18 @@ def test_records_that_do_not_vary_in_it_are_refused(records: list[Record]) -> No
     with pytest.raises(
         InputError, match=r"records' means lie between 20 and 20.5 °C; they must differ by 2 °C or more"
     ):
-        fit("dahl", warmed((20.0, 20.5)), laws=LAWS)
+        fit(warmed((20.0, 20.5)), "dahl", laws=LAWS)
     bare = [r.replace(note="without", temperature=None) for r in records]
     with pytest.raises(InputError, match=r"dahl\.kx is to follow the temperature, but 10 of 10 records have none"):
-        fit("dahl", bare, laws=LAWS)
+        fit(bare, "dahl", laws=LAWS)
     with pytest.raises(InputError, match="what is added can be temperature only"):
-        fit("dahl", records, laws={"dahl.kx": "interpolation+weather"})
+        fit(records, "dahl", laws={"dahl.kx": "interpolation+weather"})
 
 
 def test_records_at_one_temperature_an_input_do_not_determine_it() -> None:
     """Input and temperature change together: what is which, no fit can say, and the errors are infinite."""
     together = [r for r in warmed((COLD, WARM)) if ("15C" in r.name) == (r.voltage == 0.0)]
-    fit_result = fit("dahl", together, laws=LAWS)
+    fit_result = fit(together, "dahl", laws=LAWS)
     assert not np.isfinite(fit_result.stderr["dahl.kx @ 0 V, 45 °C"])
     assert not np.isfinite(fit_result.stderr["dahl.kx @ 2 V, 15 °C"])
     assert any("do not determine" in note or "at its limit" in note for note in map(str, fit_result.findings))

@@ -37,12 +37,12 @@ def records(u: float, count: int, gain: float = 0.03) -> list[Record]:
 @pytest.fixture(scope="module")
 def mixed() -> Fit:
     """Ten records at 0 V, two at 2 V, and one rho for all."""
-    return fit("dahl", [*records(0.0, 10), *records(2.0, 2)], laws={"dahl.rho": "constant"})
+    return fit([*records(0.0, 10), *records(2.0, 2)], "dahl", laws={"dahl.rho": "constant"})
 
 
 @pytest.mark.parametrize("count", [3, 4])
 def test_three_records_are_enough_for_errors_by_record(count: int) -> None:
-    fit_result = fit("dahl", records(2.0, count))
+    fit_result = fit(records(2.0, count), "dahl")
     assert fit_result.clusters == "record"
     assert fit_result.within_records == {}
     assert fit_result.freedom["dahl.kw"] == pytest.approx(count - 1, abs=0.5)
@@ -55,7 +55,7 @@ def test_three_records_are_enough_for_errors_by_record(count: int) -> None:
 
 @pytest.mark.parametrize(("count", "words"), [(1, "1 record:"), (2, "2 records:")])
 def test_of_one_or_two_records_the_error_says_that_it_holds_within_them_only(count: int, words: str) -> None:
-    fit_result = fit("dahl", records(2.0, count))
+    fit_result = fit(records(2.0, count), "dahl")
     assert fit_result.clusters == "cycle"
     assert fit_result.within_records == dict.fromkeys(fit_result.parameters, count)
     assert {fit_result.error_holds(name) for name in fit_result.parameters} == {"within these records only"}
@@ -82,7 +82,7 @@ def test_each_coefficient_has_clusters_of_its_own(mixed: Fit) -> None:
 
 def test_a_voltage_with_few_records_changes_no_error_of_another() -> None:
     many = records(0.0, 5)
-    alone, joint = fit("dahl", many), fit("dahl", [*many, *records(2.0, 2)])
+    alone, joint = fit(many, "dahl"), fit([*many, *records(2.0, 2)], "dahl")
     for name in ("dahl.kx", "dahl.kw", "dahl.rho"):
         assert joint.stderr[f"{name} @ 0 V"] == pytest.approx(alone.stderr[name], rel=1e-3)
         assert joint.freedom[f"{name} @ 0 V"] == pytest.approx(alone.freedom[name], rel=1e-3)
@@ -105,7 +105,7 @@ def test_the_covariance_of_mixed_clusters_is_one_matrix_to_draw_from(mixed: Fit,
 
 
 def test_a_card_of_enough_records_draws_without_a_warning(tmp_path: Path) -> None:
-    fit_result = fit("dahl", records(0.0, 4))
+    fit_result = fit(records(0.0, 4), "dahl")
     assert fit_result.damper is not None
     card = fit_result.damper.save(tmp_path / "card.toml")
     assert "within_records_only" not in card.read_text("utf-8")
@@ -116,7 +116,9 @@ def test_a_card_of_enough_records_draws_without_a_warning(tmp_path: Path) -> Non
 
 def test_what_stands_at_a_limit_or_is_not_determined_is_not_labelled_twice() -> None:
     fixed = {"hyperbolic_tangent.ft": 1e-3, "hyperbolic_tangent.v0": 0.01, "hyperbolic_tangent.s": 0.0}
-    fit_result = fit("dahl + hyperbolic_tangent", records(2.0, 1), {"hyperbolic_tangent.c": "constant"}, fixed)
+    fit_result = fit(
+        records(2.0, 1), "dahl + hyperbolic_tangent", laws={"hyperbolic_tangent.c": "constant"}, fixed=fixed
+    )
     assert fit_result.stderr["dahl.kx"] == np.inf
     assert fit_result.error_holds("dahl.kx") == ""
     assert "dahl.kx" not in fit_result.within_records
@@ -124,7 +126,7 @@ def test_what_stands_at_a_limit_or_is_not_determined_is_not_labelled_twice() -> 
 
 
 def test_too_few_cycles_are_not_told_as_records_that_determine_nothing() -> None:
-    fit_result = fit("dahl", sine(TRUTH, 2.0, frequency=0.6, noise=1.0, seconds=4.0))
+    fit_result = fit(sine(TRUTH, 2.0, frequency=0.6, noise=1.0, seconds=4.0), "dahl")
     assert all(np.isinf(list(fit_result.stderr.values())))
     assert any("fewer than 3 cycles determine them" in note for note in map(str, fit_result.findings))
     assert not any("do not determine" in note for note in map(str, fit_result.findings))
@@ -135,10 +137,10 @@ def test_the_pieces_of_one_record_are_no_records_of_their_own() -> None:
     long = sine(TRUTH, 2.0, "long", noise=2.0, seconds=40.0)
     pieces = cut(long, 8.0)
     assert len(pieces) == 5
-    fit_result = fit("dahl", pieces)
+    fit_result = fit(pieces, "dahl")
     assert set(fit_result.within_records.values()) == {1}
     assert fit_result.clusters == "cycle"
     others = [piece.replace(note="of its own", provenance={}) for piece in pieces]
-    assert fit("dahl", others).clusters == "record"
+    assert fit(others, "dahl").clusters == "record"
     three = [*pieces, *records(2.0, 2)]
-    assert fit("dahl", three).within_records == {}
+    assert fit(three, "dahl").within_records == {}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tests.identification.synthetic import sine
 
-from dampyr.identification.fits.fit import prepared
+from dampyr.identification.fits.least_squares import prepared
 from dampyr.identification.search import variable_projection
 from dampyr.identification.search.fit_data import first_part
 from dampyr.identification.search.initial_guess import begin

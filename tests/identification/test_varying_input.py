@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from dampyr.errors import InputError, RangeError
-from dampyr.identification import cross_validate, fit, score
-from dampyr.identification.fits.fit import prepared
+from dampyr.identification import FitOptions, fit, score
+from dampyr.identification.fits.least_squares import prepared
+from dampyr.identification.scoring.validation import cross_validate
 from dampyr.models import Constant, Damper, Polynomial
+from dampyr.options import options_of
 from dampyr.records import Record
 from dampyr.records.conditioning.nominal_input import commanded_input, without_noise_beyond
 
@@ -99,7 +101,7 @@ def test_a_short_pulse_is_a_command_and_two_false_samples_are_none() -> None:
 @pytest.mark.parametrize("command", COMMANDS)
 def test_laws_and_card_end_at_the_command_and_the_notes_say_so(command: str) -> None:
     records = [record(command, seed) for seed in range(2)]
-    result = fit("dahl", records, laws={"*": "polynomial:1", "dahl.rho": "constant"})
+    result = fit(records, "dahl", laws={"*": "polynomial:1", "dahl.rho": "constant"})
     assert result.damper is not None, result.reason
     tolerance = COMMANDS[command][1]
     assert result.damper.range == pytest.approx((0.0, 2.25), abs=tolerance)
@@ -114,7 +116,7 @@ def test_laws_and_card_end_at_the_command_and_the_notes_say_so(command: str) -> 
     beyond = beyond.replace(note="more", voltage=1.2 * beyond.voltage)
     with pytest.raises(RangeError, match="is outside the calibrated range"):
         score(result.damper, beyond)
-    assert cross_validate("dahl", records, folds=2, laws="polynomial:1").error < 0.08
+    assert cross_validate(records, "dahl", options=FitOptions(folds=2, laws="polynomial:1")).error < 0.08
 
 
 def test_plateaus_that_agree_between_records_are_one_and_give_no_higher_degree() -> None:
@@ -145,7 +147,7 @@ def test_a_fit_at_a_limit_is_saved_and_drawn_from(tmp_path: Path) -> None:
     v = np.gradient(x, t)
     force = truth.force(t, x, voltage=u, velocity=v) + (600.0 - 400.0 * u) * v
     record = Record(t, x, force + rng.normal(0.0, 1.0, t.size), velocity=v, voltage=u + rng.normal(0.0, NOISE, t.size))
-    result = fit("dahl", record, laws="polynomial:1")
+    result = fit(record, "dahl", laws="polynomial:1")
     assert result.damper is not None, result.reason
     assert any("stands at its limit" in note for note in map(str, result.findings))
     assert min(result.damper.all_laws["dahl.kx"].extremes()) >= 0.0
@@ -154,14 +156,13 @@ def test_a_fit_at_a_limit_is_saved_and_drawn_from(tmp_path: Path) -> None:
 
 
 def test_laws_for_all_and_by_name_go_together() -> None:
-    from dampyr.cli.identify import _laws
-
-    assert _laws(("polynomial:1",)) == "polynomial:1"
-    assert _laws(("dahl.rho=constant",)) == {"dahl.rho": "constant"}
-    both = _laws(("polynomial:1", "dahl.rho=constant"))
+    laws = next(option for option in options_of(FitOptions) if option.name == "laws")
+    assert laws.from_terminal(("polynomial:1",)) == "polynomial:1"
+    assert laws.from_terminal(("dahl.rho=constant",)) == {"dahl.rho": "constant"}
+    both = laws.from_terminal(("polynomial:1", "dahl.rho=constant"))
     assert both == {"*": "polynomial:1", "dahl.rho": "constant"}
-    kinds = {c.name: c.kind for c in prepared("dahl", [record("four levels")], laws=both).columns}
+    kinds = {c.name: c.kind for c in prepared("dahl", [record("four levels")], FitOptions(laws=both)).columns}
     assert kinds == {"dahl.kx": "polynomial", "dahl.kw": "polynomial", "dahl.rho": "constant"}
     with pytest.raises(InputError, match=r"--law constant and --law polynomial:1 are both for all parameters"):
-        _laws(("constant", "polynomial:1", "dahl.rho=constant"))
-    assert _laws(()) is None
+        laws.from_terminal(("constant", "polynomial:1", "dahl.rho=constant"))
+    assert laws.from_terminal(()) is None

@@ -13,11 +13,11 @@ PARTS = {  # of a result that has them, or no result
     "Fragility": "in EnsembleResult",
     "Incremental": "of an ensemble's dataset",
     "Journal": "what was done, whose records have them",
-    "Leaderboard": "in Identified",
+    "Leaderboard": "in Fit",
     "Residuals": "in Fit",
     "Rig": "a rig; `diagnose` looks at it",
     "Study": "a published benchmark beside ours",
-    "Validation": "in Identified",
+    "Validation": "in Fit",
     "VirtualRun": "a loop that is all computed, with its stability",
 }
 

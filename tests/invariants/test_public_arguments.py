@@ -56,16 +56,16 @@ def record() -> Any:
 BUILDING, MOTION = dp.structures.two_storey(), dp.ground_motions.el_centro()
 ID, S = dp.identification, dp.structures
 CALLS: dict[str, tuple[Callable[[], Any], str]] = {
-    "fit of a file's name": (lambda: ID.fit("dahl", "a.csv"), r"fit\(model, records\): records is the text 'a.csv'"),
-    "fit of files' names": (lambda: ID.fit("dahl", ["a.csv", "b.csv"]), r"records is a list that holds the text 'a.csv'"),
-    "fit of a path": (lambda: ID.fit("dahl", Path("lab")), "records is the text 'lab'"),
-    "fit swapped": (lambda: ID.fit([record()], "dahl"), r"arguments of fit are swapped; write fit\(model, records\)"),
-    "fit of one record swapped": (lambda: ID.fit(record(), damper()), r"write fit\(model, records\)"),
-    "fit of a number": (lambda: ID.fit(3, [record()]), "model is of the type int; give the name of a model"),
-    "identify": (lambda: ID.identify("lab"), "records is the text 'lab'"),
-    "leaderboard": (lambda: ID.leaderboard(["a.csv"]), "records is a list that holds the text 'a.csv'"),
-    "cross_validate": (lambda: ID.cross_validate([record()], "dahl"), "arguments of cross_validate are swapped"),
-    "fit_specimens": (lambda: ID.fit_specimens([record()], "dahl"), "arguments of fit_specimens are swapped"),
+    "fit of a file's name": (lambda: ID.fit("a.csv", "dahl"), r"fit\(records, model\): records is the text 'a.csv'"),
+    "fit of files' names": (lambda: ID.fit(["a.csv", "b.csv"], "dahl"), r"records is a list that holds the text 'a.csv'"),
+    "fit of a path": (lambda: ID.fit(Path("lab"), "dahl"), "records is the text 'lab'"),
+    "fit in its old order": (lambda: ID.fit("dahl", [record()]), r"first since 0.4.0; write fit\(records, model\)"),
+    "fit of a damper to one record": (lambda: ID.fit(damper(), record()), r"records come first since 0.4.0"),
+    "fit of a number": (lambda: ID.fit([record()], 3), "model is of the type int; give the name of a model"),
+    "fit without a model": (lambda: ID.fit("lab"), "records is the text 'lab'"),
+    "fit with a wrong word": (lambda: ID.fit(record(), "dahl", los="l1"), r"los=\) is not known; did you mean 'loss'"),
+    "fit with other options": (lambda: ID.fit(record(), "dahl", ID.ScoreOptions()), "of the type ScoreOptions; give"),
+    "fit_specimens": (lambda: ID.fit_specimens("dahl", [record()]), r"records come first .* fit_specimens\(records, model\)"),
     "score swapped": (lambda: ID.score(record(), damper()), r"arguments of score are swapped; write score\(damper, record\)"),
     "score of a file": (lambda: ID.score(damper(), "a.csv"), r"record is the text 'a.csv'; give a Record"),
     "score by a card's name": (lambda: ID.score("card.toml", record()), r"damper is the text 'card.toml'; give a Damper"),
@@ -122,6 +122,6 @@ def test_a_damper_with_one_law_still_needs_its_input() -> None:
 
 
 def test_a_fit_saves_its_card(tmp_path: Path) -> None:
-    fit = ID.fit("dahl", record())
+    fit = ID.fit(record(), "dahl")
     path = fit.save(str(tmp_path / "card.toml"))
     assert dp.models.Damper.load(path).laws == fit.damper.laws

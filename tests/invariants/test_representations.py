@@ -22,7 +22,9 @@ import pytest
 import dampyr as dp
 from dampyr import hybrid
 from dampyr.errors import DampyrWarning, InputError
+from dampyr.identification import FitOptions
 from dampyr.identification.fits.residuals import motion
+from dampyr.identification.scoring.validation import cross_validate
 from dampyr.phrases import rounded
 from dampyr.rig.calibration import calibration_of
 from dampyr.show.descriptions import description_of
@@ -65,7 +67,7 @@ def three_specimens(made: Any) -> dp.identification.Specimens:
         ]
         for n in range(3)
     }
-    return dp.identification.fit_specimens("dahl", groups)
+    return dp.identification.fit_specimens(groups, "dahl")
 
 
 def substructure(made: Any) -> hybrid.Substructure:
@@ -147,11 +149,8 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "identification.Inseparable": lambda made: dp.identification.identifiability(made.fit).inseparable[0],
     "identification.Fit": lambda made: made.fit,
     "identification.Fold": lambda made: made.validation.folds[0],
-    "identification.Identified": lambda made: dp.identification.Identified(
-        made.fit, (made.validation,), made.board, {"test": made.fit.scores[made.records[0].name]}
-    ),
     "identification.Identifiability": lambda made: dp.identification.identifiability(made.fit),
-    "identification.IdentifyOptions": lambda made: dp.identification.IdentifyOptions(),
+    "identification.FitOptions": lambda made: dp.identification.FitOptions(),
     "identification.Leaderboard": lambda made: made.board,
     "identification.LimitCycle": lambda made: dp.identification.LimitCycle(
         800.0, 2.1e6, 42e3, 50.2, -0.009, -0.004, (41e3, 43e3), np.linspace(-0.01, 0.01, 500), np.linspace(-50, 50, 500)
@@ -170,7 +169,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "identification.Trace": lambda made: trace_of(made.records[0]),
     "identification.Trend": lambda made: dp.identification.Trend("stroke", 1.0, 0.7, 0.01, 8, 0.2, True),
     "identification.Trial": lambda made: made.board.screened[0].trials[0],
-    "identification.ValidateOptions": lambda made: dp.identification.ValidateOptions(),
+    "identification.ScoreOptions": lambda made: dp.identification.ScoreOptions(),
     "identification.Validated": lambda made: made.validated,
     "identification.Validation": lambda made: made.validation,
     "identification.Window": lambda made: made.fit.scores[made.records[0].name].window,
@@ -266,9 +265,9 @@ def _identify(made: SimpleNamespace) -> None:
         sine(made.damper, u, f"{1e3 * a:g} mm at {u:g} V", a, f, noise=8.0, seed=k)
         for k, (u, a, f) in enumerate((u, a, f) for u in VOLTS for a, f in MOTIONS)
     ]
-    made.fit = dp.identification.fit("dahl", made.records)
+    made.fit = dp.identification.fit(made.records, "dahl")
     made.band = dp.identification.prediction_band(made.fit.damper, made.records[0], draws=20)
-    made.validation = dp.identification.cross_validate("dahl", made.records, folds=3)
+    made.validation = cross_validate(made.records, "dahl", options=FitOptions(folds=3))
     made.accepted = dp.identification.accept_records(made.records, made.damper)
     made.validated = dp.identification.validate(made.damper, made.records)
     entry = dp.identification.Entry(

@@ -67,7 +67,7 @@ class Voltages:
     def by(self, chosen: tuple[int, ...]) -> dict[int, float]:
         """The L1 of each other record of the voltage by a fit to the chosen ones."""
         if chosen not in self.l1:
-            damper = fit(self.model, [self.records[k] for k in chosen]).damper
+            damper = fit([self.records[k] for k in chosen], self.model).damper
             assert damper is not None
             self.l1[chosen] = {k: score(damper, self.records[k]).l1 for k in self.others(chosen)}
         return self.l1[chosen]
@@ -102,7 +102,7 @@ def test_eight_chosen_records_predict_the_rest(
     voltages = Voltages(model, records)
     chosen = [names.index(r.name) for r in choose_records(records, 8)]
     ours = np.array(voltages.of(chosen))
-    joint = fit(model, [records[k] for k in chosen]).damper
+    joint = fit([records[k] for k in chosen], model).damper
     assert joint is not None
     each = {k: score(joint, records[k]).l1 for k in range(len(records)) if k not in chosen}
     by_voltage = [np.mean([l1 for k, l1 in each.items() if voltages.volts[k] == u]) for u in np.unique(voltages.volts)]

@@ -25,7 +25,7 @@ from dampyr.rig import RigSettings
 def fitted() -> Fit:
     """Six records at each voltage with a gain of 3 % and coloured noise of 4 %."""
     rng = np.random.default_rng(4)
-    return fit("dahl", [as_measured(u, f"{u:g}V-{k}", rng) for u in TESTED for k in range(6)])
+    return fit([as_measured(u, f"{u:g}V-{k}", rng) for u in TESTED for k in range(6)], "dahl")
 
 
 def test_degrees_of_freedom_are_those_of_the_fit(fitted: Fit) -> None:

@@ -112,7 +112,7 @@ def test_twelve_chosen_tests_tell_the_shape_as_well_as_a_grid_of_forty(tmp_path:
     truth = [float(DAHL.all_laws["dahl.rho"](u)) for u in VOLTAGES]
     with simulated(settings, seed=UNSEEN) as rig:
         campaigns.perform(campaign, rig, tmp_path / "grid")
-    by_grid = fit("dahl", read_campaign(tmp_path / "grid"), "polynomial:3", bandwidth=BANDWIDTH)
+    by_grid = fit(read_campaign(tmp_path / "grid"), "dahl", laws="polynomial:3", bandwidth=BANDWIDTH)
     aims = {label: half_width(by_grid, label) for label in labels}
     with simulated(settings, seed=UNSEEN) as rig, warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)

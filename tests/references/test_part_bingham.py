@@ -34,13 +34,13 @@ def test_the_energy_of_a_cycle_in_the_published_limit() -> None:
 
 @pytest.mark.prove
 def test_a_fit_gives_the_parameters_back() -> None:
-    fit_result = fit("bingham", sine(bingham(0.006), 0.0))
+    fit_result = fit(sine(bingham(0.006), 0.0), "bingham")
     assert fit_result.converged, fit_result.reason
     assert list(fit_result.parameters.values()) == pytest.approx([C0, FC, 0.006], rel=1e-6)
 
 
 def test_the_published_model_is_fitted_by_holding_v0() -> None:
-    fit_result = fit("bingham", sine(bingham(1e-5), 0.0), fixed={"bingham.v0": 1e-5})
+    fit_result = fit(sine(bingham(1e-5), 0.0), "bingham", fixed={"bingham.v0": 1e-5})
     assert [fit_result.parameters["bingham.c0"], fit_result.parameters["bingham.fc"]] == pytest.approx(
         [C0, FC], rel=1e-6
     )

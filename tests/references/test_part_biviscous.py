@@ -38,6 +38,6 @@ def test_the_energy_of_a_cycle() -> None:
 
 @pytest.mark.prove
 def test_a_fit_gives_the_parameters_back() -> None:
-    fit_result = fit("biviscous", sine(biviscous(), 0.0))
+    fit_result = fit(sine(biviscous(), 0.0), "biviscous")
     assert fit_result.converged, fit_result.reason
     assert list(fit_result.parameters.values()) == pytest.approx([C, FY, VY], rel=1e-5)

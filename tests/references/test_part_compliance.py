@@ -76,7 +76,7 @@ def test_a_building_with_a_dashpot_on_a_brace_that_gives_way() -> None:
 def test_a_fit_gives_it_back() -> None:
     laws = {"dahl.kx": 900.0, "dahl.kw": 150.0, "dahl.rho": 9000.0, "compliance.s": 1.5e-6}
     record = sine(Damper("dahl + compliance", laws), 0.0, noise=0.5)
-    fit_result = fit("dahl + compliance", record)
+    fit_result = fit(record, "dahl + compliance")
     assert fit_result.converged, fit_result.reason
     for name, value in laws.items():
         assert fit_result.parameters[name] == pytest.approx(value, abs=5 * fit_result.stderr[name] + 0.01 * value)

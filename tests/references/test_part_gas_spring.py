@@ -38,7 +38,7 @@ def test_where_no_gas_volume_is_left_there_is_no_number() -> None:
 
 def test_a_fit_with_a_known_exponent_gives_the_gas_back() -> None:
     truth = damper(300.0, 0.04, 1.3)
-    fit_result = fit("gas_spring", sine(truth, 0.0, amplitude=0.02), fixed={"gas_spring.gamma": 1.3})
+    fit_result = fit(sine(truth, 0.0, amplitude=0.02), "gas_spring", fixed={"gas_spring.gamma": 1.3})
     assert fit_result.converged, fit_result.reason
     assert fit_result.parameters["gas_spring.f0"] == pytest.approx(300.0, rel=1e-5)
     assert fit_result.parameters["gas_spring.L"] == pytest.approx(0.04, rel=1e-5)

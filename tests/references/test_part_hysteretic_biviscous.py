@@ -47,6 +47,6 @@ def test_the_force_is_continuous_where_a_small_cycle_turns() -> None:
 
 @pytest.mark.prove
 def test_a_fit_gives_the_parameters_back() -> None:
-    fit_result = fit("hysteretic_biviscous", sine(damper(), 0.0))
+    fit_result = fit(sine(damper(), 0.0), "hysteretic_biviscous")
     assert fit_result.converged, fit_result.reason
     assert list(fit_result.parameters.values()) == pytest.approx([C, FY, VY, VH], rel=1e-4)

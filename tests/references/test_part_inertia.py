@@ -27,5 +27,5 @@ def test_a_building_carries_it_as_mass_that_the_ground_does_not_shake() -> None:
 @pytest.mark.prove
 def test_a_fit_gives_the_mass_back() -> None:
     truth = Damper("dahl + inertia", {"dahl.kx": 600.0, "dahl.kw": 60.0, "dahl.rho": 900.0, "inertia.m": 4.0})
-    fit_result = fit("dahl + inertia", sine(truth, 0.0))
+    fit_result = fit(sine(truth, 0.0), "dahl + inertia")
     assert fit_result.parameters["inertia.m"] == pytest.approx(4.0, rel=1e-4)

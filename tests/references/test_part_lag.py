@@ -52,8 +52,8 @@ def test_a_fit_of_records_with_steps_of_the_command_gives_it_back() -> None:
     force = Damper("bingham + lag", LAWS).force(t, x, voltage=command, velocity=v) + rng.normal(0.0, 2.0, t.size)
     record = Record(time=t, displacement=x, velocity=v, force=force, voltage=command, name="steps")
     fit_result = fit(
-        "bingham + lag",
         record,
+        "bingham + lag",
         laws={"bingham.v0": "constant", "bingham.c0": "polynomial:1", "bingham.fc": "polynomial:1"},
     )
     assert fit_result.converged, fit_result.reason
@@ -64,7 +64,7 @@ def test_a_fit_of_records_with_steps_of_the_command_gives_it_back() -> None:
 
 def test_constant_inputs_say_nothing_about_it() -> None:
     truth = Damper("bingham", {"bingham.c0": 500.0, "bingham.fc": 90.0, "bingham.v0": 0.004})
-    fit_result = fit("bingham + lag", sine(truth, 0.0))
+    fit_result = fit(sine(truth, 0.0), "bingham + lag")
     assert np.isinf(fit_result.stderr["lag.tau"])
 
 

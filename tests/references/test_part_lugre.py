@@ -90,7 +90,7 @@ def test_fits_and_scores_tell_of_it_too() -> None:
     with pytest.warns(DampyrWarning, match="within a sample"):
         score(stiff, coarse)
     with pytest.warns(DampyrWarning, match=r"test: .* within a sample"):
-        result = fit("lugre", coarse, fixed={"lugre.vs": 1e-3, "lugre.rho": 2e4, "lugre.sigma1": 0.0})
+        result = fit(coarse, "lugre", fixed={"lugre.vs": 1e-3, "lugre.rho": 2e4, "lugre.sigma1": 0.0})
     assert any("within a sample" in note for note in map(str, result.findings))
 
 
@@ -127,6 +127,6 @@ def test_it_is_passive_with_enough_sigma2() -> None:
 
 def test_a_fit_gives_the_parameters_back() -> None:
     truth = damper()
-    fit_result = fit("lugre", sine(truth, 0.0))
+    fit_result = fit(sine(truth, 0.0), "lugre")
     assert fit_result.converged, fit_result.reason
     assert list(fit_result.parameters.values()) == pytest.approx([FC, SIGMA1, SIGMA2, 900.0, E, VS], rel=1e-3)

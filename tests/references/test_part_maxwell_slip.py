@@ -59,6 +59,6 @@ def test_the_energy_of_a_cycle_whatever_its_sampling() -> None:
 
 @pytest.mark.prove
 def test_a_fit_gives_the_parameters_back() -> None:
-    fit_result = fit("maxwell_slip", sine(damper(700.0), 0.0))
+    fit_result = fit(sine(damper(700.0), 0.0), "maxwell_slip")
     assert fit_result.converged, fit_result.reason
     assert list(fit_result.parameters.values()) == pytest.approx([700.0, KW, RHO], rel=1e-4)

@@ -123,6 +123,6 @@ def test_the_extension_meets_its_equation_with_few_flows(monkeypatch: pytest.Mon
 @pytest.mark.prove
 def test_a_fit_gives_the_parameters_back() -> None:
     model = ModifiedBoucWen(kw=120.0, k1=600.0, vc=0.01, r=0.15, kappa=8.0, rho=900.0, sigma=1.0, n=1.6)
-    fit_result = fit("modified_bouc_wen", sine(damper(model), 0.0))
+    fit_result = fit(sine(damper(model), 0.0), "modified_bouc_wen")
     assert fit_result.converged, fit_result.reason
     assert list(fit_result.parameters.values()) == pytest.approx(list(vars(model).values()), rel=1e-3)

@@ -35,6 +35,6 @@ def test_its_letters_do_not_collide_with_the_motion() -> None:
 
 
 def test_a_fit_gives_the_parameters_back() -> None:
-    fit_result = fit("sigmoid", sine(damper(), 0.0))
+    fit_result = fit(sine(damper(), 0.0), "sigmoid")
     assert fit_result.converged, fit_result.reason
     assert list(fit_result.parameters.values()) == pytest.approx([FT, C, VK, VH], rel=1e-4)

@@ -162,7 +162,7 @@ def test_what_is_made_of_the_record_says_it_once(kind: str, records: dict[str, R
 def test_a_card_holds_the_list_of_its_damper_and_hands_on_what_matters(
     records: dict[str, Record], tmp_path: Path
 ) -> None:
-    fitted = fit("dahl", list(records.values()))
+    fitted = fit(list(records.values()), "dahl")
     assert fitted.damper is not None
     loaded = Damper.load(fitted.damper.save(tmp_path / "card.toml"))
     assert tuple(loaded.findings) == tuple(fitted.damper.findings)

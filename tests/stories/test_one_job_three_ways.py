@@ -125,9 +125,8 @@ def keys(*names: str) -> list[str]:
 def test_identify(data: Path, client: TestClient, done: Any) -> None:
     """A named model with a split, and a record of validation."""
     names = (*NAMES, "v")
-    options = identification.IdentifyOptions(model="dahl", predict=("record",), loss="huber")
-    ours = identification.identify(own(data, *names), options)
-    ours.card.save(data / "ours.toml")
+    ours = identification.fit(own(data, *names), "dahl", predict=("record",), loss="huber")
+    ours.save(data / "ours.toml")
     show.write_fit_page(ours, data / "ours.html")
 
     files = [data / f"{name}.h5" for name in names]
@@ -135,7 +134,7 @@ def test_identify(data: Path, client: TestClient, done: Any) -> None:
         "identify", *files, "--model", "dahl", "--predict", "record", "--loss", "huber",
         "--save", data / "said.toml", "--report", data / "said.html",
     )  # fmt: skip
-    request = {"records": keys(*names), "model": "dahl", "predict": "record", "loss": "huber"}
+    request = {"records": keys(*names), "model": "dahl", "predict": ["record"], "loss": "huber"}
     id, request = done("identify/jobs", request)
     assert client.post(f"/api/identify/jobs/{id}/card", json={"name": "request"}).status_code == 201
 
@@ -153,8 +152,8 @@ def test_identify_the_best_model(data: Path, client: TestClient, done: Any, monk
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0})
     tried = ("dahl", "bingham")
     # compiling counts in the time that a trial may take
-    identification.identify(own(data, *NAMES), identification.IdentifyOptions(tried=tried, budget=None))
-    ours = identification.identify(own(data, *NAMES), identification.IdentifyOptions(tried=tried))
+    identification.fit(own(data, *NAMES), models=tried, budget=None)
+    ours = identification.fit(own(data, *NAMES), models=tried)
     ours.card.save(data / "ours.toml")
     words = [word for model in tried for word in ("--try", model)]
     said = command("identify", *(data / f"{name}.h5" for name in NAMES), *words, "--save", data / "said.toml")
@@ -275,12 +274,12 @@ def test_ensemble(data: Path, client: TestClient, done: Any) -> None:
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: identification.IdentifyOptions(model="dahl", loss="cubes"), "squares, huber, l1"),
-        (lambda: identification.IdentifyOptions(model="dahl", predict=("weather",)), "waveform"),
-        (lambda: identification.IdentifyOptions(fixed={"dahl.kx": 1.0}), "need a model"),
-        (lambda: identification.IdentifyOptions(model="dahl", tried=("bingham",)), "exclude each other"),
-        (lambda: identification.IdentifyOptions(model="dahl", starts=0), "give 1 or more"),
-        (lambda: identification.ValidateOptions(settling=-1.0), "settling = -1 s is not allowed"),
+        (lambda: identification.FitOptions(loss="cubes"), "squares, huber, l1"),
+        (lambda: identification.FitOptions(predict=("weather",)), "waveform"),
+        (lambda: identification.FitOptions(fixed={"dahl.kx": 1.0}).check_of_model(None), "need a model"),
+        (lambda: identification.FitOptions(models=("bingham",)).check_of_model("dahl"), "exclude each other"),
+        (lambda: identification.FitOptions(starts=0), "starts = 0 is not allowed; it must be at least 1"),
+        (lambda: identification.ScoreOptions(settling=-1.0), "settling = -1 s is not allowed"),
         (lambda: identification.AcceptOptions(quantities=("colour",)), "extension, compression, energy"),
         (lambda: structures.SimulateOptions(), "no input and no control law"),
         (lambda: structures.SimulateOptions((0.0,), accuracy="vague"), "strict, fast"),

@@ -11,7 +11,7 @@ import dampyr as dp
 def test_the_published_face(campaign_folder: Path, tmp_path: Path) -> None:
     record = dp.records.read(campaign_folder / "ensaio1.2.2.mat", voltage=0.8712)
     records = [r for r in dp.records.read_campaign(campaign_folder) if r.voltage < 1.0][::5]
-    fit = dp.identification.fit("dahl", records)
+    fit = dp.identification.fit(records, "dahl")
     assert fit.converged, fit.reason
     assert set(fit.parameters) == set(fit.stderr)
     assert fit.correlation.shape == (len(fit.parameters),) * 2

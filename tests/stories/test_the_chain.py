@@ -64,7 +64,7 @@ def test_the_demonstration_needs_nothing_but_the_installation_and_is_the_same_tw
         twice = perform(replace(whole, tests=whole.tests[:2]), rig, tmp_path / "again")
     for again in read_campaign(twice):
         np.testing.assert_array_equal(again.force, read(own / f"{again.name}.h5").force)
-    same = fit(demo.MODEL, read_campaign(own, role="fit"), demo.LAWS, demo.FIXED, bandwidth=demo.BANDWIDTH)
+    same = fit(read_campaign(own, role="fit"), demo.MODEL, laws=demo.LAWS, fixed=demo.FIXED, bandwidth=demo.BANDWIDTH)
     assert same.parameters == done["parameters"]
     assert len(list((tmp_path / "demo" / "records").glob("*.h5"))) == 22
     assert all(l1 < 0.05 for l1 in done["l1_held_out"].values())

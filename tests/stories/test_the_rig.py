@@ -53,7 +53,7 @@ def test_the_forty_tests_faster_than_real_time_and_their_parameters(tmp_path: Pa
     endurance.report("forty tests on a simulated rig", None, f"{recorded:.0f} s recorded in {took:.0f} s")
     if endurance.full:  # a busy machine takes longer
         assert took < recorded
-    fit = identification.fit(MODEL, campaign)
+    fit = identification.fit(campaign, MODEL)
     assert fit.converged
     laws, outside, intervals = original_specimen().all_laws, [], fit.intervals()
     for label, value in fit.parameters.items():

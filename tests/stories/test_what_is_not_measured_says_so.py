@@ -206,7 +206,7 @@ def _looks_right(page: Path, figures: Path | None, said: str = NOTICE) -> None:
 
 
 def _objects(made: Made) -> dict[str, Any]:
-    result = fit("dahl", made.records)
+    result = fit(made.records, "dahl")
     assert result.damper is not None
     building, motion = dp.structures.two_storey(), dp.ground_motions.el_centro()
     options = dp.structures.SimulateOptions(inputs=(1.98,), allow_extrapolation=True)
@@ -314,11 +314,11 @@ def test_simulated_and_other_records_are_fitted_together_only_by_name(made: Made
     both = [*made.records, *made.plain]
     for others in (made.plain, [one.replace(note="", origin="not stated") for one in made.plain]):
         with pytest.raises(InputError, match=r"\(simulated\).*are not fitted together.*--mixed-origins"):
-            fit("dahl", [*made.records, *others])
-    for refused in (dp.identification.leaderboard, lambda r: dp.identification.cross_validate("dahl", r)):
+            fit([*made.records, *others], "dahl")
+    for refused in (dp.identification.leaderboard, lambda r: dp.identification.cross_validate(r, "dahl")):
         with pytest.raises(InputError, match="mixed_origins=True"):
             refused(both)
-    mixed = fit("dahl", both, mixed_origins=True)
+    mixed = fit(both, "dahl", mixed_origins=True)
     assert mixed.damper is not None
     assert (mixed.origin.kind, mixed.damper.provenance["origins"]) == ("simulated", "2 simulated, 2 measured")
     for record in both:
@@ -338,7 +338,7 @@ def test_only_what_all_measured_is_measured(made: Made, tmp_path: Path) -> None:
     assert of("measured", "not stated") == of() == of("measured", "derived") == "not stated"
     assert of("measured", "simulated", "virtual") == "simulated"
     assert of("measured", "virtual") == "virtual"
-    measured = fit("dahl", made.plain)
+    measured = fit(made.plain, "dahl")
     assert measured.origin.kind == "measured"
     assert "origin" not in repr(measured)  # nothing is said where nothing is wrong
     for to in ("h5", "csv", "mat"):

@@ -33,7 +33,7 @@ def test_a_response_and_an_ensemble_warn() -> None:
 
 
 def test_the_fit_the_damper_and_its_card_say_so(tmp_path: Path) -> None:
-    fit_result = fit("sigmoid", sine(SIGMOID, 0.0, noise=1.0))
+    fit_result = fit(sine(SIGMOID, 0.0, noise=1.0), "sigmoid")
     assert any(note.startswith(WORDS) for note in map(str, fit_result.findings))
     assert WORDS in repr(SIGMOID)
     card = SIGMOID.save(tmp_path / "card.toml")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from dampyr.cli._examples import examples
-from dampyr.cli._motion import ratio
+from dampyr.cli._options import OptionsCommand
 from dampyr.cli._output import (
     as_json_option,
     details_option,
@@ -22,86 +22,34 @@ from dampyr.cli._output import (
     state_origin,
 )
 from dampyr.cli._progress import stages
-from dampyr.cli._records import Reading, gather, pairs, reading_options
+from dampyr.cli._records import Reading, gather, reading_options
 from dampyr.cli._report import report_options
 from dampyr.errors import DampyrError, InputError
 from dampyr.findings import worst_first
 
-BUDGET = 480.0  # counted s: that of dampyr.identification.leaderboard, which is imported only when it runs
 MAX_WORKERS = 8  # each process compiles the models of its own trials, which more of them would only repeat
 
 if TYPE_CHECKING:
-    from dampyr.identification import Fit, Identified
+    from dampyr.identification import Fit, FitOptions
 
 
 @click.command(
+    cls=OptionsCommand,
+    options={"options": "dampyr.identification:FitOptions"},
+    first=1,
     epilog=examples(
         "dampyr identify tests --model dahl --save damper.toml --report damper.html",
         'dampyr identify tests --model "dahl + spring" --each',
-    )
+    ),
 )
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
     "--model", help="Parts, such as 'dahl + spring + delay'; without, the model that predicts best is chosen."
 )
-@click.option("--try", "tried", multiple=True, metavar="MODEL", help="Without --model: only these instead of all.")
-@click.option("--law", "laws", multiple=True, metavar="[NAME=]KIND", help="constant, interpolation, polynomial:DEGREE.")
-@click.option("--fix", "fixed", multiple=True, metavar="NAME=VALUE", help="Hold a parameter, in SI units.")
-@click.option("--bandwidth", type=float, metavar="HZ", help="Derive the velocity with this bandwidth.")
-@click.option(
-    "--predict",
-    "splits",
-    multiple=True,
-    metavar="SPLIT",
-    help="Cross-validate by record, input, frequency, amplitude, waveform or time.",
-)
-@click.option(
-    "--loss",
-    default="squares",
-    show_default=True,
-    help="squares, huber or l1; the last two are robust against outliers.",
-)
-@click.option(
-    "--weighting",
-    default="records",
-    show_default=True,
-    help="What counts the same in a fit: records or samples.",
-)
-@click.option(
-    "--settling",
-    default=2.0,
-    show_default=True,
-    metavar="S",
-    help="s after the motion starts that are not scored.",
-)
-@click.option("--nuisance", "nuisances", multiple=True, help="gain, temperature: further per-record effects.")
-@click.option("--tie", "tied", multiple=True, metavar="NAME=OTHER", help="One parameter takes the law of another.")
-@click.option("--starts", default=1, show_default=True, help="Number of starting points of the search.")
-@click.option(
-    "--budget",
-    default=BUDGET,
-    show_default=True,
-    metavar="S",
-    help="Without --model: work that the search may take, counted and not timed: s of one core, about.",
-)
-@click.option(
-    "--seconds", type=float, metavar="S", help="Without --model: end the search after S; what is cut chooses no model."
-)
-@click.option(
-    "--nested", is_flag=True, help="Without --model: repeat the search without a fifth of the records, 5 times."
-)
-@click.option(
-    "--session-prior",
-    default="8%",
-    show_default=True,
-    metavar="SHARE",
-    help="How much the force differs from one measurement session to another, where the records do not tell.",
-)
 @click.option("--each", is_flag=True, help="Fit every record by itself instead of all together.")
 @click.option(
     "--by-specimen", is_flag=True, help="Fit every specimen by itself, and give mean and spread over the specimens."
 )
-@click.option("--mixed-origins", is_flag=True, help="Fit simulated or virtual records together with others.")
 @click.option("--save", type=click.Path(path_type=Path), metavar="CARD", help="Write the damper's card, a .toml file.")
 @report_options()
 @reading_options
@@ -110,24 +58,9 @@ if TYPE_CHECKING:
 def command(
     paths: tuple[Path, ...],
     model: str | None,
-    tried: tuple[str, ...],
-    laws: tuple[str, ...],
-    fixed: tuple[str, ...],
-    bandwidth: float | None,
-    splits: tuple[str, ...],
-    loss: str,
-    weighting: str,
-    settling: float,
-    nuisances: tuple[str, ...],
-    tied: tuple[str, ...],
-    starts: int,
-    budget: float,
-    seconds: float | None,
-    nested: bool,
-    session_prior: str,
+    options: FitOptions,
     each: bool,
     by_specimen: bool,
-    mixed_origins: bool,
     save: Path | None,
     report: Path | None,
     reading: Reading,
@@ -146,51 +79,36 @@ def command(
     --by-specimen takes records of several dampers of one type, each record naming its own; --save writes the card of their
     mean, with the covariance of a new specimen.
     """
-    from dampyr.identification import IdentifyOptions, identify
-    from dampyr.identification.fits.identify import identify_by_specimen, identify_each
+    from dampyr.identification import fit, fit_specimens
     from dampyr.identification.model_choice.leaderboard import Cut
+    from dampyr.identification.model_choice.parallel import local_processes
     from dampyr.origin import combined
 
-    if each and (save or report or splits or model is None):
+    if each and (save or report or by_specimen or options.predict or model is None):
         raise InputError(
-            "--each makes one fit of the --model per record and no card; give --model, and leave out --save, --report "
-            "and --predict, or leave out --each"
+            "--each makes one fit of the --model per record and no card; give --model, and leave out --save, --report, "
+            "--predict and --by-specimen, or leave out --each"
         )
-    if by_specimen and (each or report or splits or model is None):
+    if by_specimen and (report or options.predict or model is None):
         raise InputError(
-            "--by-specimen makes one fit of the --model per specimen; give --model, and leave out --each, --report and "
-            "--predict, or leave out --by-specimen"
+            "--by-specimen makes one fit of the --model per specimen; give --model, and leave out --report and --predict, or "
+            "leave out --by-specimen"
         )
-    options = IdentifyOptions(
-        model=model,
-        tried=tried,
-        laws=_laws(laws),
-        fixed=_numbers(fixed),
-        bandwidth=bandwidth,
-        predict=splits,
-        loss=loss,
-        nuisances=("offset", "state", *nuisances),
-        tied=pairs(tied),
-        starts=starts,
-        weighting=weighting,
-        settling=settling,
-        budget=budget,
-        seconds=seconds,
-        nested=nested,
-        session_prior=ratio(session_prior, "session-prior"),
-        mixed_origins=mixed_origins,
-    )
     shown = None if details else 1  # tables, and findings
     records = gather(paths, "fit", reading, warn=False)
     with stages() as progress:
         if each:
-            fits = identify_each(records, options, progress)
+            fits = []
+            for k, record in enumerate(records):
+                fits.append(fit(record, model, options))
+                progress("identifying", (k + 1) / len(records))
         elif by_specimen:
-            specimens = identify_by_specimen(records, options, progress)
+            assert model is not None
+            specimens = fit_specimens(records, model, options, progress=progress)
         else:
             try:
-                with findings_below():
-                    result = identify(records, options, progress, _cores())
+                with findings_below(), local_processes(_cores() if model is None else 1) as executor:
+                    result = fit(records, model, options, progress, executor)
             except Cut as cut:
                 board = cut.board
                 print_json({"leaderboard": board.as_dict()}) if as_json else print_result(board, shown, shown)
@@ -204,7 +122,7 @@ def command(
         problem = _problem_of(lambda: specimens.damper().save(save)) if save else None
         print_json(specimens.as_dict()) if as_json else print_result(specimens)
     else:
-        problem = _problem_of(lambda: result.card.save(save)) if save else None
+        problem = _problem_of(lambda: result.save(save)) if save else None
         if report:
             problem = problem or _problem_of(lambda: _write_page(result, report))
         print_json(result.as_dict()) if as_json else _print(result, shown)
@@ -221,31 +139,10 @@ def _problem_of(write: Callable[[], object]) -> Exception | None:
     return None
 
 
-def _write_page(result: Identified, path: Path) -> None:
+def _write_page(result: Fit, path: Path) -> None:
     from dampyr.show.pages.fit_page import write_fit_page
 
     write_fit_page(result, path)
-
-
-def _laws(given: tuple[str, ...]) -> str | dict[str, str] | None:
-    """One kind for all parameters, kinds by name, or both: ``"*"`` stands for the parameters that are not named."""
-    plain = [law for law in given if "=" not in law]
-    if len(plain) > 1:
-        raise InputError(
-            f"--law {plain[0]} and --law {plain[1]} are both for all parameters; leave one out, or write NAME={plain[1]}"
-        )
-    named = pairs(tuple(law for law in given if "=" in law))
-    return {"*": plain[0], **named} if plain and named else plain[0] if plain else named
-
-
-def _numbers(given: tuple[str, ...]) -> dict[str, float]:
-    values = {}
-    for name, text in (pairs(given) or {}).items():
-        try:
-            values[name] = float(text)
-        except ValueError:
-            raise InputError(f"--fix {name}={text}: {text!r} is not a number in SI units") from None
-    return values
 
 
 def _cores() -> int:
@@ -254,9 +151,9 @@ def _cores() -> int:
     return min(available, MAX_WORKERS)
 
 
-def _print(result: Identified, shown: int | None) -> None:
-    if result.board:
-        print_result(result.board, shown, shown)
+def _print(result: Fit, shown: int | None) -> None:
+    if result.leaderboard:
+        print_result(result.leaderboard, shown, shown)
         click.echo()
     print_result(result, shown, shown)
 

@@ -3,55 +3,45 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from dampyr.cli._examples import examples
-from dampyr.cli._motion import ratio
+from dampyr.cli._options import OptionsCommand
 from dampyr.cli._output import as_json_option, print_json, print_result, state_origin
 from dampyr.cli._records import Reading, gather, reading_options, role_option
 from dampyr.cli._report import report_options
 
+if TYPE_CHECKING:
+    from dampyr.identification import ScoreOptions
+
 
 @click.command(
+    cls=OptionsCommand,
+    options={"options": "dampyr.identification:ScoreOptions"},
+    first=1,
     epilog=examples(
         "dampyr validate damper.toml tests --role validation", "dampyr validate damper.toml tests --forces forces"
-    )
+    ),
 )
 @click.argument("card", type=click.Path(path_type=Path))
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
 @role_option()
-@click.option("--settling", default=2.0, show_default=True, help="s after the motion starts that are not scored.")
-@click.option(
-    "--band",
-    default="90%",
-    show_default=True,
-    metavar="SHARE",
-    help="How much of each record its predictive band is to hold; none for no bands.",
-)
-@click.option(
-    "--session-prior",
-    metavar="SHARE",
-    help="How much the force differs from one measurement session to another, in the place of what the card states.",
-)
 @click.option(
     "--forces", type=click.Path(path_type=Path), metavar="DIR", help="Write measured and predicted forces as CSV."
 )
 @report_options()
 @reading_options
-@click.option("--allow-extrapolation", is_flag=True, help="Also inputs that the card was not calibrated on.")
 @as_json_option
 def command(
     card: Path,
     paths: tuple[Path, ...],
     role: str | None,
-    settling: float,
-    band: str,
-    session_prior: str | None,
+    options: ScoreOptions,
     forces: Path | None,
     report: Path | None,
     reading: Reading,
-    allow_extrapolation: bool,
     as_json: bool,
 ) -> None:
     """Score a card on records that it predicts.
@@ -61,13 +51,10 @@ def command(
     for each record, with its time, displacement, measured force and predicted force; files that this command wrote before are
     replaced, others never.
     """
-    from dampyr.identification import ValidateOptions, validate
+    from dampyr.identification import validate
     from dampyr.phrases import counted
     from dampyr.studies import load_damper
 
-    share = None if band == "none" else ratio(band, "band")
-    prior = None if session_prior is None else ratio(session_prior, "session-prior")
-    options = ValidateOptions(settling, allow_extrapolation, share, prior)
     damper = load_damper(card)
     records = gather(paths, role, reading, reference_inputs=damper.range, warn=False)
     result = validate(damper, records, options, card=str(card))

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from dampyr.console.record_sources import OWN
+from dampyr.options import command_words
 
 if TYPE_CHECKING:
     from dampyr.console.building_schemas import (
@@ -49,23 +50,13 @@ def _options(request: Any, **flags: str) -> list[str]:
 
 def identify_command(request: IdentifyRequest) -> str:
     """As ``dampyr identify``."""
-    options = _options(
-        request, model="--model", tried="--try", predict="--predict", loss="--loss", weighting="--weighting",
-        settling="--settling", bandwidth="--bandwidth", session_prior="--session-prior",
-    )  # fmt: skip
-    return _command("identify", *_paths(request.records), *options)
+    model = ["--model", request.model] if request.model else []
+    return _command("identify", *_paths(request.records), *model, *command_words(request.options()))
 
 
 def validate_command(request: ValidateRequest) -> str:
     """As ``dampyr validate``."""
-    options = _options(
-        request,
-        settling="--settling",
-        allow_extrapolation="--allow-extrapolation",
-        band="--band",
-        session_prior="--session-prior",
-    )
-    return _command("validate", request.card, *_paths(request.records), *options)
+    return _command("validate", request.card, *_paths(request.records), *command_words(request.options()))
 
 
 def accept_command(request: Any) -> str:

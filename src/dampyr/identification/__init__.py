@@ -1,8 +1,8 @@
 """Identification: from records to parameters, their errors, and how well they predict.
 
-`fit` identifies any damper from one record or many; `limit_cycle` and `plastic_region` are the two methods of the
-dissertation for the viscous Dahl model; `score` says how well a damper predicts a record, `cross_validate` how well a model
-predicts records that it was not fitted on, `leaderboard` which model does it best; `residuals` analyses what a fit leaves,
+`fit` identifies any damper from one record or many, predicts records that it leaves out, and without a model chooses the one
+that does so best; `limit_cycle` and `plastic_region` are the two methods of the dissertation for the viscous Dahl model;
+`score` says how well a damper predicts a record; `residuals` analyses what a fit leaves,
 and the fit's ``findings`` say it in words; `accept` whether a record lies within a band about a reference damper. `profile` and
 `sample_posterior` say how well a number is known where the standard error is too simple, `identifiability` what the records
 cannot separate, and `fit_specimens` how the dampers of one type differ.
@@ -11,13 +11,13 @@ cannot separate, and `fit_specimens` how the dampers of one type differ.
 from dampyr.identification.acceptance_tests.accept_records import Accepted, AcceptOptions, accept_records
 from dampyr.identification.acceptance_tests.acceptance import Acceptance, Point, Tolerance, accept
 from dampyr.identification.fits.diagnostics import Trend
-from dampyr.identification.fits.fit import Fit, Nuisance, fit
-from dampyr.identification.fits.identify import Identified, IdentifyOptions, identify
+from dampyr.identification.fits.fit import fit
+from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.residuals import Residuals, Trace, analyse
-from dampyr.identification.fits.result import residuals
+from dampyr.identification.fits.result import Fit, Nuisance, residuals
 from dampyr.identification.limit_cycle_methods.limit_cycle import LimitCycle, limit_cycle
 from dampyr.identification.limit_cycle_methods.plastic_region import PlasticRegion, plastic_region
-from dampyr.identification.model_choice.leaderboard import Entry, Leaderboard, leaderboard
+from dampyr.identification.model_choice.leaderboard import Entry, Leaderboard
 from dampyr.identification.model_choice.screening import Screened, Trial
 from dampyr.identification.parameter_uncertainty.identifiability import Identifiability, Inseparable, identifiability
 from dampyr.identification.parameter_uncertainty.levels import Levels
@@ -27,17 +27,17 @@ from dampyr.identification.parameter_uncertainty.specimens import Specimens, Spr
 from dampyr.identification.scoring.prediction_band import Band, Interval, prediction_band
 from dampyr.identification.scoring.score import Score, prediction, score
 from dampyr.identification.scoring.scoring_window import Window
-from dampyr.identification.scoring.validate import Validated, ValidateOptions, validate
-from dampyr.identification.scoring.validation import Fold, Validation, cross_validate
+from dampyr.identification.scoring.validate import ScoreOptions, Validated, validate
+from dampyr.identification.scoring.validation import Fold, Validation
 
 __all__ = [
-    "AcceptOptions", "Acceptance", "Accepted", "IdentifyOptions", "Identified", "ValidateOptions", "Validated",
-    "accept_records", "identify", "validate",
+    "AcceptOptions", "Acceptance", "Accepted", "FitOptions", "ScoreOptions", "Validated",
+    "accept_records", "validate",
     "Band", "Interval", "Levels", "prediction_band",
     "Inseparable", "Identifiability", "Posterior", "Profile", "Specimens", "Spread",
     "fit_specimens", "identifiability", "profile", "sample_posterior",
     "Entry", "Fit", "Fold", "Leaderboard", "LimitCycle", "Nuisance", "PlasticRegion", "Point", "Residuals",
     "Score", "Screened", "Tolerance", "Trace", "Trend", "Trial", "Validation", "Window",
-    "accept", "analyse", "cross_validate", "fit", "leaderboard", "limit_cycle",
+    "accept", "analyse", "fit", "limit_cycle",
     "plastic_region", "prediction", "residuals", "score",
 ]  # fmt: skip

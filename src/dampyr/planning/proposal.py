@@ -15,7 +15,8 @@ from dampyr.campaigns.campaign import Campaign, campaign_of
 from dampyr.campaigns.force_prediction import specimen
 from dampyr.errors import InputError
 from dampyr.findings import OF_DAMPER, Finding, handed_on
-from dampyr.identification import Fit, fit
+from dampyr.identification import Fit, FitOptions
+from dampyr.identification.fits.least_squares import fit_model
 from dampyr.models import Constant, Damper
 from dampyr.origin import Origin
 from dampyr.phrases import listing
@@ -261,8 +262,10 @@ def fitted(
     def show(step: int, _: float) -> None:
         progress("fitting the model", step / (step + 20.0))
 
-    shared: dict[str, Any] = {"bandwidth": options.bandwidth, "mixed_origins": options.mixed_origins}
-    result = fit(model, listed, options.laws, options.fixed or None, progress=show, **shared)
+    of_fit = FitOptions(
+        laws=options.laws, fixed=options.fixed, bandwidth=options.bandwidth, mixed_origins=options.mixed_origins
+    )
+    result = fit_model(model, listed, of_fit, show)
     progress("fitting the model", 1.0)
     return result
 

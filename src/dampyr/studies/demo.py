@@ -128,15 +128,7 @@ def demo(folder: str | Path, progress: Progress = lambda stage, done: None) -> D
     out = Path(folder)
     fitted, held_out = _perform(out / "records", progress)
     progress("identifying", 0.0)
-    fit_result = fit(
-        MODEL,
-        fitted,
-        LAWS,
-        FIXED,
-        bandwidth=BANDWIDTH,
-        progress=lambda k, _: progress("identifying", min(k / 40, 1.0)),
-    )
-    progress("identifying", 1.0)
+    fit_result = fit(fitted, MODEL, laws=LAWS, fixed=FIXED, bandwidth=BANDWIDTH, progress=progress)
     if fit_result.damper is None:
         raise RuntimeError(f"the demonstration's fit gave no damper: {fit_result.reason}")
     fit_result.damper.save(out / "damper.toml")

@@ -23,7 +23,7 @@ def identified(client, finished, campaign_folder):
 
 def test_the_fit_is_that_of_the_room_and_the_card_is_kept(client, identified, data, campaign_folder):
     chosen = [r for r in records.read_campaign(campaign_folder) if r.name in ("ensaio.A.1", "ensaio.B.3")]
-    own, output = identification.fit("dahl + spring", chosen), identified["result"]
+    own, output = identification.fit(chosen, "dahl + spring"), identified["result"]
     assert output["records"] == ["ensaio.A.1", "ensaio.B.3", "ensaio.vali.1"]
     assert output["mean_l1"] == pytest.approx(sum(s.l1 for s in own.scores.values()) / 2, rel=1e-6)
     shown, between, errors = (each["rows"] for each in output["parameters"])
@@ -59,7 +59,7 @@ def test_the_fit_is_that_of_the_room_and_the_card_is_kept(client, identified, da
         ({"records": KEYS[:1], "model": "dahl + nothing"}, "nothing"),
         ({"records": ["labcontrol/none.mat"], "model": "dahl"}, "no such file"),
         ({"records": KEYS[:1], "model": "dahl", "bandwidth": -1}, "greater than 0"),
-        ({"records": KEYS[:1], "model": "dahl", "session_prior": 8}, "less than 1"),
+        ({"records": KEYS[:1], "model": "dahl", "session_prior": 8}, "less than or equal to 1"),
     ],
 )
 def test_a_wrong_question_is_a_sentence(client, campaign_folder, request_body, words):
@@ -85,7 +85,7 @@ def test_the_levels_of_sessions_are_those_that_the_form_states(client, finished,
 @pytest.mark.by_hand  # tests/stories/test_one_job_three_ways.py asks for one too, and compares all of it
 def test_a_leaderboard_of_two(client, finished, campaign_folder):
     keys = [f"labcontrol/ensaio.{name}.mat" for name in ("A.1", "A.4", "A.8", "B.3", "B.8")]
-    job = client.post("/api/identify/jobs", json={"records": keys, "tried": ["dahl", "bingham"]}).json()
+    job = client.post("/api/identify/jobs", json={"records": keys, "models": ["dahl", "bingham"]}).json()
     done = finished(job["id"])
     assert done["state"] == "done", done["reason"]
     board = done["result"]["data"]["leaderboard"]["entries"]

@@ -40,7 +40,7 @@ def records(volts: tuple[float, ...] = VOLTS, each: int = 2) -> list[Record]:
 
 @pytest.fixture(scope="module")
 def joint() -> Fit:
-    return fit("dahl", records())
+    return fit(records(), "dahl")
 
 
 def as_current(record: Record) -> Record:
@@ -70,19 +70,19 @@ def walk(name: str) -> Record:
 
 
 CASES: dict[str, Callable[[], Fit]] = {
-    "several inputs": lambda: fit("dahl", records()),
-    "a single record": lambda: fit("dahl", records((1.0,), 1)),
-    "one voltage": lambda: fit("dahl", records((2.0,), 3)),
-    "current": lambda: fit("dahl", [as_current(r) for r in records()]),
+    "several inputs": lambda: fit(records(), "dahl"),
+    "a single record": lambda: fit(records((1.0,), 1), "dahl"),
+    "one voltage": lambda: fit(records((2.0,), 3), "dahl"),
+    "current": lambda: fit([as_current(r) for r in records()], "dahl"),
     "no damper": lambda: replace(
-        fit("dahl", records()), bare=None, converged=False, reason="the numbers make no damper"
+        fit(records(), "dahl"), bare=None, converged=False, reason="the numbers make no damper"
     ),
-    "unknown errors": lambda: unknown(fit("dahl", records())),
-    "one parameter": lambda: fit("dahl", records((1.0,), 1), fixed={"dahl.kw": 200.0, "dahl.rho": 3000.0}),
-    "no whole cycle": lambda: fit("dahl", [walk("one"), walk("two")], fixed={"dahl.kw": 1.0, "dahl.rho": 3000.0}),
-    "an input each": lambda: fit("dahl", records(tuple(np.linspace(0.0, 2.0, 9)), 1), laws="polynomial:1"),
+    "unknown errors": lambda: unknown(fit(records(), "dahl")),
+    "one parameter": lambda: fit(records((1.0,), 1), "dahl", fixed={"dahl.kw": 200.0, "dahl.rho": 3000.0}),
+    "no whole cycle": lambda: fit([walk("one"), walk("two")], "dahl", fixed={"dahl.kw": 1.0, "dahl.rho": 3000.0}),
+    "an input each": lambda: fit(records(tuple(np.linspace(0.0, 2.0, 9)), 1), "dahl", laws="polynomial:1"),
     "a varying input": lambda: fit(
-        "dahl", [replace(r, voltage=np.linspace(0.9, 1.1, r.n)) for r in records((1.0,))], laws="constant"
+        [replace(r, voltage=np.linspace(0.9, 1.1, r.n)) for r in records((1.0,))], "dahl", laws="constant"
     ),
 }
 
@@ -111,7 +111,7 @@ def test_a_page_is_written_for_every_kind_of_fit(name: str, tmp_path: Path) -> N
 
 @pytest.mark.prove
 def test_errors_of_one_or_two_records_are_labelled_and_give_no_interval(tmp_path: Path) -> None:
-    fit_result = fit("dahl", [*records((0.0,), 3), *records((2.0,), 2)], laws={"dahl.rho": "constant"})
+    fit_result = fit([*records((0.0,), 3), *records((2.0,), 2)], "dahl", laws={"dahl.rho": "constant"})
     values, _, errors = parameter_tables(fit_result)
     assert values.columns == ("parameter", "unit", "all inputs", "0 V", "2 V")
     by_name = {row[0]: row for row in values.rows}
@@ -128,7 +128,7 @@ def test_errors_of_one_or_two_records_are_labelled_and_give_no_interval(tmp_path
 
 
 def test_intervals_are_those_of_the_fit_in_the_units_of_people() -> None:
-    fit_result = fit("dahl", records(each=3))
+    fit_result = fit(records(each=3), "dahl")
     values, _, errors = parameter_tables(fit_result)
     row = next(row for row in values.rows if row[0] == "dahl.kx")
     label = "dahl.kx @ 1 V"
@@ -224,7 +224,7 @@ def test_a_validation_that_predicted_nothing_is_shown(joint: Fit) -> None:
 
 def test_a_misfit_is_told_before_anything_else(tmp_path: Path) -> None:
     skewed = [replace(r, force=r.force + 3000.0 * np.abs(r.velocity)) for r in records()]
-    reader = Reader(write_fit_page(fit("dahl", skewed), tmp_path / "page.html").read_text("utf-8"))
+    reader = Reader(write_fit_page(fit(skewed, "dahl"), tmp_path / "page.html").read_text("utf-8"))
     text = " ".join(reader.inside("p"))
     assert text.index("Before you use the numbers:") < text.index("the intervals describe the fit")
     assert text.count("the intervals describe the fit") == 1

@@ -20,8 +20,9 @@ from dampyr.console.page_words import in_page_words
 from dampyr.console.safe_paths import data_of
 from dampyr.errors import InputError
 from dampyr.findings import besides
-from dampyr.identification import Fit, Identified, identify, prediction, score
+from dampyr.identification import Fit, fit, prediction, score
 from dampyr.identification.fits.diagnostics import findings
+from dampyr.identification.model_choice.parallel import local_processes
 from dampyr.records import Record
 from dampyr.show.identification.leaderboard import choice_in_words
 from dampyr.show.identification.validation import score_table
@@ -39,50 +40,48 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
     progress("reading the records", 0.0)
     chosen = record_sources.read_all(data_of(folder), parsed.records)
     workers = min((os.cpu_count() or 2) - 1, MAX_WORKERS)  # one core is left to the console and the rig
-    result = identify(chosen, parsed.options(), progress, workers)
+    with local_processes(workers if parsed.model is None else 1) as executor:
+        result = fit(chosen, parsed.model, parsed.options(), progress, executor)
     progress("writing the page", 0.9)
     with made_by(identify_command(parsed)):
         write_fit_page(result, folder / PAGE)
     if result.damper is not None:
         result.damper.save(folder / CARD)
-    write_whole(folder / CURVES, json.dumps(_curves(result.fit, result.validation_records)))
+    write_whole(folder / CURVES, json.dumps(_curves(result, result.validation_records)))
     return {DATA: result.as_dict(), **_summarise(result)}
 
 
-def _summarise(result: Identified) -> dict[str, Any]:
+def _summarise(fit: Fit) -> dict[str, Any]:
     """What the page shows in its own form, besides the data."""
-    fit = result.fit
     scores = score_table(fit.scores)
     l1 = [one.l1 for one in fit.scores.values()]
     return {
         "model": str(fit.problem.composition),
-        "notice": result.origin.notice,
+        "notice": fit.origin.notice,
         "card": fit.damper is not None,
         "converged": fit.converged,
         "reason": fit.reason,
         "verdict": {"kind": fit.verdict.kind, "words": fit.verdict.words},
-        "warnings_of_fit": [
-            in_page_words(finding.sentence) for finding in besides(result.findings, [fit.verdict.words])
-        ],
+        "warnings_of_fit": [in_page_words(finding.sentence) for finding in besides(fit.findings, [fit.verdict.words])],
         "findings": list(findings(fit.residuals)),
         "mean_l1": float(np.mean(l1)),
         "parameters": [
             {"columns": list(one.columns), "rows": [list(row) for row in one.rows], "caption": one.caption}
             for one in parameter_tables(fit)
         ],
-        "choice": choice_in_words(result.board) if result.board else [],
+        "choice": choice_in_words(fit.leaderboard) if fit.leaderboard else [],
         "settling": fit.settling,
         "scores": {
             "columns": list(scores.columns),
             "units": list(scores.units),
             "rows": [list(r) for r in scores.rows],
         },
-        "records": [record.name for record in (*fit.records, *result.validation_records)],
+        "records": [record.name for record in (*fit.records, *fit.validation_records)],
         "held": [
             {"record": name, "l1": math.nan, "problem": one}
             if isinstance(one, str)
             else {"record": name, "l1": one.l1, "problem": ""}
-            for name, one in result.predicted.items()
+            for name, one in fit.predicted.items()
         ],
         "predictions": [
             {
@@ -90,7 +89,7 @@ def _summarise(result: Identified) -> dict[str, Any]:
                 "mean_l1": float(np.mean([s.l1 for s in one.scores.values()])),
                 "records": len(one.scores),
             }
-            for one in result.validations
+            for one in fit.validations
             if one.scores
         ],
     }

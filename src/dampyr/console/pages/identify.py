@@ -15,10 +15,12 @@ from dampyr.console.dampers import CARDS, damper_of, title_of
 from dampyr.console.identify_schemas import IdentifyRequest, ValidateRequest
 from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import CARD, CURVES, PAGE
+from dampyr.console.option_schemas import form_of
 from dampyr.console.state import AppState, Here
 from dampyr.errors import InputError, MissingData
-from dampyr.identification.fits.identify import choices
-from dampyr.models import Damper
+from dampyr.identification import FitOptions
+from dampyr.models import Damper, available_parts
+from dampyr.models.part import part
 
 TITLE, ORDER = "Identify", 40
 KIND, VALIDATION = "identify", "validate"
@@ -27,13 +29,11 @@ router = APIRouter()
 
 
 class Choices(BaseModel):
-    """What can be chosen: models, add-ons, and losses, splits and kinds of export with their words."""
+    """What can be chosen: models, add-ons, the options of a fit, and kinds of export with their words."""
 
     models: list[str]
     add_ons: list[str]
-    losses: dict[str, str]
-    weightings: dict[str, str]
-    splits: dict[str, str]
+    options: list[dict[str, Any]]
     exports: dict[str, str]
 
 
@@ -52,14 +52,20 @@ class SavedCard(BaseModel):
 @router.get("/choices")
 def list_choices() -> Choices:
     """Allowed values of a request."""
-    return Choices(**choices(), exports=export_kinds())
+    names = {name: part(name).add_on for name in available_parts()}
+    return Choices(
+        models=[name for name, add_on in names.items() if not add_on],
+        add_ons=[name for name, add_on in names.items() if add_on],
+        options=form_of(FitOptions),
+        exports=export_kinds(),
+    )
 
 
 @router.post("/jobs", status_code=202)
 def start_identification(here: Here, request: IdentifyRequest) -> JobState:
     """Start to identify; the job reports progress and has the result."""
     _check_keys(here, request.records)
-    request.options()
+    request.options().check_of_model(request.model)
     title = f"{request.model or 'the best model'}, {_counted(len(request.records))}"
     return as_job_state(here.jobs.submit(KIND, request.model_dump(), title))
 

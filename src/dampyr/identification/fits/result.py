@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 import warnings
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,6 +66,11 @@ class Fit(Shown):
     ``starts`` is the number of starts, and how many of them ended in the same optimum;
     ``settling`` what ``scores`` leave out, s. ``levels`` says how records and measurement sessions differ
     (`dampyr.identification.parameter_uncertainty.levels`), None where the numbers make no damper.
+
+    ``leaderboard`` is the search that chose the model, None where one was named; ``validations`` are the predictions of records
+    that were left out of a fit. ``predicted`` holds the scores of the records of the role "validation", or why one could not be
+    predicted; ``beyond`` says which of them move more slowly or in smaller reversals than what was fitted
+    (`dampyr.identification.fits.motion_coverage`).
     """
 
     bare: Damper | None
@@ -85,11 +92,21 @@ class Fit(Shown):
     starts: tuple[int, int] = (1, 1)
     settling: float = SETTLING
     levels: Levels | None = None
+    # a `Leaderboard`, whose entries hold fits: the module that defines it imports this one
+    leaderboard: Any = field(default=None, repr=False)
+    validations: tuple[Any, ...] = field(default=(), repr=False)  # of `Validation`, whose module imports this one too
+    predicted: Mapping[str, Score | str] = field(default_factory=dict)
+    validation_records: tuple[Record, ...] = field(default=(), repr=False)
+    beyond: Mapping[str, str] = field(default_factory=dict)
 
     @cached_property
     def damper(self) -> Damper | None:
-        """The damper with what remains true of it, which its card and what is made of it repeat."""
-        return None if self.bare is None else replace(self.bare, findings=Findings(lambda: self._of_damper))
+        """The damper with what remains true of it, which its card and what is made of it repeat; its provenance says why its
+        model was chosen."""
+        if self.bare is None:
+            return None
+        provenance = dict(self.bare.provenance) | (reasons_of_choice(self.leaderboard) if self.leaderboard else {})
+        return replace(self.bare, provenance=provenance, findings=Findings(lambda: self._of_damper))
 
     @cached_property
     def _of_damper(self) -> tuple[Finding, ...]:
@@ -99,8 +116,10 @@ class Fit(Shown):
 
     @cached_property
     def findings(self) -> tuple[Finding, ...]:
-        """All that a reader should know of the fit and of its records, each once, the worst first."""
-        return worst_first(self._of_damper, [Finding("note", words) for words in _level_notes(self.levels)])
+        """All that a reader should know of the fit and of all records, each once, the worst first."""
+        of_levels = [Finding("note", words) for words in _level_notes(self.levels)]
+        beyond = (Finding("doubt", words) for words in self.beyond.values())
+        return worst_first(worst_first(self._of_damper, of_levels), handed_on(self.validation_records), beyond)
 
     @property
     def optimum(self) -> Optimum:
@@ -207,6 +226,21 @@ class Fit(Shown):
                 window = max(motion_start(record) + settling, float(compared[0])), float(compared[-1])
             scores[record.name] = compare(record, whole, settling, window)
         return scores
+
+
+def reasons_of_choice(board: Any) -> dict[str, str]:
+    """Why a model was chosen, for the provenance of a card: its error, and the runner-up with its own."""
+    error, count, best = 100 * board.winner.error, len(board.screened), board.best
+    words = f"the lowest validation error, {error:.3g} %, of {count} models"
+    if board.winner is not best:
+        words = (
+            f"the simplest within one standard error of the lowest validation error of {count} models: "
+            f"{error:.3g} %, against {100 * best.error:.3g} ± {100 * best.standard_error:.2g} % of {best.model}"
+        )
+    reasons = {"chosen": words}
+    if board.runner_up:
+        reasons["runner-up"] = f"{board.runner_up.model}, {100 * board.runner_up.error:.3g} %"
+    return reasons
 
 
 def residuals(fit: Fit) -> Residuals:

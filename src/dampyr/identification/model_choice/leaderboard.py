@@ -40,7 +40,9 @@ import numpy as np
 
 from dampyr.argument_kinds import RECORDS, Argument, check_kinds
 from dampyr.errors import DampyrWarning, InputError
-from dampyr.identification.fits.fit import Fit, fit
+from dampyr.identification.fits.fit_options import BUDGET, FitOptions
+from dampyr.identification.fits.least_squares import fit_model
+from dampyr.identification.fits.result import Fit
 from dampyr.identification.model_choice import parallel
 from dampyr.identification.model_choice.screening import (
     BETWEEN,
@@ -54,7 +56,7 @@ from dampyr.identification.model_choice.screening import (
     validation_error,
 )
 from dampyr.identification.scoring.score import score
-from dampyr.identification.scoring.scoring_window import SETTLING, scorable, too_short
+from dampyr.identification.scoring.scoring_window import scorable, too_short
 from dampyr.identification.scoring.splits import split_tasks
 from dampyr.identification.scoring.validation import Fold, Validation, validation_jobs
 from dampyr.identification.search.work import OUT_OF_WORK
@@ -66,11 +68,8 @@ from dampyr.records import Record, cut
 from dampyr.records.conditioning.velocity import check_bandwidth
 from dampyr.shown import Shown
 
-ADD_ONS = ("compliance", "spring", "delay", "lag")  # tried in this order: what matters most comes before work is short
 FINAL_STEPS = 300  # of a finalist's fits: more than the default, as no start is chosen by hand
-FINALISTS = 5  # each costs a fit and two cross-validations of all records
 PARTS = 5  # of the records, left out in turn
-BUDGET = 480.0  # counted s: two cores take four minutes for it, with what compiles and the last fits five
 SCREENING_SHARE = 0.85  # of the budget, after which no further add-on is tried
 # Of the budget for one fit of the screening: beyond it a model is too slow to be preferred anyway.
 TRIAL_SHARE = 1 / 120
@@ -175,111 +174,89 @@ class Cut(InputError):
 
 def leaderboard(
     records: Sequence[Record],
-    models: Sequence[str] | None = None,
-    add_ons: Sequence[str] = ADD_ONS,
-    finalists: int = FINALISTS,
-    seed: int = 0,
+    options: FitOptions | None = None,
     executor: Executor | None = None,
     progress: Callable[[str, float], None] | None = None,
-    budget: float | None = BUDGET,
-    nested: bool = False,
-    seconds: float | None = None,
-    **options: Any,
 ) -> Leaderboard:
-    """Rank models by what they predict of records that they were not fitted on.
+    """Rank models by what they predict of records that they were not fitted on: `dampyr.identification.fit` without a model.
 
     Parameters
     ----------
     records
         five or more, at one input or several; fewer are cut into five pieces or more, which ``left_out`` says: their errors are
         those of more of the same tests.
-    models
-        compositions to begin from; None takes every model of the catalogue that is no add-on, and the pairs of `PAIRS`.
-    add_ons
-        tried in addition, greedily.
-    finalists
-        how many are validated on all records.
+    options
+        ``models`` are compositions to begin from, none of them every model of the catalogue that is no add-on, and the
+        pairs of `PAIRS`; ``add_ons`` are tried in addition, greedily; ``finalists`` are validated on all records.
+        ``bandwidth`` is chosen by a probe where it is not given: as recorded, or derived from the displacement with 15 times
+        the highest test frequency (each record with its own where no bandwidth serves all). After 85 % of the ``budget``
+        (`BUDGET` without one) no further add-on is tried, no fit of a trial takes more than a 120th of it, and no fit to all
+        records more than a 16th; what was stopped says so, and where it is stopped does not depend on the machine. After
+        ``seconds`` no further trial or fit begins: what is cut then depends on the machine, so `cut` says it, the entries are
+        the finalists that were finished, and none is chosen. ``nested`` repeats all, screening and choice, five times without
+        a fifth of the records, and scores what each choice predicts of it: an estimate without the optimism of choosing. The
+        others are of every fit.
     executor
         runs the trials, such as ``ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn"))``; None runs them one
         after the other. The result is the same to the last digit. Forked processes are refused: in trials they crashed after
         compiled code had run in the process that they came from.
     progress
         called with what is being done and the fraction done, every few seconds where an executor runs the trials.
-    budget
-        work of the whole, about, counted s of one core (`dampyr.identification.search.work`): after 85 % of it no further
-        add-on is tried, no fit of a trial takes more than a 120th of it, and no fit to all records more than a 16th. What was
-        stopped says so; where it is stopped does not depend on the machine. None: no limit.
-    seconds
-        on the clock, after which no further trial or fit begins. What is cut then depends on the machine, so `cut` says it, the
-        entries are the finalists that were finished, and none is chosen. None: no limit.
-    nested
-        also repeat all, screening and choice, five times without a fifth of the records, and score what each choice predicts of
-        it: an estimate without the optimism of choosing.
-    options
-        of `dampyr.identification.fit`, for every fit. ``bandwidth`` is chosen by a probe where it is not given: as recorded, or
-        derived from the displacement with 15 times the highest test frequency (each record with its own where no bandwidth
-        serves all).
 
     Raises :class:`~dampyr.errors.InputError` for records that are too short to be cut into five, or to be scored, or where no
     model could be fitted.
     """
     parallel.refuse_forks(executor)
     check_kinds("leaderboard", Argument("records", records, (Record,), RECORDS, several=True))
+    options = options or FitOptions()
     listed = [r for r in records if r.role != "validation"]
-    if not options.get("mixed_origins"):
+    if not options.mixed_origins:
         check_one_kind(listed)
     unknown = [r.name for r in listed if r.input is None]
     if unknown:
         raise InputError(f"{unknown[0]}: its voltage is not known; read it with voltage= (or current=)")
-    if budget is not None and not budget > 0:
-        raise InputError(f"budget = {budget:g} s is not allowed; give work above 0, or None for no limit")
-    if seconds is not None and not seconds > 0:
-        raise InputError(f"seconds = {seconds:g} is not allowed; give a time above 0, or None for no limit")
-    settling = options.get("settling", SETTLING)
     whole = listed
-    listed, pieces = enough_records(whole, settling)
-    scorable(listed, settling)
+    listed, pieces = enough_records(whole, options.settling)
+    scorable(listed, options.settling)
     begun = time.perf_counter()
-    deadline = math.inf if seconds is None else time.time() + seconds
-    limit = math.inf if budget is None else budget
+    deadline = math.inf if options.seconds is None else time.time() + options.seconds
+    budget = BUDGET if options.budget is None else options.budget
     report = progress or (lambda what, done: None)
-    given = bandwidth = options.pop("bandwidth", None)
+    bandwidth = options.bandwidth
     if bandwidth is not None:
         check_bandwidth(listed, bandwidth)
     report("choosing the velocity", 0.0)
-    in_trials = options | ({} if budget is None else {"budget": TRIAL_SHARE * budget})
+    of_fits = replace(options, bandwidth=None, seconds=None)
+    in_trials = replace(of_fits, budget=TRIAL_SHARE * budget)
     spent = 0.0
     if bandwidth is None:
         bandwidth, spent = chosen_bandwidth(
             listed, in_trials, executor, lambda done: report("choosing the velocity", done)
         )
     small = screening_set(listed, bandwidth)  # with its velocity, so that no trial derives it from thinned samples
-    allowed, left_out = _allowed(add_ons, listed)
-    bases = list(models) if models else [*(name for name in available_parts() if not part(name).add_on), *PAIRS]
+    allowed, left_out = _allowed(options.add_ons, listed)
+    bases = [*options.models] or [*(name for name in available_parts() if not part(name).add_on), *PAIRS]
     screened, unfinished = screen_all(
         bases,
         small,
-        allowed,
-        seed,
-        in_trials,
+        replace(in_trials, add_ons=allowed),
         executor,
         lambda done: report("screening models", done),
-        SCREENING_SHARE * limit - spent,
+        SCREENING_SHARE * budget - spent,
         deadline,
     )
     spent += sum(trial.work for one in screened for trial in one.trials)
     cut = any(trial.reason == CUT for one in screened for trial in one.trials)
-    chosen = [] if cut else _finalists(screened, finalists)
+    chosen = [] if cut else _finalists(screened, options.finalists)
     if not chosen and not cut:
         raise InputError(f"no model could be fitted; the first failed: {screened[0].bare.reason}")
     entries = _judged(
         chosen,
         listed,
         whole,
-        seed,
-        options | {"bandwidth": bandwidth},
+        replace(of_fits, bandwidth=bandwidth),
         executor,
-        math.inf if budget is None else budget - spent,
+        budget - spent,
         budget,
         lambda done: report("validating the best", done),
         deadline,
@@ -295,23 +272,13 @@ def leaderboard(
         tuple(notes),
         time.perf_counter() - begun,
         optimism(ranked),
-        cut=_cut_words(screened, missing, seconds) if cut or missing else "",
+        cut=_cut_words(screened, missing, options.seconds) if cut or missing else "",
         work=spent,
         origin=combined(r.origin for r in whole),
     )
-    if not nested or board.cut:
+    if not options.nested or board.cut:
         return board
-    repeat = partial(
-        leaderboard,
-        models=models,
-        add_ons=add_ons,
-        finalists=finalists,
-        executor=executor,
-        budget=budget,
-        bandwidth=given,
-        **options,
-    )
-    error = _nested_error(repeat, listed, seed, settling, report, deadline)
+    error = _nested_error(listed, replace(options, nested=False), executor, report, deadline)
     return replace(board, nested=error, seconds=time.perf_counter() - begun)
 
 
@@ -358,11 +325,10 @@ def _judged(
     models: Sequence[str],
     records: list[Record],
     whole: list[Record],
-    seed: int,
-    options: dict[str, Any],
+    options: FitOptions,
     executor: Executor | None,
     remaining: float,
-    budget: float | None,
+    budget: float,
     report: Callable[[float], None],
     deadline: float,
 ) -> list[Entry]:
@@ -372,15 +338,15 @@ def _judged(
     fits have equal shares, twice over as most end before. Finalists that ``deadline`` cuts, of ``time.time``, are left out.
     """
     splits = ["record"] + ["input"] * (len({r.input_value for r in records}) > 2)
-    if budget is not None:
-        count = len(models) * (1 + sum(len(split_tasks(records, split, PARTS, seed)) for split in splits))
-        share = 2.0 * max(remaining, 0.0) / max(count, 1)
-        options = options | {"budget": max(LEAST_WORK, min(FINAL_SHARE * budget, share))}
+    options = replace(options, folds=PARTS, steps=FINAL_STEPS)
+    count = len(models) * (1 + sum(len(split_tasks(records, split, PARTS, options.seed)) for split in splits))
+    share = 2.0 * max(remaining, 0.0) / max(count, 1)
+    options = replace(options, budget=max(LEAST_WORK, min(FINAL_SHARE * budget, share)))
     jobs: list[tuple[str, Callable[[], Any]]] = []
     planned = []
     for model in models:
-        own = options | {"steps": FINAL_STEPS, "fixed": held_in(model) | dict(options.get("fixed") or {})}
-        parts = [validation_jobs(model, records, split, PARTS, seed, **own) for split in splits]
+        own = replace(options, fixed=held_in(model) | dict(options.fixed))
+        parts = [validation_jobs(records, model, split, own) for split in splits]
         jobs += [(model, job) for some, _ in parts for job in some] + [(model, partial(_timed_fit, model, whole, own))]
         planned.append((model, parts))
     # The slowest first, so that no core waits for another at the end.
@@ -403,9 +369,9 @@ def _quiet(job: Callable[[], Any]) -> Any:
         return job()
 
 
-def _timed_fit(model: str, records: list[Record], options: dict[str, Any]) -> tuple[Fit, float]:
+def _timed_fit(model: str, records: list[Record], options: FitOptions) -> tuple[Fit, float]:
     begun = time.perf_counter()
-    return fit(model, records, **options), time.perf_counter() - begun
+    return fit_model(model, records, options), time.perf_counter() - begun
 
 
 def _entry(model: str, validations: list[Validation], fit_result: Fit, seconds: float) -> Entry:
@@ -516,21 +482,22 @@ def _stopped(screened: Sequence[Screened], unfinished: Sequence[str], entries: S
 
 
 def _nested_error(
-    repeat: Callable[..., Leaderboard],
     records: list[Record],
-    seed: int,
-    settling: float,
+    options: FitOptions,
+    executor: Executor | None,
     report: Callable[[str, float], None],
     deadline: float,
 ) -> float:
     """The mean L1 ratio of records that a whole search did not see, by the model that it chose; NaN after ``deadline``."""
-    tasks = split_tasks(records, "record", PARTS, seed)
+    tasks = split_tasks(records, "record", PARTS, options.seed)
     values = []
     for k, task in enumerate(tasks):
         report("choosing again without a fifth of the records", k / len(tasks))
         left = None if deadline == math.inf else deadline - time.time()
-        board = repeat(task.fitted, seed=seed, seconds=left) if left is None or left > 0 else None
-        if board is None or board.cut:
+        if left is not None and left <= 0:
+            return float("nan")
+        board = leaderboard(task.fitted, replace(options, seconds=left), executor)
+        if board.cut:
             return float("nan")
         damper = board.winner.fit.bare if board.winner.fit else None
         if damper is None:
@@ -538,9 +505,9 @@ def _nested_error(
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DampyrWarning)
             values += [
-                score(damper, target.record, settling, allow_extrapolation=True).l1
+                score(damper, target.record, options.settling, allow_extrapolation=True).l1
                 for target in task.predicted
-                if not too_short(target.record, settling)
+                if not too_short(target.record, options.settling)
             ]
     report("choosing again without a fifth of the records", 1.0)
     return float(np.mean(values))

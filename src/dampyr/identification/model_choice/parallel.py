@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
+from contextlib import contextmanager
+from multiprocessing import get_context
 from typing import Any
 
 from dampyr.errors import InputError
@@ -21,6 +23,16 @@ def refuse_forks(executor: Executor | None) -> None:
             "the executor forks its processes, which may crash after compiled code has run; make it with "
             "mp_context=multiprocessing.get_context('spawn')"
         )
+
+
+@contextmanager
+def local_processes(workers: int) -> Iterator[Executor | None]:
+    """An executor of ``workers`` processes on this machine; None for one, which is this one."""
+    if workers <= 1:
+        yield None
+        return
+    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as executor:
+        yield executor
 
 
 def run_all(

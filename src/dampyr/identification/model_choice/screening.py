@@ -5,19 +5,19 @@ from __future__ import annotations
 import math
 import time
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 
 from dampyr.errors import DampyrWarning, InputError
+from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.model_choice import parallel
 from dampyr.identification.scoring.validation import Validation, cross_validate
 from dampyr.identification.search.work import OUT_OF_TIME, OUT_OF_WORK
-from dampyr.models import compose
+from dampyr.models import Composition, Damper, compose
 from dampyr.records import Record, cycles, measure, motion_start, with_velocity
 from dampyr.records.conditioning.velocity import check_bandwidth, default_bandwidth
 from dampyr.shown import Shown
@@ -72,7 +72,7 @@ class Screened(Shown):
 
 def chosen_bandwidth(
     records: list[Record],
-    options: dict[str, Any],
+    options: FitOptions,
     executor: Executor | None = None,
     progress: Callable[[float], None] = lambda done: None,
 ) -> tuple[float | None, float]:
@@ -89,7 +89,7 @@ def chosen_bandwidth(
         derived = None
     if derived is None or any(record.velocity is None for record in records):
         return derived, 0.0
-    jobs = [partial(trial, PROBE, screening_set(records, b), 0, options) for b in (None, derived)]
+    jobs = [partial(trial, PROBE, screening_set(records, b), replace(options, seed=0)) for b in (None, derived)]
     recorded, smooth = parallel.run_all(jobs, executor, progress)
     return None if recorded.error < smooth.error else derived, recorded.work + smooth.work
 
@@ -97,22 +97,20 @@ def chosen_bandwidth(
 def screen_all(
     bases: Sequence[str],
     small: list[Record],
-    add_ons: Sequence[str],
-    seed: int,
-    options: dict[str, Any],
+    options: FitOptions,
     executor: Executor | None,
     progress: Callable[[float], None],
     limit: float = math.inf,
     deadline: float = math.inf,
 ) -> tuple[list[Screened], list[str]]:
-    """Every model bare and with each add-on; then, round by round, those in contention with one more.
+    """Every model bare and with each of ``options.add_ons``; then, round by round, those in contention with one more.
 
     Every bare model is tried. Of the others none counts after those that together, in their order, have spent ``limit``,
     counted s; the models that would have been gone on with, or have trials that were not done, are returned too. No trial
     begins after ``deadline``, a value of ``time.time`` in s: those that it cuts have the reason `CUT`.
     """
     trials: dict[str, list[Trial]] = {base: [] for base in bases}
-    ends = {base: base for base in bases}
+    ends, add_ons = {base: base for base in bases}, options.add_ons
     going, rounds, tally = list(bases), max(len(add_ons), 1), _Tally(limit, len(bases))
     for k in range(rounds):
         if not going or tally.used_up:
@@ -121,7 +119,7 @@ def screen_all(
         # Each add-on with all models before the next one, so that a lack of work is the same for all.
         tried = range(max(map(len, plan.values())))
         models = [model for n in tried for each in plan.values() for model in each[n : n + 1]]
-        tasks = [partial(trial, m, small, seed, options) for m in models]
+        tasks = [partial(trial, m, small, options) for m in models]
         results = parallel.run_all(
             tasks,
             executor,
@@ -187,20 +185,29 @@ def _held(model: str) -> set[str]:
     return {p.name for p in parts} | {held for p in parts for held in p.holds}
 
 
-def held_in(model: str) -> dict[str, float]:
+def of_model(options: FitOptions, model: str | Composition | Damper) -> FitOptions:
+    """The options, with what a pair of parts within ``model`` holds unless one of them names it."""
+    laws = options.laws if isinstance(options.laws, Mapping) else {}
+    named = {*options.fixed, *laws, *options.tied, *options.tied.values()}
+    held = {name: value for name, value in held_in(model).items() if name not in named}
+    return replace(options, fixed=held | dict(options.fixed)) if held else options
+
+
+def held_in(model: str | Composition | Damper) -> dict[str, float]:
     """The parameters that a pair within ``model`` holds, in SI units."""
-    parts = set(compose(model).names)
+    composition = compose(model) if isinstance(model, str) else model
+    parts = set((composition.composition if isinstance(composition, Damper) else composition).names)
     pairs = [held for pair, held in PAIRS.items() if set(compose(pair).names) <= parts]
     return {name: value for held in pairs for name, value in held.items()}
 
 
-def trial(model: str, small: list[Record], seed: int, options: dict[str, Any]) -> Trial:
+def trial(model: str, small: list[Record], options: FitOptions) -> Trial:
     """The validation error of one model on the screening set; what cannot be fitted says why."""
     begun = time.perf_counter()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DampyrWarning)  # of a model that may never be chosen
-            validations = validations_of(model, small, 2, seed, options | {"steps": STEPS})
+            validations = validations_of(model, small, replace(options, folds=2, steps=STEPS))
         reasons = [reason for one in validations for reason in one.failed.values()]
         folds = [fold for one in validations for fold in one.folds]
         reasons += [fold.reason for fold in folds if OUT_OF_WORK in fold.reason or OUT_OF_TIME in fold.reason]
@@ -210,15 +217,11 @@ def trial(model: str, small: list[Record], seed: int, options: dict[str, Any]) -
         return Trial(model, float("inf"), time.perf_counter() - begun, str(problem))
 
 
-def validations_of(
-    model: str, records: list[Record], folds: int, seed: int, options: dict[str, Any]
-) -> list[Validation]:
+def validations_of(model: str, records: list[Record], options: FitOptions) -> list[Validation]:
     """By record, and by input where there are three or more."""
-    options = options | {"fixed": held_in(model)}
-    validations = [cross_validate(model, records, "record", folds=folds, seed=seed, **options)]
-    if len({r.input_value for r in records}) > 2:
-        validations.append(cross_validate(model, records, "input", seed=seed, **options))
-    return validations
+    options = replace(options, fixed=held_in(model))
+    splits = ["record"] + ["input"] * (len({record.input_value for record in records}) > 2)
+    return [cross_validate(records, model, split, options) for split in splits]
 
 
 def validation_error(validations: Sequence[Validation]) -> float:

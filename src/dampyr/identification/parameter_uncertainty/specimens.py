@@ -28,15 +28,18 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.findings import Finding, Findings, handed_on, worst_first
-from dampyr.identification.fits.fit import check_model_and_records, fit
+from dampyr.identification.fits.fit_options import FitOptions
+from dampyr.identification.fits.least_squares import check_records_and_model, fit_model
 from dampyr.identification.fits.result import Fit
+from dampyr.identification.model_choice.screening import of_model
 from dampyr.identification.parameter_uncertainty.profile_likelihood import variance_ratios
 from dampyr.identification.parameter_uncertainty.random_effects import MIN_GROUPS, RandomEffects, random_effects
 from dampyr.models import Composition, Damper
 from dampyr.models.prediction_error import PredictionError, ShapeError
+from dampyr.options import takes
 from dampyr.origin import Origin, check_one_kind, combined
 from dampyr.phrases import counted, listing
-from dampyr.records import Record
+from dampyr.records import Record, nominal_inputs
 from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
@@ -277,31 +280,33 @@ class Specimens(Shown):
         return np.asarray(out)
 
 
+@takes(FitOptions)
 def fit_specimens(
-    model: str | Composition | Damper,
     records: Sequence[Record] | Mapping[str, Sequence[Record]],
+    model: str | Composition | Damper,
+    options: FitOptions | None = None,
     level: float = 0.95,
     errors: str = "pooled",
     progress: Callable[[str, float], None] | None = None,
-    **of_fit: Any,
+    **keywords: Any,
 ) -> Specimens:
     """Fit each specimen by itself, and the mean and spread of each number over the specimens.
 
     Parameters
     ----------
-    model
-        as of `dampyr.identification.fit`.
     records
         of all specimens, each naming its own (``record.specimen``), or specimen -> its records. All specimens need the same
-        inputs, and three records or more at each, as a number without an error between records is left out.
+        inputs, and three records or more at each, as a number without an error between records is left out. Inputs that agree
+        between specimens but for noise count as one (`dampyr.records.nominal_inputs`); records of the role "validation" are
+        left out.
+    model, options
+        as of `dampyr.identification.fit`, the same for all specimens.
     level
         of all intervals.
     errors
         ``"pooled"``: how records differ is averaged over the specimens; ``"own"``: each has the error of its own fit.
     progress
         called with the specimen that is fitted and the fraction of all that is done.
-    of_fit
-        further arguments of `dampyr.identification.fit`, the same for all.
 
     Returns
     -------
@@ -318,21 +323,22 @@ def fit_specimens(
         raise InputError(f"level = {level:g} is not allowed; it must be between 0 and 1, such as 0.95")
     if errors not in ERRORS:
         raise InputError(f"{errors!r} is an unknown kind of errors; choose {' or '.join(ERRORS)}")
+    chosen = FitOptions.of("fit_specimens", options, keywords)
     if not isinstance(records, Mapping):
-        check_model_and_records("fit_specimens", model, records)
-    groups = dict(records) if isinstance(records, Mapping) else group_by_specimen(records)
+        check_records_and_model("fit_specimens", records, model)
+    groups = _fitted(records if isinstance(records, Mapping) else group_by_specimen(records))
     if len(groups) < MIN_GROUPS:
         raise InputError(
             f"{counted(len(groups), 'specimen')} ({listing(list(groups), 4)}) cannot give a spread between specimens; "
             f"give the records of {MIN_GROUPS} or more"
         )
-    if not of_fit.get("mixed_origins"):
+    if not chosen.mixed_origins:
         check_one_kind(record for some in groups.values() for record in some)
     tell = progress or (lambda stage, done: None)
     fits, left_out = dict[str, Fit](), dict[str, str]()
     for k, (name, some) in enumerate(groups.items()):
         tell(f"fitting {name}", k / len(groups))
-        one = fit(model, list(some), **of_fit)
+        one = fit_model(model, some, of_model(chosen, model))
         if one.damper is None or not one.converged:
             left_out[name] = f"its search {one.reason}" if one.damper is not None else one.reason
         else:
@@ -342,6 +348,13 @@ def fit_specimens(
         why = "; ".join(f"{name}: {reason}" for name, reason in left_out.items())
         raise InputError(f"only {counted(len(fits), 'specimen')} gave a damper, of which there is no spread ({why})")
     return _over_specimens(fits, left_out, level, errors == "pooled")
+
+
+def _fitted(groups: Mapping[str, Sequence[Record]]) -> dict[str, list[Record]]:
+    """The records for fitting of each specimen, with inputs that agree between specimens but for noise as one."""
+    nominal = iter(nominal_inputs([record for some in groups.values() for record in some]))
+    by_specimen = {name: [next(nominal) for _ in some] for name, some in groups.items()}
+    return {name: [record for record in some if record.role != "validation"] for name, some in by_specimen.items()}
 
 
 def group_by_specimen(records: Sequence[Record]) -> dict[str, list[Record]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -30,12 +29,6 @@ class Window:
     def slice(self) -> slice:
         """As an index."""
         return slice(self.first, self.last + 1)
-
-
-def check_settling(settling: float) -> None:
-    """:class:`~dampyr.errors.InputError` unless ``settling`` is a time in s."""
-    if not (math.isfinite(settling) and settling >= 0.0):
-        raise InputError(f"settling = {settling:g} s is not allowed; it must be finite and at least 0")
 
 
 def scoring_window(record: Record, settling: float = SETTLING, window: tuple[float, float] | None = None) -> Window:

@@ -8,39 +8,47 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from dampyr.argument_kinds import DAMPER, RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.findings import OF_DAMPER, Finding, handed_on, worst_first
 from dampyr.identification.scoring.prediction_band import LEVEL, Band, check_level, prediction_band, why_no_band
 from dampyr.identification.scoring.score import Array, Score, compare, prediction
-from dampyr.identification.scoring.scoring_window import SETTLING, check_settling
+from dampyr.identification.scoring.scoring_window import SETTLING
 from dampyr.identification.scoring.validation import mean_relevelled
 from dampyr.models import Damper
-from dampyr.models.prediction_error import check_prior
+from dampyr.options import Options, ShownIn, takes
 from dampyr.origin import Origin, combined
 from dampyr.phrases import listing
 from dampyr.records import Record, nominal_inputs, write_comparison
 from dampyr.records.files.comparison import check_free, file_name
 from dampyr.shown import Shown
+from dampyr.units import Quantity
 
 
 @dataclass(frozen=True)
-class ValidateOptions:
-    """Options of `validate`: ``settling`` s after the motion starts are not scored; ``band`` is the share of each
-    record's force that its predictive band is to hold, None for no bands; ``session_prior`` is the standard deviation of the
-    level between measurement sessions that the bands take, 0.08 being 8 %, None for that of the card."""
+class ScoreOptions(Options):
+    """Options of `validate`."""
 
-    settling: float = SETTLING
-    allow_extrapolation: bool = False
-    band: float | None = LEVEL
-    session_prior: float | None = None
+    settling: Annotated[float, Quantity("s", low=0), "Time after the motion starts that is not scored"] = SETTLING
+    allow_extrapolation: Annotated[bool, "Also inputs that the card was not calibrated on"] = False
+    band: Annotated[
+        float | None,
+        Quantity("", low=0, high=1, open_low=True),
+        ShownIn("%"),
+        "How much of each record's force its predictive band is to hold; none for no bands",
+    ] = LEVEL
+    session_prior: Annotated[
+        float | None,
+        Quantity("", low=0, high=1),
+        ShownIn("%"),
+        "How much the force differs from one measurement session to another, in the place of what the card states (standard "
+        "deviation of the level)",
+    ] = None
 
-    def __post_init__(self) -> None:
-        check_settling(self.settling)
-        if self.session_prior is not None:
-            check_prior(self.session_prior)
+    def check(self) -> None:
+        """Refuse a band of all of the force."""
         if self.band is not None:
             check_level(self.band)
 
@@ -132,12 +140,14 @@ def _was_fitted(damper: Damper, record: Record) -> bool | None:
     return record.name in names if names else None
 
 
+@takes(ScoreOptions)
 def validate(
     damper: Damper,
     records: Sequence[Record],
-    options: ValidateOptions | None = None,
+    options: ScoreOptions | None = None,
     card: str = "the damper",
     progress: Callable[[str, float], None] | None = None,
+    **keywords: Any,
 ) -> Validated:
     """Score a damper on records that it predicts in a free run; only the offset is taken from each record.
 
@@ -150,7 +160,7 @@ def validate(
         Argument("damper", damper, (Damper,), DAMPER),
         Argument("records", records, (Record,), RECORDS, several=True),
     )
-    options = options or ValidateOptions()
+    options = ScoreOptions.of("validate", options, keywords)
     if not records:
         raise InputError("there are no records to validate by; give one or more")
     if options.session_prior is not None:

@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 
 from dampyr.errors import DampyrWarning, InputError
-from dampyr.identification.fits.fit import check_model_and_records, fit, one_thread
+from dampyr.identification.fits.fit_options import FitOptions
+from dampyr.identification.fits.least_squares import check_records_and_model, fit_model, one_thread
 from dampyr.identification.scoring.score import Score, score
-from dampyr.identification.scoring.scoring_window import SETTLING, check_settling, scorable
+from dampyr.identification.scoring.scoring_window import scorable
 from dampyr.identification.scoring.splits import Target, Task, split_tasks
 from dampyr.models import Composition, Damper
 from dampyr.origin import NOT_STATED, Origin, check_one_kind, combined
@@ -95,37 +96,25 @@ def mean_relevelled(scores: Mapping[str, Score]) -> float:
 
 
 def cross_validate(
-    model: str | Composition,
     records: Sequence[Record],
+    model: str | Composition | Damper,
     split: str = "record",
-    folds: int = 5,
-    seed: int = 0,
+    options: FitOptions | None = None,
     progress: Callable[[float], None] | None = None,
-    settling: float = SETTLING,
-    **options: Any,
 ) -> Validation:
-    """Predict every record by a damper that was not fitted to it.
+    """Predict every record by a damper that was not fitted to it: ``predict`` of `dampyr.identification.fit`.
 
-    Parameters
-    ----------
-    model, options
-        as in `dampyr.identification.fit`.
-    split
-        ``"record"``: ``folds`` random parts by ``seed``; ``"input"``: one voltage (or current) left out at a time, the lowest
-        and the highest excepted, which would be extrapolated; ``"frequency"`` or ``"amplitude"``: ``folds`` parts in the
-        order of the measured frequency or stroke, so that the outer ones are predicted beyond what was fitted;
-        ``"waveform"``: one kind of motion (`dampyr.records.waveform`) left out at a time; ``"time"``: the first 60 % of every
-        motion fitted, the rest predicted.
-    progress
-        called with the fraction done.
-    settling
-        s from the start of each motion that are not scored. Records of which it leaves less than a quarter are fitted and not
-        scored; the result says which.
+    ``split`` is ``"record"``: ``options.folds`` random parts by ``options.seed``; ``"input"``: one voltage (or current) left
+    out at a time, the lowest and the highest excepted, which would be extrapolated; ``"frequency"`` or ``"amplitude"``: as
+    many parts in the order of the measured frequency or stroke, so that the outer ones are predicted beyond what was fitted;
+    ``"waveform"``: one kind of motion (`dampyr.records.waveform`) left out at a time; ``"time"``: the first 60 % of every
+    motion fitted, the rest predicted. ``progress`` is called with the fraction done. Records of which the settling leaves
+    less than a quarter are fitted and not scored; the result says which.
 
     Raises :class:`~dampyr.errors.InputError` for an unknown split, fewer records than folds, fewer than three inputs, a single
     kind of motion, or where no record is long enough to be scored.
     """
-    jobs, assemble = validation_jobs(model, records, split, folds, seed, settling, **options)
+    jobs, assemble = validation_jobs(records, model, split, options)
     done = []
     for k, job in enumerate(jobs):
         if progress:
@@ -137,29 +126,23 @@ def cross_validate(
 
 
 def validation_jobs(
-    model: str | Composition,
     records: Sequence[Record],
+    model: str | Composition | Damper,
     split: str = "record",
-    folds: int = 5,
-    seed: int = 0,
-    settling: float = SETTLING,
-    **options: Any,
+    options: FitOptions | None = None,
 ) -> tuple[list[Callable[[], Fold]], Callable[[Sequence[Fold]], Validation]]:
     """`cross_validate` as independent jobs, one a fold, and what makes their results a `Validation`."""
-    check_model_and_records("cross_validate", model, records)
-    listed = list(records)
-    if not options.get("mixed_origins"):
+    check_records_and_model("cross_validate", records, model)
+    options, listed = options or FitOptions(), list(records)
+    if not options.mixed_origins:
         check_one_kind(listed)
-    check_settling(settling)
-    not_scored = scorable(listed, settling)
-    tasks = split_tasks(listed, split, folds, seed)
-    if options.get("bandwidth") is not None:
-        check_bandwidth(listed, options["bandwidth"])
+    not_scored = scorable(listed, options.settling)
+    tasks = split_tasks(listed, split, options.folds, options.seed)
+    if options.bandwidth is not None:
+        check_bandwidth(listed, options.bandwidth)
     inputs = {r.name: float(r.input_value or 0.0) for r in listed}
     unit, origin = listed[0].input or "", combined(r.origin for r in listed)
-    jobs: list[Callable[[], Fold]] = [
-        partial(_fold_by_one_thread, model, task, settling, not_scored, options) for task in tasks
-    ]
+    jobs: list[Callable[[], Fold]] = [partial(_fold_by_one_thread, model, task, not_scored, options) for task in tasks]
     return jobs, lambda done: Validation(split, tuple(done), inputs, unit, not_scored, origin)
 
 
@@ -168,10 +151,8 @@ def _fold_by_one_thread(*arguments: Any) -> Fold:
         return _fold(*arguments)
 
 
-def _fold(
-    model: str | Composition, task: Task, settling: float, not_scored: Mapping[str, str], options: dict[str, Any]
-) -> Fold:
-    fit_result = fit(model, list(task.fitted), **options)
+def _fold(model: str | Composition | Damper, task: Task, not_scored: Mapping[str, str], options: FitOptions) -> Fold:
+    fit_result = fit_model(model, list(task.fitted), options)
     names = tuple(_named(r, task) for r in task.fitted)
     skipped = tuple(t.record.name for t in task.predicted if t.record.name in not_scored)
     scores: dict[str, Score] = {}
@@ -185,7 +166,7 @@ def _fold(
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", DampyrWarning)
             try:
-                scores[target.record.name] = _predicted(fit_result.damper, target, settling)
+                scores[target.record.name] = _predicted(fit_result.damper, target, options.settling)
             except InputError as problem:  # a law that leaves its allowed values beyond the fitted inputs
                 return Fold(names, {}, False, str(problem), outside, work=work)
         if caught:

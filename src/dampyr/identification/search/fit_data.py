@@ -16,7 +16,6 @@ from dampyr.records.conditioning.smoothing import force_average
 
 Array = NDArray[np.float64]
 MOTION_SHARE = 0.9  # of the range of displacement and velocity: a part of a record that represents the whole
-WEIGHTINGS = ("records", "samples")
 MIN_SAMPLES = 16  # after the motion starts: of fewer no cycle of a loop can be seen
 
 
@@ -140,8 +139,6 @@ def average_of_motion(record: Record) -> float:
 
 def weighted(pieces: list[Piece], weighting: str) -> list[Piece]:
     """The pieces with the weight of their records: see ``weighting`` of `dampyr.identification.fit`."""
-    if weighting not in WEIGHTINGS:
-        raise InputError(f"{weighting!r} is an unknown weighting; choose {' or '.join(WEIGHTINGS)}")
     if weighting == "samples":
         return pieces
     mean = sum(one.count for one in pieces) / len(pieces)

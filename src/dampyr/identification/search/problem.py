@@ -288,9 +288,6 @@ def with_held(problem: Problem, values: Mapping[int, float]) -> Problem:
 def checked_nuisances(composition: Composition, pieces: list[Piece], wanted: Sequence[str]) -> tuple[str, ...]:
     """``wanted`` in order; :class:`~dampyr.errors.InputError` where the records cannot distinguish them from the damper."""
     requested = (wanted,) if isinstance(wanted, str) else tuple(wanted)
-    unknown = [name for name in requested if name not in NUISANCES]
-    if unknown:
-        raise InputError(f"{unknown[0]!r} is an unknown nuisance; choose among {', '.join(NUISANCES)}")
     for name in ("gain", "temperature"):
         if name in requested:
             _check_shared_inputs(pieces, name)

@@ -32,7 +32,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.errors import InputError
 from dampyr.identification.scoring.score import span
 from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Problem
@@ -40,19 +39,12 @@ from dampyr.identification.search.variable_projection import Outcome, search
 from dampyr.identification.search.work import Work
 
 Array = NDArray[np.float64]
-LOSSES = ("squares", "huber", "l1")
 NORMAL = 1.4826  # a normal distribution's standard deviation over its median absolute value
 KINK = 1.345  # Huber's constant: 95 % efficiency where residuals are normal
 SMOOTHED = 0.1  # of the scale: below it the L1 loss is a parabola, so that it has a second derivative
 SCALING_ROUNDS = 4  # in which the scales follow the residuals; held then, so that one sum goes down
 MAX_ROUNDS = 100  # of weights, before the fit counts as not converged
 ENOUGH = 1e-8  # of the loss: the change in a round
-
-
-def check_loss(loss: str) -> None:
-    """:class:`~dampyr.errors.InputError` unless there is such a loss."""
-    if loss not in LOSSES:
-        raise InputError(f"{loss!r} is an unknown loss; choose {', '.join(LOSSES)}")
 
 
 def iteratively_reweighted(

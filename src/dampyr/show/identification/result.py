@@ -19,6 +19,13 @@ from dampyr.show.figures import style
 from dampyr.show.figures.history import history
 from dampyr.show.figures.laws import parameters_against_input
 from dampyr.show.figures.loops import loops
+from dampyr.show.identification.fit_predictions import (
+    choice_row,
+    prediction_numbers,
+    prediction_rows,
+    prediction_tables,
+    predictions_in_words,
+)
 from dampyr.show.identification.law_panels import law_panels
 from dampyr.show.identification.score_groups import scores_by_input
 from dampyr.show.plots import Plots, plots
@@ -35,13 +42,14 @@ def describe_fit(fit: Fit) -> Description:
     """Records, search, misfit and parameters; tables of values, errors and goodness of fit; the loops of the median record."""
     return Description(
         f"Fit {str(fit.problem.composition)!r}",
-        _rows(fit),
-        verdict=[fit.verdict.words],
+        [*choice_row(fit), *_rows(fit), *prediction_rows(fit)],
+        verdict=[fit.verdict.words, *predictions_in_words(fit)],
         tables=[
             lambda: parameter_table(fit),
             *([lambda: session_table(fit)] if fit.levels is not None else []),
             lambda: error_table(fit),
             lambda: scores_by_input(fit.records, fit.scores, "Goodness of fit (not a prediction)"),
+            *prediction_tables(fit),
         ],
         figure=lambda: loops(*measured_and_fitted(fit), record_origin=fit.origin),
         data=lambda: _numbers(fit),
@@ -198,6 +206,7 @@ def _numbers(fit: Fit) -> dict[str, Any]:
         "nuisances": fit.nuisances,
         "levels": None if fit.levels is None else fit.levels.as_dict(),
         "scores": fit.scores,
+        **prediction_numbers(fit),
     }
 
 

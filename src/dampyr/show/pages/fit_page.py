@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from dampyr.findings import Finding, besides
-from dampyr.identification import Fit, Identified, Validation, identifiability
+from dampyr.identification import Fit, Validation, identifiability
 from dampyr.identification.fits.diagnostics import findings
 from dampyr.phrases import counted, rounded, sentence
 from dampyr.show.figures.loops import loops
 from dampyr.show.figures.loops_by_input import Loop, loops_by_input
-from dampyr.show.identification.identify import mean_l1, prediction_in_words
+from dampyr.show.identification.fit_predictions import mean_l1, prediction_in_words
 from dampyr.show.identification.result import measured_and_fitted, parameter_table
 from dampyr.show.identification.score import input_words
 from dampyr.show.pages.best_and_worst import best_and_worst_sections, extremes
@@ -33,33 +33,28 @@ PANELS = 4  # of loops beside one another: more are too small to read
 
 
 def write_fit_page(
-    fit: Fit | Identified,
+    fit: Fit,
     path: str | Path,
     sections: Sequence[Section] = (),
     validation: Validation | Sequence[Validation] | None = None,
 ) -> Path:
-    """Write the page of a fit, or of the result of `dampyr.identification.identify`, and return its path.
+    """Write the page of a fit, and return its path.
 
     Its first screen holds the verdict, loops and parameters. Then come the leaderboard, if any, and ``sections`` of the
     caller's; all findings; errors, laws and correlations of the parameters; what the records cannot separate; the calibrated
     range; how well the fit describes its records; with ``validation`` (one or several), how well it predicts others; the
     analysis of residuals; the best and the worst record.
     """
-    checks = [validation] if isinstance(validation, Validation) else list(validation or ())
-    if isinstance(fit, Identified):
-        checks = [*fit.validations, *checks]
-        sections = [*([leaderboard_section(fit.board)] if fit.board else []), *sections]
-        inseparable, listed = fit.identifiability, fit.findings
-        damper, fit = fit.damper, fit.fit
-    else:
-        damper, inseparable, listed = fit.damper, identifiability(fit), fit.findings
+    more = [validation] if isinstance(validation, Validation) else list(validation or ())
+    checks, damper = [*fit.validations, *more], fit.damper
+    sections = [*([leaderboard_section(fit.leaderboard)] if fit.leaderboard else []), *sections]
     number = len(fit.records)
     records = "One record, fitted" if number == 1 else f"{number} records, fitted together"
     if damper is not None:
         provenance = dict(damper.provenance)
     else:
         provenance = {"records": ", ".join(record.name for record in fit.records)}
-    others = besides(listed, [fit.verdict.words])
+    others = besides(fit.findings, [fit.verdict.words])
     html = page(
         f"Identified: {fit.problem.composition}",
         [
@@ -69,7 +64,7 @@ def write_fit_page(
             Section("Errors and laws of the parameters", [*error_tables(fit), *law_blocks(fit)]),
             Section("Correlation of the parameters", correlation_blocks(fit)),
             *([levels] if (levels := levels_section(fit)) is not None else []),
-            identifiability_section(inseparable),
+            identifiability_section(identifiability(fit)),
             range_section(fit),
             *([measured] if (measured := uncertainty_section(fit.records)) is not None else []),
             Section("Goodness of fit", score_blocks(fit)),

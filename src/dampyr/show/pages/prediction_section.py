@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from dampyr.identification import Fit, Validation
-from dampyr.identification.fits.identify import SPLIT_WORDS
+from dampyr.identification.fits.fit_options import SPLITS
 from dampyr.show.figures.scores import scores
-from dampyr.show.identification.identify import mean_l1
+from dampyr.show.identification.fit_predictions import mean_l1
 from dampyr.show.identification.score import group_by_input
 from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text
 from dampyr.show.table import Cell, Table
@@ -30,7 +30,7 @@ def prediction_section(fit: Fit, validations: Sequence[Validation]) -> Section:
 
 
 def _split(fit: Fit, validation: Validation) -> list[Block]:
-    what = f"Split by {validation.split}: {SPLIT_WORDS.get(validation.split, validation.split)}"
+    what = f"Split by {validation.split}: {SPLITS.words.get(validation.split, validation.split)}"
     record_scores = validation.scores
     if not record_scores:
         return [Text(f"{what}. No part was predicted."), _parts(validation)]

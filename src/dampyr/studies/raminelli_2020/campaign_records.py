@@ -77,7 +77,7 @@ def load(folder: Path, progress: Progress) -> Campaign:
 def _test(row: CampaignRow) -> Test:
     record = read_row(row)
     plastic = plastic_region(record)
-    alone = fit("dahl", record) if row.role == "fit" else None
+    alone = fit(record, "dahl") if row.role == "fit" else None
     said = tuple(disagreements(record))
     return Test(row, record, measure(record), plastic, alone, crossing_slopes(record, plastic), said)
 
@@ -90,12 +90,12 @@ def _joint(tests: list[Test], progress: Progress) -> Fit | None:
     stage = "one model for all records"
     progress(stage, 0.0)
     fit_result = fit(
-        JOINT,
         records,
+        JOINT,
         laws=JOINT_LAWS,
         fixed=JOINT_FIXED,
         bandwidth=JOINT_BANDWIDTH,
-        progress=lambda k, _: progress(stage, min(k / 20, 1.0)),
+        progress=lambda _, done: progress(stage, done),
     )
     progress(stage, 1.0)
     return fit_result

@@ -6,7 +6,7 @@ import { charts as drawCharts } from "../lib/chart.js";
 import { button, choice, field, h, number, section, tick } from "../lib/dom.js";
 import { watch } from "../lib/jobs.js";
 import { attempt, say } from "../lib/notice.js";
-import { oneNumber } from "../lib/numbers.js";
+import { optionsForm } from "../lib/options.js";
 import { picker } from "../lib/picker.js";
 import { table } from "../lib/table.js";
 
@@ -19,12 +19,7 @@ export async function show(root, query) {
   const records = await picker(query.getAll("record"), () => {});
   const model = choice(choices.models, { value: "dahl" });
   const ons = choices.add_ons.map((name) => [name, tick(name)]);
-  const loss = choice(Object.entries(choices.losses));
-  const weighting = choice(Object.entries(choices.weightings));
-  const settling = h("input", { type: "text", inputmode: "decimal", value: "2" });
-  const predict = choice([["", "no"], ...Object.entries(choices.splits)]);
-  const bandwidth = h("input", { type: "text", inputmode: "decimal" });
-  const prior = h("input", { type: "text", inputmode: "decimal", value: "8" });
+  const options = optionsForm(choices.options);
   const progress = h("div");
   const sheet = h("div");
   const past = before("identify", ["identify"], follow);
@@ -33,7 +28,7 @@ export async function show(root, query) {
       records.element,
       h("fieldset", {}, h("legend", {}, "Model"), field("Hysteresis", model),
         h("div", { class: "row", role: "group", "aria-label": "Added to it" }, ons.map(([, box]) => box))),
-      h("details", {}, h("summary", {}, "Fit options"), h("div", { class: "fields" }, field("Loss", loss), field("Weights", weighting), field("Validate", predict, "on records left out"), field("Velocity bandwidth, Hz", bandwidth, "derived; empty takes the recorded"), field("Settling, s", settling, "from the start of the motion, not scored"), field("Session level, %", prior, "spread of the force between measurement sessions, where no input was repeated"))),
+      h("details", {}, h("summary", {}, "Fit options"), options.element),
       h("div", { class: "row" }, button("Identify", () => start(composed()), { class: "main" }), button("Find the best model", () => start(null), { title: "Every model of the catalogue is tried: minutes" })),
       past.element),
     h("div", {}, progress, sheet)));
@@ -44,12 +39,9 @@ export async function show(root, query) {
   const composed = () => [model.value, ...ons.filter(([, box]) => box.firstChild.checked).map(([name]) => name)].join(" + ");
 
   async function start(wanted) {
-    const request = { records: records.chosen(), model: wanted, loss: loss.value, weighting: weighting.value, predict: predict.value };
+    const request = { records: records.chosen(), model: wanted };
     try {
-      const [left, width, level] = [oneNumber(settling.value, "Settling"), oneNumber(bandwidth.value, "Velocity bandwidth"), oneNumber(prior.value, "Session level")];
-      if (left !== null) request.settling = left;
-      if (width !== null) request.bandwidth = width;
-      if (level !== null) request.session_prior = level / 100;
+      Object.assign(request, options.values());
     } catch (problem) {
       return say(problem.message, "bad");
     }

@@ -1,0 +1,83 @@
+"""Requests and forms of the console that come from a class of options (`dampyr.options`)."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, ClassVar
+
+from pydantic import BaseModel, Field, create_model
+
+from dampyr.options import Option, Options, options_of
+
+MAX_TEXT, MAX_ITEMS = 200, 60  # characters of a text, and entries of a list
+
+
+class OptionsRequest(BaseModel):
+    """A part of a request: values of options, in SI units."""
+
+    OPTIONS: ClassVar[type[Options]]
+
+    def options(self) -> Any:
+        """The object of options that the values mean."""
+        return self.OPTIONS(**{option.name: getattr(self, option.name) for option in options_of(self.OPTIONS)})
+
+
+def request_of(cls: type[Options], leave_out: tuple[str, ...] = ()) -> Any:
+    """The class of requests that hold a value for each option of ``cls``: a base for those that hold records, too."""
+    fields = {
+        option.name: (_type(option), Field(default=_plain(option.default), description=_description(option)))
+        for option in options_of(cls)
+        if option.name not in leave_out
+    }
+    made = create_model(f"{cls.__name__}Request", __base__=OptionsRequest, **fields)  # type: ignore[call-overload]
+    made.OPTIONS = cls
+    return made
+
+
+def _plain(default: Any) -> Any:
+    return list(default) if isinstance(default, tuple) else default
+
+
+def _type(option: Option) -> Any:
+    single: Any = option.kind
+    if option.kind is str:
+        single = Annotated[str, Field(max_length=MAX_TEXT)]
+    elif option.quantity is not None:
+        low, high = option.quantity.low, option.quantity.high
+        bounds: dict[str, Any] = {"le": high} if math.isfinite(high) else {}
+        bounds |= {"gt" if option.quantity.open_low else "ge": low} if math.isfinite(low) else {}
+        bounds |= {"allow_inf_nan": False} if option.kind is float else {}
+        single = Annotated[option.kind, Field(**bounds)]
+    if option.several:
+        single = Annotated[list[single], Field(max_length=MAX_ITEMS)]
+    elif option.pairs:
+        pairs = Annotated[dict[str, single], Field(max_length=MAX_ITEMS)]
+        single = single | pairs if option.for_all else pairs
+    return single | None if option.optional else single
+
+
+def _description(option: Option) -> str:
+    return f"{option.words}: {option.values(si=True)}."
+
+
+def form_of(cls: type[Options], leave_out: tuple[str, ...] = ()) -> list[dict[str, Any]]:
+    """What the page makes a form of: a control for each option, with its usual value; numbers in SI, and how they are shown."""
+    return [
+        {
+            "name": option.name,
+            "label": option.name.replace("_", " ").capitalize(),
+            "words": option.words,
+            "kind": option.kind.__name__,
+            "several": option.several,
+            "pairs": option.pairs,
+            "for_all": option.for_all,
+            "optional": option.optional,
+            "choices": None if option.choices is None else list(option.choices.items()),
+            "default": option.default,
+            "unit": option.shown_in,
+            "factor": option.factor,
+            "values": option.values(),
+        }
+        for option in options_of(cls)
+        if option.name not in leave_out
+    ]

@@ -1,0 +1,146 @@
+"""A fit of one model to records by least squares over their whole motion."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from functools import lru_cache
+from threading import Lock
+from typing import Any
+
+from dampyr.argument_kinds import MODEL, RECORDS, Argument, check_kinds
+from dampyr.errors import InputError
+from dampyr.identification.fits.fit_options import FitOptions
+from dampyr.identification.fits.result import Fit, build_fit
+from dampyr.identification.search.fit_data import piece, weighted, with_common_levels
+from dampyr.identification.search.initial_guess import begin, best_of
+from dampyr.identification.search.parametrisation import columns, held_twins
+from dampyr.identification.search.problem import Problem, checked_nuisances
+from dampyr.identification.search.robust import iteratively_reweighted
+from dampyr.identification.search.variable_projection import search
+from dampyr.identification.search.work import Work
+from dampyr.models import Composition, Damper, compose
+from dampyr.origin import check_one_kind
+from dampyr.records import Record
+from dampyr.records.conditioning.velocity import check_bandwidth
+
+
+def fit_model(
+    model: str | Composition | Damper,
+    records: Record | Sequence[Record],
+    options: FitOptions | None = None,
+    progress: Callable[[int, float], None] | None = None,
+) -> Fit:
+    """A fit of one model to records: the search of `dampyr.identification.fit`, without a choice of models or predictions.
+
+    ``progress`` is called with the number of the step and the cost. Raises :class:`~dampyr.errors.InputError` as `fit` does,
+    and for records of the role "validation".
+    """
+    options = options or FitOptions()
+    listed = [records] if isinstance(records, Record) else list(records)
+    deadline = math.inf if options.seconds is None else time.perf_counter() + options.seconds
+    work = Work(math.inf if options.budget is None else options.budget, deadline)
+    if not options.mixed_origins:
+        check_one_kind(listed)
+    problem = prepared(model, listed, options)
+    starts = options.starts
+    with one_thread():
+        point, agreed = (begin(problem, work), 1) if starts == 1 else best_of(problem, starts, options.seed, work)
+        outcome = search(problem, point, progress, max_iterations=options.steps, work=work)
+        if options.loss != "squares":
+            outcome = iteratively_reweighted(outcome, options.loss, progress, work)
+        outcome = replace(outcome, work=work.spent)
+        search_notes = (f"{agreed} of {starts} starts ended in the same optimum",) if starts > 1 else ()
+        return build_fit(
+            outcome,
+            tuple(listed),
+            options.bandwidth,
+            search_notes,
+            (starts, agreed),
+            options.settling,
+            options.session_prior,
+        )
+
+
+def check_records_and_model(call: str, records: Any, model: Any) -> None:
+    """Raise InputError where ``call``, which takes records and then a model, is given something else."""
+    first = Argument("records", records, (Record,), RECORDS, several=True)
+    second = Argument("model", model, (str, Composition, Damper), MODEL)
+    if second.takes(records) and first.takes(model):
+        raise InputError(f"{call}: records come first since 0.4.0; write {call}(records, model)")
+    check_kinds(call, first, second)
+
+
+def prepared(
+    model: str | Composition | Damper, records: Sequence[Record], options: FitOptions | None = None
+) -> Problem:
+    """The problem that `fit_model` solves: the records as arrays and the layout of the unknowns, before the search."""
+    options = options or FitOptions()
+    composition = model.composition if isinstance(model, Damper) else _composition(model)
+    _check(list(records))
+    if options.bandwidth is not None:
+        check_bandwidth(records, options.bandwidth)
+    pieces = [piece(record, options.bandwidth) for record in records]
+    pieces = weighted(with_common_levels(pieces), options.weighting)
+    held = held_twins(composition, options.laws, options.fixed, options.tied) | dict(options.fixed)
+    temperatures = [p.temperature for p in pieces]
+    made = columns(composition, [p.levels for p in pieces], options.laws, held, options.tied, temperatures)
+    if not any(column.size for column in made):
+        raise InputError("every parameter is fixed; leave at least one free")
+    return Problem(composition, made, pieces, checked_nuisances(composition, pieces, options.nuisances))
+
+
+@lru_cache(maxsize=1)
+def _threads() -> Any:
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()
+
+
+_lock, _within = Lock(), ExitStack()
+_count = 0
+
+
+@contextmanager
+def one_thread() -> Iterator[None]:
+    """One thread for each linear algebra call: the factorisations are small, and sums come out the same on any number of cores.
+
+    The limit is of the whole process, so where several threads of it fit the last one to end takes it off.
+    """
+    global _count
+    with _lock:
+        _count += 1
+        if _count == 1:
+            _within.enter_context(_threads().limit(limits=1, user_api="blas"))
+    try:
+        yield
+    finally:
+        with _lock:
+            _count -= 1
+            if _count == 0:
+                _within.close()
+
+
+def _composition(model: str | Composition) -> Composition:
+    return model if isinstance(model, Composition) else compose(model)
+
+
+def _check(records: list[Record]) -> None:
+    if not records:
+        raise InputError("there are no records to fit; give one or more")
+    held = [r.name for r in records if r.role == "validation"]
+    if held:
+        raise InputError(f"{held[0]} is a validation record and is never fitted; leave it out, or score it")
+    inputs = {r.input for r in records}
+    if len(inputs) > 1:
+        words = " and ".join(sorted(str(i) for i in inputs))
+        raise InputError(
+            f"the records' inputs are in {words}; a damper has one input, so convert them, or fit them separately"
+        )
+    names = [r.name for r in records]
+    if len(set(names)) < len(names):
+        twice = next(n for n in names if names.count(n) > 1)
+        raise InputError(f"two records are called {twice!r}; rename one, so that results can be told apart")

@@ -1,0 +1,317 @@
+"""What can be chosen in a call: fields of a frozen dataclass, each declared once.
+
+::
+
+    @dataclass(frozen=True)
+    class ScoreOptions(Options):
+        \"""Options of `score`.\"""
+
+        settling: Annotated[float, Quantity("s", low=0), "time after the motion starts that is not scored"] = 2.0
+
+From such a class come the keyword arguments of the call (`takes`), the options of the command
+(`dampyr.cli._options`), the request and the form of the console (`dampyr.console.option_schemas`), the command line that is
+equivalent to a request (`command_words`) and the table of the reference page. `dampyr.config` checks the values.
+"""
+
+from __future__ import annotations
+
+import inspect
+import math
+import textwrap
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import MISSING, dataclass, fields, replace
+from types import NoneType, UnionType
+from typing import Any, Self, TypeVar, Union, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from dampyr.config import Choices, unknown, value_of
+from dampyr.errors import InputError
+from dampyr.units import Quantity, from_si, in_si, parse
+
+Call = TypeVar("Call", bound=Callable[..., Any])
+
+NONE = "none"  # what is typed for None, where that is not the default
+METAVARS = {bool: "", int: "N", float: "NUMBER", str: "TEXT"}
+TYPES = {bool: "true or false", int: "whole number", float: "number", str: "text"}
+
+
+@dataclass(frozen=True)
+class Terminal:
+    """Note of a field: the option of the command where it is not called as the field, and what stands for its value.
+
+    ``adds``: what is typed is added to the usual values, and with a minus sign before it taken from them.
+    """
+
+    flag: str = ""
+    metavar: str = ""
+    adds: bool = False
+
+
+@dataclass(frozen=True)
+class ShownIn:
+    """Note of a field: the unit in which people type and read it, such as ``"%"`` or ``"mm"``, unless it is the SI unit."""
+
+    unit: str
+
+
+class Options:
+    """Base of the dataclasses of options: every value is checked and in SI units once the object is there.
+
+    Numbers may be quantities: texts such as ``"5 Hz"``, or those of pint and astropy. Raises
+    :class:`~dampyr.errors.InputError` for a value of the wrong kind or unit, outside of its range or not among the choices.
+    """
+
+    def __post_init__(self) -> None:
+        for option in options_of(type(self)):
+            object.__setattr__(self, option.name, option.checked(getattr(self, option.name)))
+        self.check()
+
+    def check(self) -> None:
+        """Raise :class:`~dampyr.errors.InputError` for options that exclude one another."""
+
+    @classmethod
+    def of(cls, call: str, options: Self | None, keywords: Mapping[str, Any]) -> Self:
+        """``options``, or the usual ones, with the keyword arguments that ``call`` was given in their place."""
+        names = [option.name for option in options_of(cls)]
+        for name in keywords:
+            if name not in names:
+                raise InputError(unknown(f"{call}(..., {name}=)", name, names))
+        if options is not None and not isinstance(options, cls):
+            raise InputError(
+                f"{call}: options are of the type {type(options).__name__}; give {cls.__name__}, or keyword arguments such as "
+                f"{names[0]}="
+            )
+        return cls(**keywords) if options is None else replace(options, **keywords)  # type: ignore[type-var]
+
+    def as_keywords(self) -> dict[str, Any]:
+        """The values by name."""
+        return {option.name: getattr(self, option.name) for option in options_of(type(self))}
+
+
+@dataclass(frozen=True)
+class Option:
+    """A field of `Options`, with all that its annotation says.
+
+    ``kind`` is the type of a value: bool, int, float or str; of ``several``, a tuple, that of each, and of ``pairs``, a mapping
+    by names, that of the values. ``for_all``: one value for all names may stand in the place of the mapping.
+    """
+
+    name: str
+    hint: Any
+    default: Any
+    kind: type
+    words: str
+    several: bool = False
+    pairs: bool = False
+    for_all: bool = False
+    optional: bool = False
+    quantity: Quantity | None = None
+    choices: Mapping[str, str] | None = None
+    flag: str = ""
+    metavar: str = ""
+    adds: bool = False
+    shown_in: str = ""
+
+    @property
+    def unit(self) -> str:
+        """The SI unit of a number; empty without one."""
+        return self.quantity.unit if self.quantity else ""
+
+    @property
+    def factor(self) -> float:
+        """What a value in SI is multiplied by where people read it, in the unit ``shown_in``."""
+        return float(from_si(1.0, self.shown_in, self.unit)) if self.shown_in != self.unit else 1.0
+
+    def checked(self, value: Any) -> Any:
+        """A value in SI units, of the type that the field declares."""
+        if isinstance(value, np.ndarray | np.generic):
+            value = value.tolist()
+        if self.kind is float and self.quantity and not isinstance(value, Mapping):
+            value = [in_si(each, self.unit, self.name) for each in value] if _is_list(value) else self._in_si(value)
+        try:
+            return value_of(self.hint, value, self.name)
+        except InputError as problem:
+            raise InputError(f"{problem}; 0.1 is 10 %") from None if self.shown_in == "%" else problem
+
+    def _in_si(self, value: Any) -> Any:
+        return value if value is None else in_si(value, self.unit, self.name)
+
+    def from_terminal(self, given: Any) -> Any:
+        """The value of what was typed: a flag, a text, or a tuple of texts; None where nothing was."""
+        if self.kind is bool:
+            return bool(given)
+        if self.pairs:
+            return self._mapping(given or ())
+        if self.adds:
+            without = [text[1:] for text in given or () if text.startswith("-")]
+            added = [text for text in given or () if not text.startswith("-") and text not in self.default]
+            return (*(each for each in self.default if each not in without), *added)
+        if self.several:
+            return tuple(self.number(text) for text in given) if given else self.default
+        return self.default if given is None else self.number(given)
+
+    def _mapping(self, texts: Iterable[str]) -> Any:
+        values: dict[str, Any] = {}
+        for text in texts:
+            name, sign, value = text.partition("=")
+            if not sign and not self.for_all:
+                raise InputError(f"{self.flag} {text!r} has no '='; write it as in {self.metavar}")
+            name, value = (name, value) if sign else ("*", text)
+            if name in values:
+                raise InputError(
+                    f"{self.flag} {name if sign else values[name]} and {self.flag} {text} are both for "
+                    f"{name if sign else 'all parameters'}; leave one of them out"
+                )
+            values[name] = self.number(value)
+        return values["*"] if list(values) == ["*"] else values or self.default
+
+    def number(self, text: str) -> Any:
+        """A single value of the option from its text; a text stays one."""
+        if self.optional and text.strip().lower() == NONE:
+            return None
+        if self.kind is str:
+            return text
+        try:
+            if self.kind is int:
+                return int(text)
+            return parse(text, self.unit) if self.quantity else float(text)
+        except InputError as problem:
+            raise InputError(f"{self.flag} {text}: {problem}") from None
+        except ValueError:
+            what = "a whole number" if self.kind is int else "a number in SI units"
+            raise InputError(f"{self.flag} {text}: {text!r} is not {what}") from None
+
+    def to_terminal(self, value: Any) -> list[str]:
+        """The words of a command line that give this value; none where it is the usual one."""
+        if value == self.default:
+            return []
+        if self.kind is bool:
+            return [self.flag]
+        if self.adds:
+            texts = [f"-{each}" for each in self.default if each not in value]
+            texts += [each for each in value if each not in self.default]
+        elif isinstance(value, Mapping):
+            texts = [self.text(v) if self.for_all and k == "*" else f"{k}={self.text(v)}" for k, v in value.items()]
+        else:
+            texts = [self.text(each) for each in (value if self.several else (value,))]
+        return [word for text in texts for word in (self.flag, text)]
+
+    def text(self, value: Any) -> str:
+        """A single value as it is typed, a number in the unit that people read."""
+        if value is None:
+            return NONE
+        if self.kind is not float:
+            return str(value)
+        if self.shown_in == self.unit:
+            return f"{value:.15g}"
+        return f"{from_si(value, self.shown_in, self.unit):.12g}{self.shown_in}"
+
+    @property
+    def default_text(self) -> str:
+        """The default as it is typed; empty where nothing is chosen without the option."""
+        if self.kind is bool or self.default is None or self.several or self.pairs:
+            return " ".join(self.text(each) for each in self.default) if self.several and self.default else ""
+        return self.text(self.default)
+
+    def values(self, si: bool = False) -> str:
+        """What may be given, in words: the choices, or the type, unit and range; in the unit that people read unless ``si``."""
+        kind = ", ".join(self.choices) if self.choices is not None else TYPES[self.kind]
+        several = f"several of {kind}" if self.several else f"name: {kind}" if self.pairs else kind
+        if self.for_all:
+            several = f"{kind}, or {several}"
+        if self.quantity is None:
+            return several
+        unit, factor = (self.unit, 1.0) if si else (self.shown_in, self.factor)
+        low, high = self.quantity.low * factor, self.quantity.high * factor
+        above = "above" if self.quantity.open_low else "from"
+        bounds = [f"{above} {low:g}"] * math.isfinite(low) + [f"to {high:g}"] * math.isfinite(high)
+        return ", ".join(part for part in (f"{several} in {unit}" if unit else several, " ".join(bounds)) if part)
+
+
+def options_of(cls: Any) -> tuple[Option, ...]:
+    """The options that a dataclass declares, in the order of its fields."""
+    if cls not in _declared:
+        _declared[cls] = _options_of(cls)
+    return _declared[cls]
+
+
+_declared: dict[Any, tuple[Option, ...]] = {}
+
+
+def _options_of(cls: Any) -> tuple[Option, ...]:
+    hints = get_type_hints(cls, include_extras=True)
+    return tuple(
+        _option(f.name, hints[f.name], f.default if f.default_factory is MISSING else f.default_factory())
+        for f in fields(cls)
+    )
+
+
+def _option(name: str, hint: Any, default: Any) -> Option:
+    declared, *notes = get_args(hint)
+    members = get_args(declared) if get_origin(declared) in (Union, UnionType) else (declared,)
+    types = [member for member in members if member is not NoneType]
+    container = next((t for t in types if get_origin(t) is not None), types[0])
+    several, pairs = (
+        get_origin(container) is tuple,
+        get_origin(container) is not tuple and get_origin(container) is not None,
+    )
+    kind = get_args(container)[-1 if pairs else 0] if several or pairs else container
+    quantity = next((note for note in notes if isinstance(note, Quantity)), None)
+    choices = next((note.words for note in notes if isinstance(note, Choices)), None)
+    terminal = next((note for note in notes if isinstance(note, Terminal)), Terminal())
+    shown_in = next((note.unit for note in notes if isinstance(note, ShownIn)), quantity.unit if quantity else "")
+    metavar = terminal.metavar or (
+        "|".join(choices) if choices else "NAME=VALUE" if pairs else shown_in.upper() or METAVARS[kind]
+    )
+    return Option(
+        name,
+        hint,
+        default,
+        kind,
+        next(note for note in notes if isinstance(note, str)),
+        several,
+        pairs,
+        for_all=pairs and kind in types,
+        optional=NoneType in members,
+        quantity=quantity,
+        choices=choices,
+        flag=terminal.flag or f"--{name.replace('_', '-')}",
+        metavar=metavar,
+        adds=terminal.adds,
+        shown_in=shown_in,
+    )
+
+
+def _is_list(value: Any) -> bool:
+    return isinstance(value, list | tuple)
+
+
+def command_words(options: Options) -> list[str]:
+    """The words of a command line that choose these options; those as usual are left out."""
+    return [word for option in options_of(type(options)) for word in option.to_terminal(getattr(options, option.name))]
+
+
+def takes(cls: type[Options]) -> Callable[[Call], Call]:
+    """Decorator of a call with ``**keywords``: its signature and its docstring name the options of ``cls``."""
+
+    def add(call: Call) -> Call:
+        signature = inspect.signature(call)
+        own = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
+        keywords = [
+            inspect.Parameter(option.name, inspect.Parameter.KEYWORD_ONLY, default=option.default)
+            for option in options_of(cls)
+        ]
+        call.__signature__ = signature.replace(parameters=[*own, *keywords])  # type: ignore[attr-defined]
+        call.__doc__ = f"{inspect.cleandoc(call.__doc__ or '')}\n\n{_docstring(cls)}"
+        return call
+
+    return add
+
+
+def _docstring(cls: type[Options]) -> str:
+    lines = ["Other Parameters", "----------------"]
+    for option in options_of(cls):
+        lines += [f"{option.name} : {option.values(si=True)}", *textwrap.wrap(f"{option.words}.", 120, initial_indent="    ",
+                  subsequent_indent="    ")]  # fmt: skip
+    return "\n".join(lines)

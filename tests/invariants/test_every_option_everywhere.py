@@ -1,0 +1,188 @@
+"""Every field of every class of options is in call, terminal, equivalent command, request, form and reference page.
+
+So is one that is declared in a copy of the tree."""
+
+import inspect
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import click
+import pytest
+
+import dampyr as dp
+from dampyr.cli import cli
+from dampyr.cli._options import OptionsCommand
+from dampyr.options import Option, Options, command_words, options_of
+
+PACKAGES = ("identification", "structures", "campaigns", "planning", "hybrid", "records", "export")
+ROOT = Path(__file__).parents[2]
+
+
+def commands() -> Iterator[tuple[str, OptionsCommand]]:
+    with cli.make_context("dampyr", []) as root:
+        for name in cli.list_commands(root):
+            member = cli.get_command(root, name)
+            if isinstance(member, OptionsCommand):
+                yield name, member
+
+
+def classes() -> list[type[Options]]:
+    """Every class of options that a package offers."""
+    modules = [import_module(f"dampyr.{package}") for package in PACKAGES]
+    offered = (getattr(module, name) for module in modules for name in module.__all__)
+    return sorted({each for each in offered if inspect.isclass(each) and issubclass(each, Options)}, key=str)
+
+
+def fields() -> list[tuple[type[Options], Option]]:
+    return [(cls, option) for cls in classes() for option in options_of(cls)]
+
+
+def another(option: Option) -> Any:
+    """A value of an option that is not its usual one."""
+    if option.kind is bool:
+        return not option.default
+    if option.several and option.choices:
+        return tuple(option.choices)[:3] if tuple(option.choices)[:3] != option.default else tuple(option.choices)[:1]
+    single: Any = {"models": "dahl + spring", "add_ons": "spring", "laws": "constant"}.get(option.name, "dahl.kx")
+    if option.choices:
+        single = next(choice for choice in option.choices if choice != option.default)
+    elif option.kind in (int, float):
+        low = option.quantity.low if option.quantity and option.quantity.low > -1e9 else 0.0
+        single = option.kind((option.default or 0) + 3) if option.kind is int else low + 0.3125
+    return {"dahl.kx": single} if option.pairs else (single,) if option.several else single
+
+
+def only(option: Option) -> dict[str, Any]:
+    return {option.name: another(option)}
+
+
+IDS = [f"{cls.__name__}.{option.name}" for cls, option in fields()]
+
+
+@pytest.mark.parametrize(("cls", "option"), fields(), ids=IDS)
+def test_an_option_is_in_the_call(cls: type[Options], option: Option) -> None:
+    """Its keyword argument is in the signature and in the docstring of every call that takes the class."""
+    calls = [
+        call for call in public_calls() if cls.__name__ in str(inspect.signature(call).parameters.get("options", ""))
+    ]
+    assert calls, f"no call takes {cls.__name__}"
+    for call in calls:
+        assert inspect.signature(call).parameters[option.name].default == option.default
+        assert f"\n{option.name} : {option.values(si=True)}\n" in (call.__doc__ or "")
+
+
+def public_calls() -> list[Any]:
+    modules = [import_module(f"dampyr.{package}") for package in PACKAGES]
+    return [each for m in modules for name in m.__all__ if inspect.isfunction(each := getattr(m, name))]
+
+
+@pytest.mark.parametrize(("cls", "option"), fields(), ids=IDS)
+def test_an_option_is_in_the_terminal_and_in_the_equivalent_command(cls: type[Options], option: Option) -> None:
+    """The words that the equivalent command has for a value are read as that value."""
+    takers = [command for _, command in commands() if cls in command.classes.values()]
+    assert takers, f"no command takes {cls.__name__}"
+    wanted = cls(**only(option))
+    words = command_words(wanted)
+    assert words[0] == option.flag
+    for command in takers:
+        arguments = ["x" for p in command.params if isinstance(p, click.Argument) and p.required]
+        context = command.make_context("it", [*arguments, *shlex.split(shlex.join(words))])
+        assert wanted in command.chosen(context.params).values()
+        assert option.words.split(";")[0][:40] in " ".join(command.get_help(context).split())
+
+
+def requests() -> dict[type[Options], Any]:
+    """Class of options -> the class of the console's requests that hold them."""
+    pytest.importorskip("fastapi")
+    from dampyr.console.option_schemas import OptionsRequest
+
+    for name in ("identify_schemas", "building_schemas", "record_acceptance", "campaign_plans"):
+        import_module(f"dampyr.console.{name}")
+
+    def below(cls: type) -> Iterator[type]:
+        for each in cls.__subclasses__():
+            yield each
+            yield from below(each)
+
+    return {each.OPTIONS: each for each in below(OptionsRequest) if "OPTIONS" in dir(each)}
+
+
+@pytest.mark.parametrize(("cls", "option"), fields(), ids=IDS)
+def test_an_option_is_in_the_request_and_the_form_of_the_console(cls: type[Options], option: Option) -> None:
+    from_console = requests()[cls]
+    from dampyr.console.option_schemas import form_of, request_of
+
+    made = request_of(cls)(**{name: list(v) if isinstance(v, tuple) else v for name, v in only(option).items()})
+    assert made.options() == cls(**only(option))
+    described = from_console.model_json_schema()["properties"][option.name]["description"]
+    assert described == f"{option.words}: {option.values(si=True)}."
+    [control] = [control for control in form_of(cls) if control["name"] == option.name]
+    assert control["words"] == option.words
+    assert control["default"] == option.default
+
+
+@pytest.mark.parametrize(("cls", "option"), fields(), ids=IDS)
+def test_an_option_is_on_the_reference_page(cls: type[Options], option: Option) -> None:
+    page = (ROOT / "docs/reference/options.md").read_text("utf-8")
+    [section] = [part for part in page.split("\n## ") if part.startswith(f"`{cls.__name__}`")]
+    [row] = [line for line in section.splitlines() if line.startswith(f"| `{option.name}` ")]
+    assert f"`{option.flag}" in row
+    assert option.words in row
+
+
+def test_wrong_values_are_sentences() -> None:
+    """Each names the option, the value, what is allowed, and how to write it."""
+    wrong: Mapping[str, Any] = {
+        "loss": "cubes", "settling": "fast", "folds": 2.5, "bandwidth": "5 mm", "session_prior": 8, "nested": "yes",
+        "predict": ("weather",), "fixed": {"dahl.kx": "many"}, "models": ("dahl + nothing",), "laws": 3,
+    }  # fmt: skip
+    for name, value in wrong.items():
+        with pytest.raises(ValueError, match=r"\w") as caught:
+            dp.identification.FitOptions(**{name: value})
+        sentence = str(caught.value)
+        assert name in sentence or "nothing" in sentence
+        assert "\n" not in sentence
+
+
+def test_numbers_may_be_quantities() -> None:
+    options = dp.identification.FitOptions(settling="500 ms", bandwidth="0.02 kHz", session_prior="5 %")
+    assert (options.settling, options.bandwidth, options.session_prior) == (0.5, 20.0, 0.05)
+
+
+def test_a_field_that_is_declared_once_is_everywhere(tmp_path: Path) -> None:
+    """In a copy of the tree one line in a class is enough for call, terminal, request, form and reference page."""
+    copy = tmp_path / "src"
+    subprocess.run(["cp", "-r", str(ROOT / "src"), str(copy)], check=True)
+    path = copy / "dampyr/identification/fits/fit_options.py"
+    declared = '    patience: Annotated[float, Quantity("s", low=0), "How long one waits for a damper"] = 3.0\n\n    def check('
+    text = path.read_text("utf-8")
+    assert text.count("\n    def check(") == 1
+    path.write_text(text.replace("\n    def check(", f"\n{declared}"), "utf-8")
+    seen = subprocess.run(
+        [sys.executable, "-c", SEEN], env={"PYTHONPATH": str(copy), "PATH": "/usr/bin"}, capture_output=True, text=True
+    )
+    assert seen.returncode == 0, seen.stderr
+
+
+SEEN = """
+import inspect, click
+from dampyr.identification import FitOptions, fit, fit_specimens
+from dampyr.cli import cli
+from dampyr.console.identify_schemas import IdentifyRequest
+from dampyr.console.option_schemas import form_of
+from dampyr.console.equivalent_commands import identify_command
+for call in (fit, fit_specimens):
+    assert inspect.signature(call).parameters["patience"].default == 3.0
+    assert "How long one waits" in call.__doc__
+with cli.make_context("dampyr", []) as root:
+    command = cli.get_command(root, "identify")
+    assert "How long one waits" in command.get_help(click.Context(command, info_name="identify"))
+assert IdentifyRequest.model_json_schema()["properties"]["patience"]["default"] == 3.0
+assert any(control["name"] == "patience" for control in form_of(FitOptions))
+assert "--patience 4" in identify_command(IdentifyRequest(records=["a"], model="dahl", patience=4.0))
+"""
