@@ -447,12 +447,12 @@ def test_the_generated_lists_are_markdown(page: str) -> None:
 
 
 def test_the_refusal_of_the_how_to_is_what_is_said(tmp_path: Path) -> None:
-    from dampyr.campaigns import planned
+    from dampyr.campaigns import plan
 
     page = DOCS / "how-to" / "campaigns.md"
     [text] = blocks(page, "text")
     (tmp_path / "too_fast.toml").write_text(blocks(page, "toml")[1], encoding="utf-8")
-    [refusal] = planned(tmp_path / "too_fast.toml").refusals
+    [refusal] = plan(tmp_path / "too_fast.toml").refusals
     assert " ".join(text.split()) == f"dampyr: {refusal}"
 
 

@@ -49,6 +49,7 @@ BIBLIOGRAPHY = "bibliography.md"  # beside the pages that docstrings are written
 COMMANDS_PAGE = "docs/reference/commands.md"
 MARKS = re.compile(r"(<!-- generated: ([\w-]+) -->)(.*?)(<!-- end -->)", re.DOTALL)
 SHARED_SETTINGS = ("low", "high", "period", "lag")  # of every control law
+LINE = 140  # characters of a line of prose
 HELP_WIDTH = 140  # characters of a command's summary
 
 
@@ -447,16 +448,17 @@ def meaning(option: Option) -> str:
 
 
 def option_names(command: str) -> Callable[[], str]:
-    """The options of a command that come from classes, in a line, each class with its section."""
+    """The options of a command that come from classes, each class with its section."""
 
     def names() -> str:
         member = dict(options_commands())[command]
         flags = {
             cls: ", ".join(f"`{option.flag}`" for option in member.options_of(cls)) for cls in member.classes.values()
         }
-        return "; ".join(
+        listed_by_class = "; ".join(
             f"{listed} ([{cls.__name__}](options.md#{cls.__name__.lower()}))" for cls, listed in flags.items()
         )
+        return fill(f"{listed_by_class}.", width=LINE, break_long_words=False, break_on_hyphens=False)
 
     return names
 

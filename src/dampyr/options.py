@@ -55,6 +55,13 @@ class ShownIn:
     unit: str
 
 
+@dataclass(frozen=True)
+class Group:
+    """Note of a field: the part of a form, shown when it is opened, that the option is in; a form begins with those of none."""
+
+    name: str
+
+
 class Options:
     """Base of the dataclasses of options: every value is checked and in SI units once the object is there.
 
@@ -112,6 +119,7 @@ class Option:
     metavar: str = ""
     adds: bool = False
     shown_in: str = ""
+    group: str = ""
 
     @property
     def unit(self) -> str:
@@ -279,6 +287,7 @@ def _option(name: str, hint: Any, default: Any) -> Option:
         flag=terminal.flag or f"--{name.replace('_', '-')}",
         metavar=metavar,
         adds=terminal.adds,
+        group=next((note.name for note in notes if isinstance(note, Group)), ""),
         shown_in=shown_in,
     )
 

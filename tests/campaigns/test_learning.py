@@ -541,7 +541,7 @@ def test_what_was_scaled_is_in_the_record_the_journal_and_what_run_prints(tmp_pa
         env={"COLUMNS": "400"},
     )
     assert done.exit_code == 0
-    fitted = campaigns.planned(tmp_path / "fitted.toml").tests
+    fitted = campaigns.plan(tmp_path / "fitted.toml").tests
     flat = " ".join(done.stdout.split())
     for test in fitted:
         assert f"{test.name}: {test.fitted}" in flat

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dampyr import campaigns
-from dampyr.campaigns import available_steps, kind, perform, plan, planned
+from dampyr.campaigns import available_steps, kind, perform, plan
 from dampyr.campaigns.planned_tests import WAYS
 from dampyr.errors import FileError, InputError, MissingData
 from dampyr.rig import RigSettings, simulated
@@ -116,7 +116,7 @@ def test_a_test_that_may_warm_the_damper_to_its_limit_says_so():
 
 
 def test_the_forty_sines_of_the_dissertation_pass_with_the_default_rig():
-    campaign_plan = planned(EXAMPLES / "campaign.toml")
+    campaign_plan = plan(EXAMPLES / "campaign.toml")
     assert campaign_plan.refusals == ()
     assert plan(campaign_plan.campaign).refusals == ()  # by the envelope, too
     text = (files("dampyr.records") / "labcontrol_campaign.csv").read_text(encoding="utf-8")
@@ -130,14 +130,14 @@ def test_the_forty_sines_of_the_dissertation_pass_with_the_default_rig():
 
 
 def test_the_quick_campaign_is_quick():
-    campaign_plan = planned(EXAMPLES / "quick_campaign.toml")
+    campaign_plan = plan(EXAMPLES / "quick_campaign.toml")
     assert campaign_plan.refusals == ()
     assert len(campaign_plan.tests) == 3
     assert campaign_plan.duration < 30.0
 
 
 def test_an_example_shows_thirteen_kinds_and_passes():
-    campaign_plan = planned(EXAMPLES / "every_kind.toml")
+    campaign_plan = plan(EXAMPLES / "every_kind.toml")
     assert campaign_plan.refusals == ()
     shown = {test.kind for test in campaign_plan.tests}
     assert shown <= set(available_steps())
@@ -147,10 +147,10 @@ def test_an_example_shows_thirteen_kinds_and_passes():
 def test_the_card_of_a_rig_lies_beside_it(tmp_path):
     raminelli_2020.damper().save(tmp_path / "card.toml")
     (tmp_path / "rig.toml").write_text('name = "mine"\n[specimen]\ncard = "card.toml"\n')
-    campaign_plan = planned(EXAMPLES / "quick_campaign.toml", tmp_path / "rig.toml", seed=9)
+    campaign_plan = plan(EXAMPLES / "quick_campaign.toml", tmp_path / "rig.toml", seed=9)
     assert campaign_plan.damper is not None
     assert campaign_plan.rig.name == "mine"
     assert campaign_plan.campaign.header.seed == 9
     (tmp_path / "card.toml").unlink()
     with pytest.raises((MissingData, FileError), match=r"card\.toml"):
-        planned(EXAMPLES / "quick_campaign.toml", tmp_path / "rig.toml")
+        plan(EXAMPLES / "quick_campaign.toml", tmp_path / "rig.toml")

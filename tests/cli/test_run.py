@@ -278,7 +278,7 @@ def test_progress_that_cannot_be_shown_ends_nothing(
     (tmp_path / "short.toml").write_text(SHORT)
     stream = Broken(problem, after, terminal)
     monkeypatch.setattr(sys, "stderr", stream)
-    with shown(campaigns.planned(tmp_path / "short.toml")) as show:
+    with shown(campaigns.plan(tmp_path / "short.toml")) as show:
         for name in ("a", "b", "c", "d", "e"):
             show(campaigns.Progress(0, 5, name, "testing"))
     assert stream.left < 0

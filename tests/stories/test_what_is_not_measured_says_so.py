@@ -22,6 +22,8 @@ from dampyr.cli import cli
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.export import available_kinds
 from dampyr.identification import fit
+from dampyr.identification.model_choice.leaderboard import leaderboard
+from dampyr.identification.scoring.validation import cross_validate
 from dampyr.models import Damper, published
 from dampyr.origin import NOTICES, ORIGIN_KINDS, SIMULATED, Origin, as_origin, combined, of_board
 from dampyr.records import Record, convert, read, read_campaign, write
@@ -315,7 +317,7 @@ def test_simulated_and_other_records_are_fitted_together_only_by_name(made: Made
     for others in (made.plain, [one.replace(note="", origin="not stated") for one in made.plain]):
         with pytest.raises(InputError, match=r"\(simulated\).*are not fitted together.*--mixed-origins"):
             fit([*made.records, *others], "dahl")
-    for refused in (dp.identification.leaderboard, lambda r: dp.identification.cross_validate(r, "dahl")):
+    for refused in (fit, leaderboard, lambda records: cross_validate(records, "dahl")):
         with pytest.raises(InputError, match="mixed_origins=True"):
             refused(both)
     mixed = fit(both, "dahl", mixed_origins=True)

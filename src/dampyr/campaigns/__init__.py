@@ -2,9 +2,8 @@
 
 ::
 
-    campaign = read("campaign.toml")
-    planned = plan(campaign, rig, damper)     # every test with its duration, peaks and expected force
-    planned.refusals                          # what the rig cannot do, each with the largest value that it can
+    tests = plan("campaign.toml", "rig.toml")  # every test with its duration, peaks and expected force
+    tests.refusals                             # what the rig cannot do, each with the largest value that it can
 
 A kind of step is one file in the package ``dampyr.campaigns.steps``; `available_steps` lists them.
 """
@@ -16,7 +15,7 @@ from dampyr.campaigns.hybrid_campaign import hybrid_result, planned_hybrid
 from dampyr.campaigns.journal import Journal, read_journal
 from dampyr.campaigns.kinds import available_steps, kind
 from dampyr.campaigns.performing import perform
-from dampyr.campaigns.planned_tests import Plan, PlannedTest, plan, planned
+from dampyr.campaigns.planned_tests import Plan, PlannedTest, plan
 from dampyr.campaigns.run_control import Control, Progress, Skipped, Stopped, exit_status
 from dampyr.campaigns.step import Peaks, Step
 
@@ -33,7 +32,6 @@ __all__ = [
     "Plan",
     "PlannedTest",
     "plan",
-    "planned",
     "planned_hybrid",
     "hybrid_result",
     "Violation",

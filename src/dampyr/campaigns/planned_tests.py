@@ -98,10 +98,25 @@ class Plan(Shown):
             raise InputError("; ".join(self.refusals))
 
 
-def plan(campaign: Campaign, rig: RigSettings | None = None, damper: Damper | None = None) -> Plan:
-    """What ``campaign`` would ask of ``rig`` (the original rig's parts by default), and all that it cannot do.
+def plan(
+    campaign: Campaign | str | Path,
+    rig: RigSettings | str | Path | None = None,
+    damper: Damper | None = None,
+    seed: int | None = None,
+) -> Plan:
+    """What a campaign would ask of a rig, and all that the rig cannot do.
 
-    ``damper`` gives the expected force; without one a conservative envelope does, and the plan's notes say so.
+    Parameters
+    ----------
+    campaign
+        A campaign, or the path of its TOML file.
+    rig
+        The rig's settings, or the path of its ``rig.toml``; None: the original rig's parts.
+    damper
+        Gives the expected force. Without one it is the damper that the rig names where ``campaign`` or ``rig`` is a file (its
+        card is looked for beside ``rig.toml``), else a conservative envelope gives the force, and the plan's notes say so.
+    seed
+        Of a campaign file in random order, in the place of the one that it states.
 
     Examples
     --------
@@ -112,7 +127,14 @@ def plan(campaign: Campaign, rig: RigSettings | None = None, damper: Damper | No
     >>> [test.name for test in plan.tests], plan.refusals
     (['01-sine-8mm-1Hz-0V', '02-sine-8mm-1Hz-1.98V'], ())
     """
-    rig = rig or RigSettings()
+    folder = None if rig is None or isinstance(rig, RigSettings) else Path(rig).parent
+    settings = rig if isinstance(rig, RigSettings) else RigSettings() if rig is None else load_settings(rig)
+    if damper is None and not (isinstance(campaign, Campaign) and folder is None):
+        damper = specimen(settings, folder)
+    return _plan(campaign if isinstance(campaign, Campaign) else read(campaign, seed), settings, damper)
+
+
+def _plan(campaign: Campaign, rig: RigSettings, damper: Damper | None) -> Plan:
     alike = {test.number: test for test in campaign.tests}
     by_number = {number: _planned(alike[number], rig, damper) for number in sorted(alike)}
     tests = tuple(replace(by_number[test.number], test=test) for test in campaign.tests)
@@ -124,13 +146,6 @@ def plan(campaign: Campaign, rig: RigSettings | None = None, damper: Damper | No
     if before is None:
         notes = (*notes, f"before the first test: {UNCHECKED}")
     return Plan(campaign, rig, damper, tests, before.drive(rig) if before else None, notes, tuple(refusals))
-
-
-def planned(campaign: str | Path, rig: str | Path | None = None, seed: int | None = None) -> Plan:
-    """The plan of a campaign file on the rig of a ``rig.toml`` (None: the original rig), its card looked for beside it."""
-    settings = RigSettings() if rig is None else load_settings(rig)
-    damper = specimen(settings, None if rig is None else Path(rig).parent)
-    return plan(read(campaign, seed), settings, damper)
 
 
 def _planned(test: Test, rig: RigSettings, damper: Damper | None) -> PlannedTest:

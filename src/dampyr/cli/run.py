@@ -84,7 +84,7 @@ def command(
     """
     from dampyr import campaigns
 
-    plan = campaigns.planned(campaign, rig, seed)
+    plan = campaigns.plan(campaign, rig, seed=seed)
     if report:
         from dampyr.show.pages.plan_page import write_plan_page
 

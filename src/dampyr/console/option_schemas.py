@@ -76,7 +76,8 @@ def form_of(cls: type[Options], leave_out: tuple[str, ...] = ()) -> list[dict[st
             "default": option.default,
             "unit": option.shown_in,
             "factor": option.factor,
-            "values": option.values(),
+            "group": option.group,
+            "placeholder": f"{option.metavar}; …" if option.several or option.pairs else "",
         }
         for option in options_of(cls)
         if option.name not in leave_out

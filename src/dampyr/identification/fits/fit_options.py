@@ -13,9 +13,10 @@ from dampyr.identification.scoring.scoring_window import SETTLING
 from dampyr.identification.search.variable_projection import MAX_ITERATIONS
 from dampyr.models import compose
 from dampyr.models.part import part
-from dampyr.options import Options, ShownIn, Terminal
+from dampyr.options import Group, Options, ShownIn, Terminal
 from dampyr.units import Quantity
 
+SEARCH, CHOICE = Group("Search"), Group("Choice of a model")
 BUDGET = 480.0  # counted s: two cores take four minutes for it, with what compiles and the last fits five
 ADD_ONS = ("compliance", "spring", "delay", "lag")  # tried in this order: what matters most comes before work is short
 FINALISTS = 5  # each costs a fit and two cross-validations of all records
@@ -86,9 +87,7 @@ class FitOptions(Options):
         "records at each input",
     ] = ("offset", "state")
     settling: Annotated[float, Quantity("s", low=0), "Time after the motion starts that is not scored"] = SETTLING
-    predict: Annotated[
-        tuple[str, ...], SPLITS, "How records are left out and predicted; may be given several times"
-    ] = ()
+    predict: Annotated[tuple[str, ...], SPLITS, "How records are left out and predicted"] = ()
     folds: Annotated[int, Quantity("", low=2), "Parts into which records are split to be predicted"] = 5
     session_prior: Annotated[
         float,
@@ -98,31 +97,42 @@ class FitOptions(Options):
         "deviation of the level)",
     ] = PRIOR_SESSION
     mixed_origins: Annotated[bool, "Fit simulated or virtual records together with others"] = False
-    starts: Annotated[int, Quantity("", low=1), "Number of starting points of the search"] = 1
-    seed: Annotated[int, Quantity("", low=0), "Seed of random starting points and of random parts of the records"] = 0
+    starts: Annotated[int, SEARCH, Quantity("", low=1), "Number of starting points of the search"] = 1
+    seed: Annotated[
+        int, SEARCH, Quantity("", low=0), "Seed of random starting points and of random parts of the records"
+    ] = 0
     steps: Annotated[
-        int, Quantity("", low=1), "Steps that the search may take; trials of a choice of models take 15"
+        int, SEARCH, Quantity("", low=1), "Steps that the search may take; trials of a choice of models take 15"
     ] = MAX_ITERATIONS
     seconds: Annotated[
         float | None,
+        SEARCH,
         Quantity("s", low=0, open_low=True),
         "End the search after this time; a choice of models that was cut chooses none",
     ] = None
     budget: Annotated[
         float | None,
+        SEARCH,
         Quantity("s", low=0, open_low=True),
         f"Work that the search may take, counted and not timed, about s of one core; without it {BUDGET:g} s for a choice of "
         "models, and no limit for one model",
     ] = None
     models: Annotated[
-        tuple[str, ...], Terminal("--try", "MODEL"), "Without a model: only these are tried, not the whole catalogue"
+        tuple[str, ...],
+        CHOICE,
+        Terminal("--try", "MODEL"),
+        "Without a model: only these are tried, not the whole catalogue",
     ] = ()
     add_ons: Annotated[
-        tuple[str, ...], Terminal("--add-on", "PART"), "Without a model: the parts that are tried in addition"
+        tuple[str, ...], CHOICE, Terminal("--add-on", "PART"), "Without a model: the parts that are tried in addition"
     ] = ADD_ONS
-    finalists: Annotated[int, Quantity("", low=1), "Without a model: how many are fitted to all records"] = FINALISTS
+    finalists: Annotated[int, CHOICE, Quantity("", low=1), "Without a model: how many are fitted to all records"] = (
+        FINALISTS
+    )
     nested: Annotated[
-        bool, "Without a model: repeat the choice five times without a fifth of the records, and predict that fifth"
+        bool,
+        CHOICE,
+        "Without a model: repeat the choice five times without a fifth of the records, and predict that fifth",
     ] = False
 
     def check(self) -> None:

@@ -5,8 +5,10 @@ import { numberList, oneNumber } from "./numbers.js";
 /** `element`, the controls; `values()`, what differs from the usual, in SI units: an Error says what is wrong. */
 export function optionsForm(options) {
   const controls = options.map((option) => [option, control(option)]);
+  const groups = [...new Set(options.map((option) => option.group))];
+  const of = (group) => h("div", { class: "fields" }, controls.filter(([option]) => option.group === group).map(([, one]) => one.element));
   return {
-    element: h("div", { class: "fields" }, controls.map(([, one]) => one.element)),
+    element: h("div", {}, groups.map((group) => (group ? h("details", {}, h("summary", {}, group), of(group)) : of(group)))),
     values() {
       const chosen = {};
       for (const [option, one] of controls) {
@@ -37,13 +39,13 @@ function tickedChoices({ label, words, choices, default: usual }) {
 }
 
 function selected({ label, words, choices, default: usual, optional }) {
-  const made = choice([...(optional ? [["", "–"]] : []), ...choices.map(([value, meaning]) => [value, meaning === value ? value : `${value}: ${meaning}`])], { value: usual ?? "" });
+  const made = choice([...(optional ? [["", "–"]] : []), ...choices.map(([value]) => value)], { value: usual ?? "" });
   return { element: field(label, made, words), value: () => made.value || null };
 }
 
 function typed(option) {
   const { label, words, unit, default: usual } = option;
-  const input = h("input", { type: "text", value: asText(option, usual), placeholder: option.pairs ? "NAME = VALUE; …" : option.several ? "…; …" : "" });
+  const input = h("input", { type: "text", value: asText(option, usual), placeholder: option.placeholder });
   return { element: field(unit ? `${label}, ${unit}` : label, input, words), value: () => read(option, input.value.trim()) };
 }
 
