@@ -706,7 +706,8 @@ def performed(dp: Any, text: str, folder: Path) -> Path:
     plan = folder / "campaign.toml"
     plan.write_text(text, encoding="utf-8")
     with dp.rig.simulated(seed=RIG_SEED) as rig:
-        return Path(dp.campaigns.perform(plan, rig, folder / "out"))
+        performed = dp.campaigns.perform(plan, rig, folder / "out")
+        return Path(getattr(performed, "folder", performed))
 
 
 def journal(folder: Path) -> dict[str, list[Any]]:

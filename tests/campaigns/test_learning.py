@@ -274,7 +274,9 @@ def test_sines_from_zero_to_the_highest_voltage_are_within_two_per_cent(voltage:
 
 def test_every_try_is_a_record_with_its_drive_and_the_test_says_how_it_was_learned(tmp_path: Path) -> None:
     lines = []
-    folder = perform(campaign(sine(), operator="me"), rig(), tmp_path, lambda p: lines.append((p.phase, p.time_left)))
+    folder = perform(
+        campaign(sine(), operator="me"), rig(), tmp_path, lambda p: lines.append((p.phase, p.time_left))
+    ).folder
     assert iterations(folder) == ["iteration1.h5", "iteration2.h5"]
     wanted = Sine(0.008, 0.84, 3.212, cycles=2, rest_before=0.2).drive(RigSettings())
     errors = [float(each) for each in learned_in(folder)["learning_errors"].split(", ")]
@@ -320,7 +322,7 @@ def test_an_error_that_rises_ends_learning_and_the_best_drive_is_played(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(learn_drive, "next_set_points", with_gain(-1.0))
-    folder = perform(campaign(sine(amplitude="4 mm", cycles=1)), rig(), tmp_path)
+    folder = perform(campaign(sine(amplitude="4 mm", cycles=1)), rig(), tmp_path).folder
     about = learned_in(folder, "01-sine-4mm-0.84Hz-3.212V")
     errors = [float(each) for each in about["learning_errors"].split(", ")]
     assert about["learning_ended"] == ROSE
@@ -332,7 +334,7 @@ def test_an_error_that_rises_ends_learning_and_the_best_drive_is_played(
 
 def test_there_are_five_tries_at_most(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(learn_drive, "next_set_points", with_gain(0.05))
-    folder = perform(campaign(sine(amplitude="4 mm", cycles=1)), rig(), tmp_path)
+    folder = perform(campaign(sine(amplitude="4 mm", cycles=1)), rig(), tmp_path).folder
     about = learned_in(folder, "01-sine-4mm-0.84Hz-3.212V")
     assert (about["learning_tries"], about["learning_ended"]) == ("5", SPENT)
     assert len(list((folder / "learning").glob("*.h5"))) == 5
@@ -343,7 +345,7 @@ def test_a_drive_beyond_the_limits_is_not_played(tmp_path: Path) -> None:
     step = Sine(0.004, 4.0, 3.212, cycles=1, rest_before=0.2)
     fastest = campaigns.largest(step, "frequency", RigSettings(), campaigns.specimen(RigSettings(), None))
     opened = rig()
-    folder = perform(campaign(sine(amplitude="4 mm", frequency=fastest, cycles=1)), opened, tmp_path)
+    folder = perform(campaign(sine(amplitude="4 mm", frequency=fastest, cycles=1)), opened, tmp_path).folder
     [path] = folder.glob("*.h5")
     about = h5.provenance(path)
     assert about["learning_ended"].startswith("limits: the next drive needs")

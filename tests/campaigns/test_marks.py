@@ -260,7 +260,7 @@ def test_each_run_with_a_saturated_amplifier_is_marked_and_no_healthy_one(tmp_pa
                 perform(path, rig, out)
             assert np.abs(rig.board.simulator.truth.force).max() > level
         else:
-            (record,) = records.read_campaign(perform(path, rig, out))
+            (record,) = perform(path, rig, out)
             assert record.marks == ()
 
 
@@ -269,7 +269,7 @@ def test_each_run_with_a_saturated_amplifier_is_marked_and_no_healthy_one(tmp_pa
 def test_a_healthy_hybrid_test_has_no_mark(tmp_path: Path, voltage: float) -> None:
     """The documented command, and other voltages."""
     plan = planned_hybrid({"kind": "hybrid", "voltage": voltage, "duration": 10.0})
-    (record,) = records.read_campaign(perform(plan, simulated(), tmp_path / "out"))
+    (record,) = perform(plan, simulated(), tmp_path / "out")
     assert record.marks == ()
 
 
@@ -349,7 +349,7 @@ def test_a_broken_cell_ends_the_campaign_and_its_test_is_not_complete(
 def test_a_drifting_cell_is_marked_and_told_where_its_records_are_used(
     short: Callable[..., Path], tmp_path: Path
 ) -> None:
-    folder = perform(short(), simulated(faults=["drifting-cell=5@2s"]), tmp_path / "out")
+    folder = perform(short(), simulated(faults=["drifting-cell=5@2s"]), tmp_path / "out").folder
     recorded = records.read_campaign(folder)
     assert all(record.marks and "the force's zero drifts" in record.marks[0] for record in recorded)
     assert all("the force's zero drifts" in test.reason for test in read_journal(folder)[0])
@@ -366,7 +366,7 @@ def test_a_drifting_cell_is_marked_and_told_where_its_records_are_used(
 
 @pytest.mark.prove
 def test_no_kind_of_step_is_marked_where_nothing_is_wrong(tmp_path: Path) -> None:
-    folder = perform(EXAMPLES / "every_kind.toml", simulated(), tmp_path / "out")
+    folder = perform(EXAMPLES / "every_kind.toml", simulated(), tmp_path / "out").folder
     assert {record.name: record.marks for record in records.read_campaign(folder) if record.marks} == {}
 
 
@@ -389,7 +389,7 @@ def test_a_force_that_grows_from_one_slow_sample_to_the_next_does_not_leap(tmp_p
     base = RigSettings()
     rig = replace(base, board=replace(base.board, rate=200.0, velocity_bandwidth=50.0))
     step = {"kind": "sine", "amplitude": "8 mm", "frequency": "1 Hz", "cycles": 6, "voltage": "3.2 V"}
-    folder = perform(campaign_of({"step": [step]}), simulated(rig), tmp_path / "out")
+    folder = perform(campaign_of({"step": [step]}), simulated(rig), tmp_path / "out").folder
     (record,) = records.read_campaign(folder)
     assert np.abs(np.diff(record.force)).max() > 50.0
     assert record.marks == ()
@@ -438,7 +438,7 @@ def test_a_drift_in_a_short_test_is_seen_on_the_way_past_the_index(tmp_path: Pat
     path.write_text(f'check_amplitude = "0 mm"\n[[step]]\n{step}\nvoltage = "1 V"\n', "utf-8")
     for faults, count in (([], 0), ([f"drifting-cell={rate}@5s"], 1)):
         rig = simulated(faults=faults)
-        folder = perform(path, rig, tmp_path / f"out{count}")
+        folder = perform(path, rig, tmp_path / f"out{count}").folder
         (path_of_record,) = folder.glob("*.h5")
         record = records.read(path_of_record)
         assert len([text for text in record.marks if "the force's zero moved by" in text]) == count

@@ -60,7 +60,7 @@ def rig(*faults: str) -> Rig:
 
 
 def test_each_test_is_a_file_that_says_everything(two: Path, tmp_path: Path) -> None:
-    folder = perform(two, rig(), tmp_path / "out")
+    folder = perform(two, rig(), tmp_path / "out").folder
     recorded = records.read_campaign(folder)
     assert [record.name for record in recorded] == ["01-sine-5mm-1Hz-0V", "02-sine-5mm-1Hz-1.5V"]
     first, second = recorded
@@ -89,7 +89,7 @@ def test_each_test_is_a_file_that_says_everything(two: Path, tmp_path: Path) -> 
 
 
 def test_the_same_seed_gives_the_same_bits(two: Path, tmp_path: Path) -> None:
-    both = [records.read_campaign(perform(two, rig(), tmp_path / name)) for name in ("a", "b")]
+    both = [perform(two, rig(), tmp_path / name) for name in ("a", "b")]
     for one, other in zip(*both, strict=True):
         np.testing.assert_array_equal(one.force, other.force)
 
@@ -578,13 +578,13 @@ def test_the_settings_are_those_of_the_rig_file(two: Path, tmp_path: Path) -> No
 def test_a_record_says_its_session_and_its_specimen(two: Path, tmp_path: Path) -> None:
     """Where nothing is said: the day of the run, and the data sheet; what is said goes before it."""
     days = {datetime.now().astimezone().date().isoformat()}
-    first, second = records.read_campaign(perform(two, rig(), tmp_path / "a"))
+    first, second = perform(two, rig(), tmp_path / "a")
     days.add(datetime.now().astimezone().date().isoformat())  # the run may have begun before midnight
     assert first.specimen == second.specimen == "RD-8041-1"
     assert first.measurement_session == second.measurement_session
     assert first.measurement_session in {f"{day} RD-8041-1" for day in days}
     two.write_text('measurement_session = " third mounting "\nspecimen = "no. 7"\n' + TWO, encoding="utf-8")
-    for record in records.read_campaign(perform(two, rig(), tmp_path / "b")):
+    for record in perform(two, rig(), tmp_path / "b"):
         assert (record.measurement_session, record.specimen) == ("third mounting", "no. 7")
 
 

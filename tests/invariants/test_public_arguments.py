@@ -12,7 +12,7 @@ import pytest
 import dampyr as dp
 from dampyr.errors import InputError
 
-RESULTS = {"CampaignRow", "Planned", "Round", "Rig"}  # what calls return: their fields hold paths
+RESULTS = {"CampaignRow", "Planned", "RecordedCampaign", "Round", "Rig"}  # what calls return: their fields hold paths
 
 
 def public_calls() -> Iterator[tuple[str, Callable[..., Any]]]:

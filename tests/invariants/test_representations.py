@@ -128,6 +128,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "campaigns.Progress": lambda made: dp.campaigns.Progress(1, 2, "01-sine", "recording", 0.5, 4.0),
     "campaigns.Skipped": lambda made: dp.campaigns.Skipped("skipped by the operator"),
     "campaigns.Stopped": lambda made: dp.campaigns.Stopped("the campaign was stopped by its operator"),
+    "campaigns.RecordedCampaign": lambda made: recorded(made.records),
     "campaigns.Test": lambda made: made.campaign.tests[0],
     "show.Fragile": lambda made: Fragile(np.linspace(0.1, 3.0, 300), np.linspace(0.0, 1.0, 300)),
     "show.Law": lambda made: law_figures.Law(
@@ -155,6 +156,12 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "identification.LimitCycle": lambda made: dp.identification.LimitCycle(
         800.0, 2.1e6, 42e3, 50.2, -0.009, -0.004, (41e3, 43e3), np.linspace(-0.01, 0.01, 500), np.linspace(-50, 50, 500)
     ),
+    "identification.MethodComparison": lambda made: dp.identification.compare_method(
+        made.records[:2], "plastic-region"
+    ),
+    "identification.MethodResult": lambda made: dp.identification.compare_method(
+        made.records[0], "plastic-region"
+    ).results[0],
     "identification.Nuisance": lambda made: next(iter(made.fit.nuisances.values())),
     "identification.Posterior": lambda made: posterior_of(made.fit),
     "identification.Profile": lambda made: dp.identification.profile(made.fit, "dahl.rho @ 1 V", points=7),
@@ -289,6 +296,13 @@ def _build(made: SimpleNamespace) -> None:
     made.incremental = S.incremental(made.ensemble.dataset)
     made.hybrid = hybrid.HybridSetup(dp.studies.vrths_2020.structure(1))
     made.compensator, made.shake = hybrid.KalmanCompensator.designed(made.hybrid), synthetic_motions(1, duration=4.0)[0]
+
+
+def recorded(records: list[dp.records.Record]) -> Any:
+    """As the campaign of these records in a folder."""
+    campaign = dp.campaigns.RecordedCampaign(Path("lab"))
+    campaign.__dict__["records"] = tuple(records)
+    return campaign
 
 
 def trace_of(record: dp.records.Record) -> Any:

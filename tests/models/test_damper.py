@@ -64,6 +64,16 @@ def test_a_part_that_is_none_says_what_to_give() -> None:
         Damper([Spring(k0=1.0), Spring(k0=2.0)])
     with pytest.raises(InputError, match=r"dahl lacks a law for dahl\.kw, dahl\.kx, dahl\.rho"):
         Damper("dahl")
+    assert (
+        Damper("dahl", {"kx": 1.0, "kw": 2.0, "rho": 3.0}).laws
+        == Damper("dahl", {"dahl.kx": 1.0, "dahl.kw": 2.0, "dahl.rho": 3.0}).laws
+    )
+    with pytest.raises(InputError, match=r"kx, .* is given twice|given twice among kx, dahl\.kx"):
+        Damper("dahl", {"kx": 1.0, "dahl.kx": 1.0, "kw": 2.0, "rho": 3.0})
+    with pytest.raises(
+        InputError, match=r"v0 is a parameter of several parts; write bingham\.v0 or hyperbolic_tangent\.v0"
+    ):
+        Damper("bingham + hyperbolic_tangent", {"v0": 1.0})
     with pytest.raises(ImportError, match="cannot import name 'Dall'"):
         from dampyr.models.parts import Dall  # noqa: F401
 
@@ -160,7 +170,7 @@ def test_a_wrong_initial_state_is_refused() -> None:
     ("parts", "laws", "words"),
     [
         ("dahl", {"dahl.kx": 1.0}, r"lacks a law for dahl\.kw, dahl\.rho"),
-        ("dahl", {"dahl.kx": 1.0, "dahl.kw": 1.0, "dahl.rho": 1.0, "dahl.q": 1.0}, r"dahl\.q is no parameter"),
+        ("dahl", {"dahl.kx": 1.0, "dahl.kw": 1.0, "dahl.rho": 1.0, "dahl.q": 1.0}, r"dahl\.q is not a parameter"),
         ("dahl", {"dahl.kx": 1.0, "dahl.kw": 1.0, "dahl.rho": 0.0}, r"dahl\.rho .* greater than 0"),
         ("dahll", {}, "did you mean 'dahl'"),
         ("dahl + dahl", {}, "is given twice"),

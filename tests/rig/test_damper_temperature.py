@@ -183,7 +183,7 @@ def test_a_thermocouple_that_parts_from_the_estimate_is_marked_and_a_good_one_is
     settings = replace(WITH_THERMOCOUPLE, limits=RigSettings().limits)
     for faults, words in (([], ""), (["thermocouple-stuck@0s"], "the reading has not moved while")):
         rig = simulated(settings, faults=faults)
-        out = perform(tmp_path / "hot.toml", rig, tmp_path / f"out{len(faults)}")
+        out = perform(tmp_path / "hot.toml", rig, tmp_path / f"out{len(faults)}").folder
         record = records.read(next(out.glob("*.h5")))
         true = rig.board.simulator.truth.temperature[-1]
         assert true > 20.0 + PARTED

@@ -61,7 +61,7 @@ def test_the_demonstration_needs_nothing_but_the_installation_and_is_the_same_tw
     assert done["converged"]
     whole, own = demo.campaign(), tmp_path / "demo" / "records"
     with simulated(demo.rig_settings(), seed=demo.SEED) as rig:
-        twice = perform(replace(whole, tests=whole.tests[:2]), rig, tmp_path / "again")
+        twice = perform(replace(whole, tests=whole.tests[:2]), rig, tmp_path / "again").folder
     for again in read_campaign(twice):
         np.testing.assert_array_equal(again.force, read(own / f"{again.name}.h5").force)
     same = fit(read_campaign(own, role="fit"), demo.MODEL, laws=demo.LAWS, fixed=demo.FIXED, bandwidth=demo.BANDWIDTH)

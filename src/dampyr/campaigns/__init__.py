@@ -16,6 +16,7 @@ from dampyr.campaigns.journal import Journal, read_journal
 from dampyr.campaigns.kinds import available_steps, kind
 from dampyr.campaigns.performing import perform
 from dampyr.campaigns.planned_tests import Plan, PlannedTest, plan
+from dampyr.campaigns.recorded_campaign import RecordedCampaign
 from dampyr.campaigns.run_control import Control, Progress, Skipped, Stopped, exit_status
 from dampyr.campaigns.step import Peaks, Step
 
@@ -38,6 +39,7 @@ __all__ = [
     "violations_of",
     "largest",
     "perform",
+    "RecordedCampaign",
     "Control",
     "Progress",
     "Skipped",

@@ -22,6 +22,7 @@ from dampyr.campaigns.monitor import Watch, time_left
 from dampyr.campaigns.planned_tests import Plan, PlannedTest, plan
 from dampyr.campaigns.preliminary import preliminary_check
 from dampyr.campaigns.record_test import as_json, check_disk, groups_of, reason, take
+from dampyr.campaigns.recorded_campaign import RecordedCampaign
 from dampyr.campaigns.recorded_tests import (
     INTERRUPTED,
     broken_tries,
@@ -54,8 +55,8 @@ def perform(
     progress: Watcher | None = None,
     control: Control | None = None,
     again: Sequence[str] = (),
-) -> Path:
-    """Run a campaign on a connected rig; its folder holds a file per test and the journal.
+) -> RecordedCampaign:
+    """Run a campaign on a connected rig; its folder holds a file per test and the journal. The records are what it returns.
 
     Parameters
     ----------
@@ -87,9 +88,9 @@ def perform(
     >>> step = {"kind": "sine", "amplitude": "8 mm", "frequency": "1 Hz", "voltage": "1.98 V", "cycles": 2}
     >>> campaign = dp.campaigns.campaign_of({"name": "one", "operator": "me", "step": [step]})
     >>> with dp.rig.simulated() as rig:
-    ...     folder = dp.campaigns.perform(campaign, rig, "one")
-    >>> [record.name for record in dp.records.read_campaign(folder)]
-    ['01-sine-8mm-1Hz-1.98V']
+    ...     records = dp.campaigns.perform(campaign, rig, "one")
+    >>> [record.name for record in records], records.folder.name
+    (['01-sine-8mm-1Hz-1.98V'], 'one')
     """
     campaign_plan = _planned(campaign, rig)
     campaign_plan.require()
@@ -124,7 +125,7 @@ def perform(
     if lost := lost_words(tests):
         complete = sum(entry.state == "complete" for entry in tests)
         raise FileError(folder, f"{complete} of {len(tests)} tests are complete: {lost}")
-    return folder
+    return RecordedCampaign(folder)
 
 
 def _some(names: Sequence[str]) -> str:

@@ -27,10 +27,12 @@ from dampyr.cli._report import report_options
 from dampyr.errors import DampyrError, InputError
 from dampyr.findings import worst_first
 
+METHODS = ("least-squares", "limit-cycle", "plastic-region")
 MAX_WORKERS = 8  # each process compiles the models of its own trials, which more of them would only repeat
 
 if TYPE_CHECKING:
-    from dampyr.identification import Fit, FitOptions
+    from dampyr.identification import Fit, FitOptions, Specimens
+    from dampyr.records import Record
 
 
 @click.command(
@@ -46,6 +48,13 @@ if TYPE_CHECKING:
 @click.option(
     "--model", help="Parts, such as 'dahl + spring + delay'; without, the model that predicts best is chosen."
 )
+@click.option(
+    "--method",
+    type=click.Choice(METHODS),
+    default=METHODS[0],
+    show_default=True,
+    help="The last two are the dissertation's, for the viscous Dahl model of each record, beside least squares.",
+)
 @click.option("--each", is_flag=True, help="Fit every record by itself instead of all together.")
 @click.option(
     "--by-specimen", is_flag=True, help="Fit every specimen by itself, and give mean and spread over the specimens."
@@ -59,6 +68,7 @@ def command(
     paths: tuple[Path, ...],
     model: str | None,
     options: FitOptions,
+    method: str,
     each: bool,
     by_specimen: bool,
     save: Path | None,
@@ -76,14 +86,54 @@ def command(
     one input left out at a time, five parts in the order of frequency or stroke, one kind of motion left out, or the last
     part of every record.
 
+    --method limit-cycle and plastic-region take kx, kw and rho of the viscous Dahl model off the loops of each record, as the
+    dissertation does, and show what that costs beside least squares.
+
     --by-specimen takes records of several dampers of one type, each record naming its own; --save writes the card of their
     mean, with the covariance of a new specimen.
     """
-    from dampyr.identification import fit, fit_specimens
-    from dampyr.identification.model_choice.leaderboard import Cut
-    from dampyr.identification.model_choice.parallel import local_processes
     from dampyr.origin import combined
 
+    _check_ways(method, each, by_specimen, model, save, report, options)
+    shown = None if details else 1  # tables, and findings
+    records = gather(paths, "fit", reading, warn=False)
+    # Files first, as a reader of the first lines alone closes the pipe; what cannot be written is said after what is printed.
+    problem = None
+    if method != METHODS[0]:
+        show = _compared(records, method, options, as_json)
+    elif each:
+        show = _fitted_alone(records, model, options, as_json)
+    elif by_specimen:
+        specimens = _specimens(records, str(model), options)
+        problem = _problem_of(lambda: specimens.damper().save(save)) if save else None
+        show = lambda: print_json(specimens.as_dict()) if as_json else print_result(specimens)  # noqa: E731
+    else:
+        result = _fitted(records, model, options, as_json, shown)
+        problem = _problem_of(lambda: result.save(save)) if save else None
+        if report:
+            problem = problem or _problem_of(lambda: _write_page(result, report))
+        show = lambda: print_json(result.as_dict()) if as_json else _print(result, shown)  # noqa: E731
+    state_origin(combined(record.origin for record in records))
+    show()
+    if problem is not None:
+        raise problem
+
+
+def _check_ways(
+    method: str,
+    each: bool,
+    by_specimen: bool,
+    model: str | None,
+    save: Path | None,
+    report: Path | None,
+    options: FitOptions,
+) -> None:
+    """Refuse what does not go with a graphical method, with fits of single records or with fits by specimen."""
+    if method != METHODS[0] and (each or by_specimen or save or report or model not in (None, "dahl")):
+        raise InputError(
+            f"--method {method} gives the viscous Dahl model of each record; leave out --model, --each, --by-specimen, "
+            "--save and --report"
+        )
     if each and (save or report or by_specimen or options.predict or model is None):
         raise InputError(
             "--each makes one fit of the --model per record and no card; give --model, and leave out --save, --report, "
@@ -94,40 +144,47 @@ def command(
             "--by-specimen makes one fit of the --model per specimen; give --model, and leave out --report and --predict, or "
             "leave out --by-specimen"
         )
-    shown = None if details else 1  # tables, and findings
-    records = gather(paths, "fit", reading, warn=False)
+
+
+def _fitted(records: list[Record], model: str | None, options: FitOptions, as_json: bool, shown: int | None) -> Fit:
+    """The fit; of a search for a model that was cut, what was finished is printed."""
+    from dampyr.identification import fit
+    from dampyr.identification.model_choice.leaderboard import Cut
+    from dampyr.identification.model_choice.parallel import local_processes
+
+    try:
+        with stages() as progress, findings_below(), local_processes(_cores() if model is None else 1) as executor:
+            return fit(records, model, options, progress, executor)
+    except Cut as cut:
+        board = cut.board
+        print_json({"leaderboard": board.as_dict()}) if as_json else print_result(board, shown, shown)
+        raise
+
+
+def _specimens(records: list[Record], model: str, options: FitOptions) -> Specimens:
+    from dampyr.identification import fit_specimens
+
     with stages() as progress:
-        if each:
-            fits = []
-            for k, record in enumerate(records):
-                fits.append(fit(record, model, options))
-                progress("identifying", (k + 1) / len(records))
-        elif by_specimen:
-            assert model is not None
-            specimens = fit_specimens(records, model, options, progress=progress)
-        else:
-            try:
-                with findings_below(), local_processes(_cores() if model is None else 1) as executor:
-                    result = fit(records, model, options, progress, executor)
-            except Cut as cut:
-                board = cut.board
-                print_json({"leaderboard": board.as_dict()}) if as_json else print_result(board, shown, shown)
-                raise
-    state_origin(combined(record.origin for record in records))
-    if each:
-        print_json([one.as_dict() for one in fits]) if as_json else _print_each(fits)
-        return
-    # Files first, as a reader of the first lines alone closes the pipe; what cannot be written is said after what is printed.
-    if by_specimen:
-        problem = _problem_of(lambda: specimens.damper().save(save)) if save else None
-        print_json(specimens.as_dict()) if as_json else print_result(specimens)
-    else:
-        problem = _problem_of(lambda: result.save(save)) if save else None
-        if report:
-            problem = problem or _problem_of(lambda: _write_page(result, report))
-        print_json(result.as_dict()) if as_json else _print(result, shown)
-    if problem is not None:
-        raise problem
+        return fit_specimens(records, model, options, progress=progress)
+
+
+def _fitted_alone(records: list[Record], model: str | None, options: FitOptions, as_json: bool) -> Callable[[], None]:
+    from dampyr.identification import fit
+
+    fits = []
+    with stages() as progress:
+        for k, record in enumerate(records):
+            fits.append(fit(record, model, options))
+            progress("identifying", (k + 1) / len(records))
+    return lambda: print_json([one.as_dict() for one in fits]) if as_json else _print_each(fits)
+
+
+def _compared(records: list[Record], method: str, options: FitOptions, as_json: bool) -> Callable[[], None]:
+    from dampyr.identification import compare_method
+
+    with stages() as progress:
+        result = compare_method(records, method, options.bandwidth, progress)
+    return lambda: print_json(result.as_dict()) if as_json else print_result(result)
 
 
 def _problem_of(write: Callable[[], object]) -> Exception | None:

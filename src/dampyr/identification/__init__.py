@@ -1,11 +1,11 @@
 """Identification: from records to parameters, their errors, and how well they predict.
 
 `fit` identifies any damper from one record or many, predicts records that it leaves out, and without a model chooses the one
-that does so best; `limit_cycle` and `plastic_region` are the two methods of the dissertation for the viscous Dahl model;
-`score` says how well a damper predicts a record; `residuals` analyses what a fit leaves,
-and the fit's ``findings`` say it in words; `accept` whether a record lies within a band about a reference damper. `profile` and
-`sample_posterior` say how well a number is known where the standard error is too simple, `identifiability` what the records
-cannot separate, and `fit_specimens` how the dampers of one type differ.
+that does so best; its ``findings`` say in words what to look at, and `residuals` analyses what it leaves. `limit_cycle` and
+`plastic_region` are the two methods of the dissertation for the viscous Dahl model, which `compare_method` sets beside least
+squares. `score` says how well a damper predicts a record, `validate` how well it predicts many, and `accept` whether records
+lie within a band about a reference damper. `profile` and `sample_posterior` say how well a number is known where the standard
+error is too simple, `identifiability` what the records cannot separate, and `fit_specimens` how the dampers of one type differ.
 """
 
 from dampyr.identification.acceptance_tests.accept_records import Accepted, AcceptOptions, accept_records
@@ -16,6 +16,7 @@ from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.residuals import Residuals, Trace, analyse
 from dampyr.identification.fits.result import Fit, Nuisance, residuals
 from dampyr.identification.limit_cycle_methods.limit_cycle import LimitCycle, limit_cycle
+from dampyr.identification.limit_cycle_methods.method_comparison import MethodComparison, MethodResult, compare_method
 from dampyr.identification.limit_cycle_methods.plastic_region import PlasticRegion, plastic_region
 from dampyr.identification.model_choice.leaderboard import Entry, Leaderboard
 from dampyr.identification.model_choice.screening import Screened, Trial
@@ -36,6 +37,7 @@ __all__ = [
     "Band", "Interval", "Levels", "prediction_band",
     "Inseparable", "Identifiability", "Posterior", "Profile", "Specimens", "Spread",
     "fit_specimens", "identifiability", "profile", "sample_posterior",
+    "MethodComparison", "MethodResult", "compare_method",
     "Entry", "Fit", "Fold", "Leaderboard", "LimitCycle", "Nuisance", "PlasticRegion", "Point", "Residuals",
     "Score", "Screened", "Tolerance", "Trace", "Trend", "Trial", "Validation", "Window",
     "accept", "analyse", "fit", "limit_cycle",

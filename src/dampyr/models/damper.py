@@ -49,8 +49,9 @@ class Damper(Shown):
         such as ``"dahl + spring"`` or ``("dahl", "spring")``: names of ``dampyr.models.parts``. Also part objects, as `at`
         returns them: ``[Dahl(kx=800.0, kw=50.0, rho=900.0), Spring(k0=200.0)]``; their numbers are constant laws.
     ``laws``
-        one law per parameter that no part object has, by its flat name (``"dahl.kx"``), in SI units over the input; a number
-        means a constant. A damper of numbers alone holds at every input and needs none.
+        one law per parameter that no part object has, by its name (``"kx"``, or ``"dahl.kx"`` where several parts have one of
+        that name), in SI units over the input; a number means a constant. A damper of numbers alone holds at every input and
+        needs none.
     ``input``
         ``"V"``: the voltage at the coil, or ``"A"``: its current.
     ``ranges``
@@ -93,11 +94,14 @@ class Damper(Shown):
     def __post_init__(self) -> None:
         object.__setattr__(self, "origin", as_origin(self.origin))
         names, constants = _names_and_constants(self.parts)
-        twice = sorted(set(constants) & set(self.laws))
+        composition = compose(names)
+        named = {_full_name(name, composition): law for name, law in self.laws.items()}
+        if len(named) < len(self.laws):
+            raise InputError(f"a parameter is given twice among {', '.join(self.laws)}; give each once")
+        twice = sorted(set(constants) & set(named))
         if twice:
             raise InputError(f"{twice[0]} is given twice, by its part and in laws; leave it out of laws")
-        composition = compose(names)
-        object.__setattr__(self, "laws", {**constants, **self.laws})
+        object.__setattr__(self, "laws", {**constants, **named})
         object.__setattr__(self, "parts", composition.names)
         object.__setattr__(self, "composition", composition)
         self._check_names()
@@ -131,13 +135,13 @@ class Damper(Shown):
         if self.input not in INPUTS:
             raise InputError(f"the input of a damper is 'V' or 'A', not {self.input!r}")
         wanted, given = set(self.composition.parameters), set(self.laws)
-        if wanted - given:
-            raise InputError(f"{self.composition} lacks a law for {', '.join(sorted(wanted - given))}")
         if given - wanted:
             raise InputError(
-                f"{', '.join(sorted(given - wanted))} is no parameter of {self.composition}; "
+                f"{', '.join(sorted(given - wanted))} is not a parameter of {self.composition}; "
                 f"it has {', '.join(self.composition.parameters)}"
             )
+        if wanted - given:
+            raise InputError(f"{self.composition} lacks a law for {', '.join(sorted(wanted - given))}")
 
     def _check_covariance(self) -> None:
         if self.covariance is None:
@@ -642,6 +646,14 @@ class Damper(Shown):
         ('V', (0.0, 3.212))
         """
         return card.read(Path(path), cls)
+
+
+def _full_name(name: str, composition: Composition) -> str:
+    """The name of a parameter with its part; a name that is not one of the composition's stays as it is."""
+    full = [parameter for parameter in composition.parameters if parameter.partition(".")[2] == name]
+    if len(full) > 1:
+        raise InputError(f"{name} is a parameter of several parts; write {' or '.join(full)}")
+    return full[0] if full else name
 
 
 def _names_and_constants(parts: Any) -> tuple[str | list[str], dict[str, float]]:

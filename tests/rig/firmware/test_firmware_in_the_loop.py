@@ -49,7 +49,7 @@ def test_a_campaign_on_the_binary_is_that_on_the_simulated_rig(tmp_path: Path, b
     ):
         with connect(**how) as rig:  # type: ignore[operator]
             assert rig.identity
-            folders.append(perform(tmp_path / "both.toml", rig, tmp_path / f"{len(folders)}"))
+            folders.append(perform(tmp_path / "both.toml", rig, tmp_path / f"{len(folders)}").folder)
     *ours, model = [list(records.read_campaign(folder)) for folder in folders]
     pairs = [pair for own in ours for pair in zip(own, model, strict=True)]
     assert len(pairs) == 4

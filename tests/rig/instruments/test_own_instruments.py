@@ -63,7 +63,7 @@ def rig_file(folder: Path, **wires: str) -> Path:
 def records_of(rig: Rig, out: Path) -> list[Record]:
     """The records of a campaign on a rig."""
     with rig:
-        return list(read_campaign(perform(campaign_of(CAMPAIGN), rig, out)))
+        return list(perform(campaign_of(CAMPAIGN), rig, out))
 
 
 def agree(ours: list[Record], theirs: list[Record], skip: float = 0.0) -> None:

@@ -262,7 +262,7 @@ def test_a_record_says_for_how_long_the_clock_was_held_back(tmp_path: Path) -> N
             if getattr(progress, "phase", "") == "testing" and not stopping:
                 stopping.append(stopped_for(process_of(READER), 0.5, 1))
 
-        folder = perform(tmp_path / "one.toml", rig, tmp_path / "out", watch)
+        folder = perform(tmp_path / "one.toml", rig, tmp_path / "out", watch).folder
         stopping[0].join()
         held = rig.clock_held
     record = records.read(next(folder.glob("*.h5")))

@@ -1,0 +1,50 @@
+"""What the records of a campaign show."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dampyr.campaigns.recorded_campaign import RecordedCampaign
+from dampyr.findings import as_dicts
+from dampyr.phrases import counted
+from dampyr.show.descriptions import Description, describe
+from dampyr.show.table import Cell, Table
+
+
+@describe.register
+def describe_recorded(campaign: RecordedCampaign) -> Description:
+    """The folder, the number of records and how long they last; a row a record."""
+    records = campaign.records
+    return Description(
+        f"RecordedCampaign {str(campaign.folder)!r}",
+        [
+            ("records", counted(len(records), "record")),
+            ("duration", f"{sum(record.duration for record in records):.4g} s"),
+        ],
+        verdict=[finding.sentence for finding in campaign.findings],
+        tables=[lambda: record_table(campaign)],
+        data=lambda: {
+            "folder": str(campaign.folder),
+            "origin": campaign.origin.as_dict(),
+            "findings": as_dicts(campaign.findings),
+            "records": [record.name for record in records],
+        },
+    )
+
+
+def record_table(campaign: RecordedCampaign) -> Table:
+    """Input, range of the displacement and of the force, and duration of each record."""
+    rows: list[list[Cell]] = [
+        [
+            record.name, record.input_value, 1e3 * float(np.ptp(record.displacement)), float(record.force.min()),
+            float(record.force.max()), record.duration,
+        ]
+        for record in campaign.records
+    ]  # fmt: skip
+    unit = campaign.records[0].input or "" if campaign.records else ""
+    return Table(
+        ("record", "input", "peak to peak", "lowest force", "highest force", "duration"),
+        rows,
+        ("", unit, "mm", "N", "N", "s"),
+        digits=4,
+    )
