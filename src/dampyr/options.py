@@ -21,7 +21,7 @@ import textwrap
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, dataclass, fields, replace
 from types import NoneType, UnionType
-from typing import Any, Self, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Self, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -65,6 +65,7 @@ class Group:
 class Options:
     """Base of the dataclasses of options: every value is checked and in SI units once the object is there.
 
+    A field without a note is data that goes with the options, such as the structure of a plan: an argument of the call alone.
     Numbers may be quantities: texts such as ``"5 Hz"``, or those of pint and astropy. Raises
     :class:`~dampyr.errors.InputError` for a value of the wrong kind or unit, outside of its range or not among the choices.
     """
@@ -80,7 +81,7 @@ class Options:
     @classmethod
     def of(cls, call: str, options: Self | None, keywords: Mapping[str, Any]) -> Self:
         """``options``, or the usual ones, with the keyword arguments that ``call`` was given in their place."""
-        names = [option.name for option in options_of(cls)]
+        names = [each.name for each in fields(cls)]  # type: ignore[arg-type]
         for name in keywords:
             if name not in names:
                 raise InputError(unknown(f"{call}(..., {name}=)", name, names))
@@ -90,10 +91,6 @@ class Options:
                 f"{names[0]}="
             )
         return cls(**keywords) if options is None else replace(options, **keywords)  # type: ignore[type-var]
-
-    def as_keywords(self) -> dict[str, Any]:
-        """The values by name."""
-        return {option.name: getattr(self, option.name) for option in options_of(type(self))}
 
 
 @dataclass(frozen=True)
@@ -140,7 +137,8 @@ class Option:
         try:
             return value_of(self.hint, value, self.name)
         except InputError as problem:
-            raise InputError(f"{problem}; 0.1 is 10 %") from None if self.shown_in == "%" else problem
+            percent = "; 0.1 is 10 %" if self.shown_in == "%" and "not allowed" in str(problem) else ""
+            raise InputError(f"{problem}{percent}") from None
 
     def _in_si(self, value: Any) -> Any:
         return value if value is None else in_si(value, self.unit, self.name)
@@ -252,6 +250,7 @@ def _options_of(cls: Any) -> tuple[Option, ...]:
     return tuple(
         _option(f.name, hints[f.name], f.default if f.default_factory is MISSING else f.default_factory())
         for f in fields(cls)
+        if get_origin(hints[f.name]) is Annotated
     )
 
 

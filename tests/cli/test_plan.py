@@ -55,11 +55,11 @@ def test_json_holds_tests_and_intervals(card):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--goal", "speed"], "'speed' is an unknown goal; choose parameters or peak"),
+        (["--goal", "speed"], "goal = 'speed' is not known; choose from parameters, peak"),
         (["--goal", "peak"], "--goal peak needs the damper's --voltage in the earthquake"),
         (["--voltage", "1"], "--structure, --motion and --voltage are of --goal peak"),
         (["--target", "dahl.kz=5%", *QUICK], "target names 'dahl.kz'; choose among dahl.kx, dahl.kw, dahl.rho"),
-        (["--target", "dahl.rho=small"], "the target of dahl.rho is 'small'; write it as in 5% or 0.05"),
+        (["--target", "dahl.rho=small"], "--target small: 'small' is not a quantity"),
         (["--at", "9"], "voltage = 9 V is outside of 0 to 3.212 V"),
         (["--perform"], "--out is missing; give a folder for the rounds of tests"),
     ],

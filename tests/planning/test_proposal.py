@@ -98,11 +98,14 @@ def test_a_peak_is_planned_for_by_its_gradient() -> None:
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"goal": "speed"}, "'speed' is an unknown goal; choose parameters or peak"),
+        ({"goal": "speed"}, "goal = 'speed' is not known; choose from parameters, peak"),
         ({"goal": "peak"}, "the goal peak needs a structure, a motion and a voltage"),
         ({"targets": {"dahl.kz": 0.05}}, "target names 'dahl.kz'; choose among dahl.kx, dahl.kw, dahl.rho"),
-        ({"targets": {"dahl.rho": 5.0}}, "the target of dahl.rho is 5; give a half width over the value"),
-        ({"tests": 0}, "tests = 0 is not allowed; give 1 to 60"),
+        (
+            {"targets": {"dahl.rho": 5.0}},
+            r"targets\['dahl.rho'\] = 5 is not allowed; it must be .* at most 1; 0.1 is 10 %",
+        ),
+        ({"tests": 0}, "tests = 0 is not allowed; it must be at least 1 and at most 60"),
         ({"duration": 3.0}, "duration = 3 s is shorter than the shortest candidate"),
         ({"voltages": (0.0, 5.0)}, "voltage = 5 V is outside of 0 to 3.212 V"),
         ({"peak_target": 0.1}, "the target of a peak is a share of it"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,9 +11,10 @@ import click
 from dampyr.cli._control import structure_of
 from dampyr.cli._examples import examples
 from dampyr.cli._motion import Ground, motion_options
+from dampyr.cli._options import OptionsCommand
 from dampyr.cli._output import as_json_option, in_process_option, print_json, print_result, state_origin
 from dampyr.cli._progress import stages
-from dampyr.cli._records import Reading, gather, pairs
+from dampyr.cli._records import Reading, gather
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
@@ -20,34 +22,19 @@ if TYPE_CHECKING:
 
 
 @click.command(
+    cls=OptionsCommand,
+    options={"options": "dampyr.planning:PlanOptions"},
+    first=1,
     epilog=examples(
         "dampyr plan --card damper.toml --rig rig.toml --tests 6 --out next.toml",
         "dampyr plan tests --model dahl --rig rig.toml --target dahl.rho=5% --out narrow.toml",
         "dampyr plan --card damper.toml --tests 3 --seconds 4 --perform --out lab/planned",
         "dampyr plan --card damper.toml --goal peak --voltage 1.98 --peak-target 2% --perform --out lab/peak",
-    )
+    ),
 )
 @click.argument("records", nargs=-1, type=click.Path(path_type=Path))
 @click.option("--card", type=click.Path(path_type=Path), help="What is known of the damper, in place of records.")
-@click.option("--model", metavar="NAME", help="What is fitted, such as dahl; records need it.")
-@click.option("--law", "laws", multiple=True, metavar="NAME=LAW", help="As of identify, such as dahl.rho=constant.")
-@click.option("--bandwidth", type=float, metavar="HZ", help="Of the velocity, derived from the displacement.")
 @click.option("--rig", type=click.Path(path_type=Path), help="A rig.toml.  [default: the original rig, simulated]")
-@click.option("--tests", type=int, metavar="N", help="How many at most.  [default: 6; with --perform 12]")
-@click.option("--duration", metavar="TIME", help="How long the tests may take together, such as '10 min'.")
-@click.option(
-    "--target",
-    "targets",
-    multiple=True,
-    metavar="NAME=SHARE",
-    help="Half width of a 95 % interval, such as dahl.rho=5%; may be repeated.",
-)
-@click.option(
-    "--goal",
-    default="parameters",
-    metavar="GOAL",
-    help="parameters, or the peak of a structure.  [default: parameters]",
-)
 @click.option(
     "--structure",
     metavar="FILE",
@@ -61,15 +48,10 @@ if TYPE_CHECKING:
 @click.option(
     "--peak", "peak_of", default="drift", metavar="WHICH", help="drift, displacement or acceleration.  [default: drift]"
 )
-@click.option("--peak-target", metavar="SHARE", help="Half width of the peak's 95 % interval, such as 2%.")
-@click.option("--at", "voltages", multiple=True, type=float, metavar="V", help="A voltage to test at; may be repeated.")
-@click.option("--seconds", type=float, default=20.0, metavar="S", help="Of steady motion in each test.  [default: 20]")
-@click.option("--kind", "kinds", multiple=True, metavar="KIND", help="Kinds of step to choose from; may be repeated.")
 @click.option(
     "--out", type=click.Path(path_type=Path), metavar="PATH", help="A campaign file; with --perform a folder."
 )
 @click.option("--perform", is_flag=True, help="Run the tests round by round, and stop when it is known well enough.")
-@click.option("--mixed-origins", is_flag=True, help="Fit simulated or virtual records together with others.")
 @click.option("--per-round", type=int, default=4, metavar="N", help="Tests before the next look at them.  [default: 4]")
 @in_process_option
 @click.option(
@@ -82,26 +64,15 @@ if TYPE_CHECKING:
 def command(
     records: tuple[Path, ...],
     card: Path | None,
-    model: str | None,
-    laws: tuple[str, ...],
-    bandwidth: float | None,
+    options: PlanOptions,
     rig: Path | None,
-    tests: int | None,
-    duration: str | None,
-    targets: tuple[str, ...],
-    goal: str,
     structure: str | None,
     motion: Path | None,
     ground: Ground,
     voltage: float | None,
     peak_of: str,
-    peak_target: str | None,
-    voltages: tuple[float, ...],
-    seconds: float,
-    kinds: tuple[str, ...],
     out: Path | None,
     perform: bool,
-    mixed_origins: bool,
     per_round: int,
     figure: Path | None,
     as_json: bool,
@@ -116,28 +87,13 @@ def command(
     """
     from dampyr import planning
     from dampyr.models import published
-    from dampyr.units import parse
 
     if records and card:
         raise InputError(
             "records and --card are both given; a card stands in place of records, so leave one of them out"
         )
     evidence: Any = published.card_or_published(str(card), Path()) if card else None
-    options = planning.PlanOptions(
-        model=model,
-        laws=pairs(laws),
-        bandwidth=bandwidth,
-        tests=tests,
-        duration=None if duration is None else parse(duration, "s"),
-        targets={name: share(text, f"the target of {name}") for name, text in (pairs(targets) or {}).items()},
-        goal=goal,
-        peak=_peak(goal, structure, motion, ground, voltage, peak_of),
-        peak_target=None if peak_target is None else share(peak_target, "the peak's target"),
-        voltages=voltages or None,
-        kinds=kinds or planning.PlanOptions.kinds,
-        seconds=seconds,
-        mixed_origins=mixed_origins,
-    )
+    options = replace(options, peak=_peak(options.goal, structure, motion, ground, voltage, peak_of))
     if records:
         evidence = gather(records, "fit", Reading({}))
     if perform and out is None:
@@ -161,15 +117,6 @@ def command(
     else:
         print_result(proposal)
         click.echo(f"\n{_next(out)}")
-
-
-def share(text: str, what: str) -> float:
-    """A share of 1, written as ``5%``, ``5 %`` or ``0.05``."""
-    bare = text.strip()
-    try:
-        return float(bare.removesuffix("%")) / (100.0 if bare.endswith("%") else 1.0)
-    except ValueError:
-        raise InputError(f"{what} is {text!r}; write it as in 5% or 0.05") from None
 
 
 def _peak(

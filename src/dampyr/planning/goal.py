@@ -20,7 +20,6 @@ from dampyr.shown import Shown
 from dampyr.structures import Building, respond
 
 Array = NDArray[np.float64]
-GOALS = ("parameters", "peak")
 PEAKS = ("drift", "displacement", "acceleration")
 INSENSITIVE = 1e-6  # of a peak's logarithm by that of a coefficient: below it the peak does not depend on it
 NEGLIGIBLE = 1e-3  # of the same: were it unknown to a factor of two, the peak would be within what it is computed to

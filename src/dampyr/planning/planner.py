@@ -26,6 +26,7 @@ from dampyr.errors import InputError
 from dampyr.findings import Finding
 from dampyr.identification import Fit
 from dampyr.models import Damper
+from dampyr.options import takes
 from dampyr.origin import Named, Origin, check_one_kind
 from dampyr.planning.expected_information import LEARNED_FROM, layout
 from dampyr.planning.goal import is_named, peak_goal, peak_half_of_fit
@@ -90,6 +91,7 @@ class Planned(Shown):
         return self.fit.findings
 
 
+@takes(PlanOptions)
 def plan_and_perform(
     evidence: Damper | Fit | Record | Sequence[Record] | None,
     rig: Rig,
@@ -112,7 +114,7 @@ def plan_and_perform(
     folder
         Where the rounds go. A plan that was begun there goes on; another one is refused.
     options
-        `PlanOptions`, or its fields by name. ``tests`` and ``duration`` are those of all rounds together; without these and
+        As in `propose`. ``tests`` and ``duration`` are those of all rounds together; without these and
         without a target there are twelve tests.
     per_round
         How many tests are performed before the records are looked at.
@@ -126,9 +128,8 @@ def plan_and_perform(
 
     Raises what `propose` and `perform` raise.
     """
-    if options is not None and given:
-        raise InputError(f"options and {next(iter(given))} are both given; put all into one of the two")
-    options = options or PlanOptions(**given)
+    options = PlanOptions.of("plan_and_perform", options, given)
+    options.check_peak()
     if per_round < 1:
         raise InputError(f"per_round = {per_round} is not allowed; give at least 1 test")
     evidence = specimen(rig.settings, rig.folder) if evidence is None else evidence

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +13,13 @@ from numpy.typing import NDArray
 from dampyr.atomic_write import whole_file
 from dampyr.campaigns.campaign import Campaign, campaign_of
 from dampyr.campaigns.force_prediction import specimen
+from dampyr.config import Choices
 from dampyr.errors import InputError
 from dampyr.findings import OF_DAMPER, Finding, handed_on
 from dampyr.identification import Fit, FitOptions
 from dampyr.identification.fits.least_squares import fit_model
 from dampyr.models import Constant, Damper
+from dampyr.options import Options, ShownIn, Terminal, takes
 from dampyr.origin import Origin
 from dampyr.phrases import listing
 from dampyr.planning.candidates import KINDS, SECONDS, Candidate, Envelope, envelope, voltages_of
@@ -35,10 +37,11 @@ from dampyr.planning.expected_information import (
     layout,
     learned,
 )
-from dampyr.planning.goal import GOALS, Peak, parameter_goal, peak_goal, peak_half_of_fit
+from dampyr.planning.goal import Peak, parameter_goal, peak_goal, peak_half_of_fit
 from dampyr.records import Record, nominal_inputs
 from dampyr.rig import RigSettings, load_settings
 from dampyr.shown import Shown
+from dampyr.units import Quantity
 
 Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]
@@ -49,49 +52,71 @@ TINY_GAIN = 0.005  # by which an interval would be wider without a test: below i
 
 
 @dataclass(frozen=True)
-class PlanOptions:
-    """What to plan for.
+class PlanOptions(Options):
+    """Options of `propose` and `plan_and_perform`; ``peak`` is that of a structure, for the goal "peak"."""
 
-    ``model``, ``laws``, ``fixed``, ``bandwidth`` and ``mixed_origins`` are those of `dampyr.identification.fit`; only records
-    need a ``model``.
-    ``tests`` is how many at most, ``duration`` s how long they may take together, ``targets`` (parameter -> half width of its
-    95 % interval over its value) when the intervals are narrow enough. ``goal`` is "parameters", or "peak" for the ``peak`` of
-    a structure, to ``peak_target`` of it. ``voltages`` (V), ``kinds`` of step and ``seconds`` of steady motion say which tests
-    are candidates.
-
-    Raises :class:`~dampyr.errors.InputError` for a value that is not allowed.
-    """
-
-    model: str | None = None
-    laws: str | Mapping[str, str] | None = None
-    fixed: Mapping[str, float] = field(default_factory=dict)
-    bandwidth: float | None = None
-    tests: int | None = None
-    duration: float | None = None
-    targets: Mapping[str, float] = field(default_factory=dict)
-    goal: str = "parameters"
+    model: Annotated[str | None, "What is fitted, such as dahl; records need it"] = None
+    laws: Annotated[
+        str | Mapping[str, str] | None,
+        Terminal("--law", "[NAME=]KIND"),
+        "How parameters follow the input, as of identify, such as dahl.rho=constant",
+    ] = None
+    fixed: Annotated[Mapping[str, float], Terminal("--fix", "NAME=VALUE"), "Parameters that are held, in SI units"] = (
+        field(default_factory=dict)
+    )
+    bandwidth: Annotated[
+        float | None,
+        Quantity("Hz", low=0, open_low=True),
+        "Bandwidth of the velocity that is derived from the displacement",
+    ] = None
+    tests: Annotated[
+        int | None, Quantity("", low=1, high=MAX_TESTS), "How many at most; 6 without it, 12 if performed"
+    ] = None
+    duration: Annotated[float | None, Quantity("s", low=0, open_low=True), "How long the tests may take together"] = (
+        None
+    )
+    targets: Annotated[
+        Mapping[str, float],
+        Quantity("", low=0, high=1, open_low=True),
+        ShownIn("%"),
+        Terminal("--target", "NAME=SHARE"),
+        "Half widths of 95 % intervals over their values, such as dahl.rho=5%, at which a plan ends",
+    ] = field(default_factory=dict)
+    goal: Annotated[
+        str,
+        Choices({"parameters": "those of the damper", "peak": "the peak of a structure in an earthquake"}),
+        "What is to be known well",
+    ] = "parameters"
+    peak_target: Annotated[
+        float | None,
+        Quantity("", low=0, high=1, open_low=True),
+        ShownIn("%"),
+        "Half width of the peak's 95 % interval over it, at which a plan ends",
+    ] = None
+    voltages: Annotated[
+        tuple[float, ...] | None,
+        Quantity("V"),
+        Terminal("--at"),
+        "Voltages to test at; else those of the records or card",
+    ] = None
+    kinds: Annotated[tuple[str, ...], Choices(KINDS), Terminal("--kind"), "Kinds of step to choose from"] = KINDS
+    seconds: Annotated[float, Quantity("s", low=0, open_low=True), "Time of steady motion in each test"] = SECONDS
+    mixed_origins: Annotated[bool, "Fit simulated or virtual records together with others"] = False
     peak: Peak | None = None
-    peak_target: float | None = None
-    voltages: tuple[float, ...] | None = None
-    kinds: tuple[str, ...] = KINDS
-    seconds: float = SECONDS
-    mixed_origins: bool = False
 
-    def __post_init__(self) -> None:
-        if self.goal not in GOALS:
-            raise InputError(f"{self.goal!r} is an unknown goal; choose {' or '.join(GOALS)}")
-        if (self.goal == "peak") != (self.peak is not None):
-            raise InputError("the goal peak needs a structure, a motion and a voltage, and no other goal takes them")
+    def check(self) -> None:
+        """Refuse targets of what is not the goal."""
         if self.goal == "peak" and self.targets:
             raise InputError(
                 "targets are of parameters, and the goal is a peak; give its own target, or the goal parameters"
             )
-        if self.peak_target is not None and (self.peak is None or not 0.0 < self.peak_target < 1.0):
+        if self.peak_target is not None and self.goal != "peak":
             raise InputError("the target of a peak is a share of it, such as 0.02, and needs the goal peak")
-        if self.tests is not None and not 1 <= self.tests <= MAX_TESTS:
-            raise InputError(f"tests = {self.tests} is not allowed; give 1 to {MAX_TESTS}")
-        if self.duration is not None and not self.duration > 0.0:
-            raise InputError(f"duration = {self.duration:g} s is not allowed; give a time above 0")
+
+    def check_peak(self) -> None:
+        """Refuse the goal of a peak without the structure, and a structure without that goal."""
+        if (self.goal == "peak") != (self.peak is not None):
+            raise InputError("the goal peak needs a structure, a motion and a voltage, and no other goal takes them")
 
     @property
     def aimed(self) -> bool:
@@ -198,6 +223,7 @@ def half_in_percent(half: float | None) -> str:
     return f"{100 * half:.2g} %"
 
 
+@takes(PlanOptions)
 def propose(
     evidence: Damper | Fit | Record | Sequence[Record] | None = None,
     rig: RigSettings | str | Path | None = None,
@@ -216,14 +242,14 @@ def propose(
     rig
         A rig or its ``rig.toml``; the original rig where nothing is given.
     options
-        `PlanOptions`; or its fields by name, such as ``tests=6`` or ``targets={"dahl.rho": 0.05}``.
+        The further arguments as one object; those that are given by name, such as ``targets={"dahl.rho": 0.05}``, take
+        their places. ``peak``: the `Peak` of a structure, for the goal "peak".
 
-    Raises :class:`~dampyr.errors.InputError` before anything moves, see `PlanOptions`, `envelope` and `layout`.
+    Raises :class:`~dampyr.errors.InputError` before anything moves, see `envelope` and `layout`.
     """
     settings, folder = _settings(rig)
-    if options is not None and given:
-        raise InputError(f"options and {next(iter(given))} are both given; put all into one of the two")
-    options = options or PlanOptions(**given)
+    options = PlanOptions.of("propose", options, given)
+    options.check_peak()
     evidence = specimen(settings, folder) if evidence is None else evidence
     if evidence is None:
         raise InputError(
