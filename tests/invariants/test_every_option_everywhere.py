@@ -3,6 +3,7 @@
 So is one that is declared in a copy of the tree."""
 
 import inspect
+import pkgutil
 import shlex
 import subprocess
 import sys
@@ -101,8 +102,9 @@ def requests() -> dict[type[Options], Any]:
     pytest.importorskip("fastapi")
     from dampyr.console.option_schemas import OptionsRequest
 
-    for name in ("identify_schemas", "building_schemas", "record_acceptance", "campaign_plans"):
-        import_module(f"dampyr.console.{name}")
+    console = import_module("dampyr.console")
+    for module in pkgutil.iter_modules(console.__path__, "dampyr.console."):
+        import_module(module.name)
 
     def below(cls: type) -> Iterator[type]:
         for each in cls.__subclasses__():

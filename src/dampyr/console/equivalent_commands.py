@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         ResponseRequest,
     )
     from dampyr.console.identify_schemas import IdentifyRequest, ValidateRequest
+    from dampyr.console.proposals import ProposalRequest
 
 WHERE = "in the console's data folder"
 
@@ -57,6 +58,15 @@ def identify_command(request: IdentifyRequest) -> str:
 def validate_command(request: ValidateRequest) -> str:
     """As ``dampyr validate``."""
     return _command("validate", request.card, *_paths(request.records), *command_words(request.options()))
+
+
+def plan_command(request: ProposalRequest) -> str:
+    """As ``dampyr plan``."""
+    words = [*_paths(request.records), *(["--card", request.damper] if request.damper else [])]
+    words += ["--rig", f"rigs/{request.rig}/rig.toml"] if request.rig else []
+    if request.goal == "peak":
+        words += ["--structure", request.structure, "--voltage", f"{request.voltage:g}", "--peak", request.of]
+    return _command("plan", *words, *command_words(request.options()))
 
 
 def accept_command(request: Any) -> str:

@@ -129,7 +129,7 @@ def plan_and_perform(
     Raises what `propose` and `perform` raise.
     """
     options = PlanOptions.of("plan_and_perform", options, given)
-    options.check_peak()
+    options.check_goal()
     if per_round < 1:
         raise InputError(f"per_round = {per_round} is not allowed; give at least 1 test")
     evidence = specimen(rig.settings, rig.folder) if evidence is None else evidence

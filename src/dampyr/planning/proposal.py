@@ -104,19 +104,16 @@ class PlanOptions(Options):
     mixed_origins: Annotated[bool, "Fit simulated or virtual records together with others"] = False
     peak: Peak | None = None
 
-    def check(self) -> None:
-        """Refuse targets of what is not the goal."""
+    def check_goal(self) -> None:
+        """Refuse the goal of a peak without its structure, a structure without that goal, and targets of another goal."""
+        if (self.goal == "peak") != (self.peak is not None):
+            raise InputError("the goal peak needs a structure, a motion and a voltage, and no other goal takes them")
         if self.goal == "peak" and self.targets:
             raise InputError(
                 "targets are of parameters, and the goal is a peak; give its own target, or the goal parameters"
             )
         if self.peak_target is not None and self.goal != "peak":
             raise InputError("the target of a peak is a share of it, such as 0.02, and needs the goal peak")
-
-    def check_peak(self) -> None:
-        """Refuse the goal of a peak without the structure, and a structure without that goal."""
-        if (self.goal == "peak") != (self.peak is not None):
-            raise InputError("the goal peak needs a structure, a motion and a voltage, and no other goal takes them")
 
     @property
     def aimed(self) -> bool:
@@ -249,7 +246,7 @@ def propose(
     """
     settings, folder = _settings(rig)
     options = PlanOptions.of("propose", options, given)
-    options.check_peak()
+    options.check_goal()
     evidence = specimen(settings, folder) if evidence is None else evidence
     if evidence is None:
         raise InputError(

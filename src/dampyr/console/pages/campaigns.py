@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -11,13 +12,20 @@ from fastapi import Path as InPath
 from pydantic import BaseModel, Field
 
 from dampyr.atomic_write import write_whole
-from dampyr.console import safe_paths
+from dampyr.console import record_sources, safe_paths
 from dampyr.console.campaign_plans import path_answer, plan_answer
+from dampyr.console.dampers import DamperLink, damper_of, dampers
 from dampyr.console.grid import FOLDER, Envelope, Grid, grid_of, grid_text
+from dampyr.console.job_routes import JobState, as_job_state
 from dampyr.console.limits import PLANNING
+from dampyr.console.option_schemas import form_of
+from dampyr.console.proposals import ProposalRequest
+from dampyr.console.rigs import rig_file
 from dampyr.console.state import AppState, Here
 from dampyr.console.step_texts import StepKind, step_kinds
 from dampyr.errors import InputError, MissingData
+from dampyr.planning import PlanOptions
+from dampyr.studies import available_structures
 
 TITLE, ORDER = "Campaigns", 20
 MAX_TEXT_LENGTH = 65536  # characters: the page's text field has the same limit
@@ -125,6 +133,32 @@ class PlanAnswer(BaseModel):
     notes: list[str]
     refusals: list[str]
     envelope: Envelope
+
+
+class Proposing(BaseModel):
+    """What tests can be proposed from and for, and the options of a plan."""
+
+    dampers: list[DamperLink]
+    structures: list[str]
+    options: list[dict[str, Any]]
+
+
+@router.get("/proposing")
+def list_proposing(here: Here) -> Proposing:
+    """What can be chosen where tests are proposed."""
+    return Proposing(dampers=dampers(here.data), structures=list(available_structures()), options=form_of(PlanOptions))
+
+
+@router.post("/proposals", status_code=202)
+def start_proposal(here: Here, request: ProposalRequest) -> JobState:
+    """Start to look for the next tests; the job reports progress and has a campaign's text."""
+    for key in request.records:
+        record_sources.place(here.data, key)
+    if request.damper:
+        damper_of(here.data, request.damper)
+    rig_file(here.data, request.rig)
+    replace(request.options(), peak=request.peak()).check_goal()
+    return as_job_state(here.jobs.submit("propose", request.model_dump(), request.title))
 
 
 @router.get("/files")

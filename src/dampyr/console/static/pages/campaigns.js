@@ -8,6 +8,7 @@ import { drafts } from "../lib/drafts.js";
 import { envelope } from "../lib/envelope.js";
 import { attempt, say } from "../lib/notice.js";
 import { numberList } from "../lib/numbers.js";
+import { proposal } from "../lib/propose.js";
 import { stepForm } from "../lib/steps.js";
 import { table } from "../lib/table.js";
 
@@ -238,6 +239,20 @@ export async function show(root, query) {
     source.scrollTop = source.scrollHeight;
   }
 
+  /** A campaign that was proposed, as a new one. */
+  async function proposed(text) {
+    clearTimeout(timer);
+    later = null;
+    open.value = "";
+    setAddress(root, "campaigns", { open: "" });
+    opened();
+    saved = "";
+    source.value = text;
+    numberLines();
+    edited();
+  }
+
+  const next = proposal(() => rig.value, proposed);
   source.addEventListener("input", edited);
   source.addEventListener("input", numberLines);
   source.addEventListener("scroll", () => (gutter.scrollTop = source.scrollTop));
@@ -251,7 +266,7 @@ export async function show(root, query) {
     h("div", { class: "side" }, files_, h("div", { class: "row" }, button("Save", save, { class: "main", id: "save" }), run), tools, broken, restored, form.element, beyond,
       h("details", { open: true }, h("summary", {}, "As TOML"), h("div", { class: "field" }, h("label", { for: "source" }, "Text"),
         h("div", { class: "numbered" }, gutter, source), h("small", { id: "source-hint" }, "what is planned, saved and run"))),
-      h("details", {}, h("summary", {}, "Add a step"), stepForm(kinds, add))),
+      h("details", {}, h("summary", {}, "Add a step"), stepForm(kinds, add)), next.element),
     plan));
   source.setAttribute("aria-describedby", "source-hint");
   const request = query.get("open");
@@ -261,6 +276,7 @@ export async function show(root, query) {
     clearTimeout(timer);
     under?.abort();
     drawn.clear();
+    next.clear();
   };
 }
 
