@@ -280,8 +280,28 @@ class Calls:
         return list(self.dp.records.read_campaign(folder))
 
     def fit(self, records: list[Any], model: Any, **options: Any) -> Any:
-        """One model fitted; ``records`` and ``model`` changed places."""
+        """One model fitted; ``records`` and ``model`` changed places.
+
+        Since 0.4.0 `fit` holds what a pair of parts leaves to one of them, as the command did before; a law that names the
+        parameter leaves it free.
+        """
+        if model == "dahl + hyperbolic_tangent" and not hasattr(self.identification, "identify"):
+            options = {"laws": {"hyperbolic_tangent.s": "interpolation"}} | options
         return self.identification.fit(records=records, model=model, **options)
+
+    def steps_of_search(self, records: list[Any], model: Any, **options: Any) -> list[tuple[int, float]]:
+        """Number and cost of each step of a fit's search: what ``progress`` of `fit` was called with, later of its search."""
+        steps: list[tuple[int, float]] = []
+
+        def watch(step: int, cost: float) -> None:
+            steps.append((step, cost))
+
+        if hasattr(self.identification, "identify"):
+            self.identification.fit(records=records, model=model, progress=watch, **options)
+        else:
+            least_squares = importlib.import_module("dampyr.identification.fits.least_squares")
+            least_squares.fit_model(model, records, self.identification.FitOptions(**options), watch)
+        return steps
 
     def inseparable(self, fit: Any) -> Any:
         """What the records of a fit cannot separate: ``findings``, later ``inseparable``."""
@@ -293,6 +313,12 @@ class Calls:
         if hasattr(self.identification, "leaderboard"):
             return self.identification.leaderboard(records, **options)
         return self.identification.fit(records, **options).leaderboard
+
+    def predicted(self, records: list[Any], model: str, folds: int) -> Any:
+        """Records predicted by fits without them: `cross_validate`, later `fit` with ``predict``."""
+        if hasattr(self.identification, "cross_validate"):
+            return self.identification.cross_validate(model, records, folds=folds)
+        return self.identification.fit(records, model, predict="record", folds=folds).validations[0]
 
     def validate(self, damper: Any, records: list[Any], **options: Any) -> Any:
         """Scores of many records, by input."""
@@ -345,8 +371,8 @@ def fits(dp: Any, data: Path) -> dict[str, Any]:
     records = calls.campaign(data)
     results: dict[str, Any] = {"records": len(records)}
     for name, arguments in MODELS.items():
-        steps: list[tuple[int, float]] = []
-        fit = calls.fit(records, progress=lambda step, cost, steps=steps: steps.append((step, cost)), **arguments)
+        fit = calls.fit(records, **arguments)
+        steps = calls.steps_of_search(records, **arguments)
         pairs = calls.inseparable(fit)
         results[name] = {
             "parameters": dict(fit.parameters),
@@ -425,7 +451,7 @@ def scores(dp: Any, data: Path) -> dict[str, Any]:
         )
     validated = calls.validate(fit.damper, records, band=None)
     results["validate"] = {name: plain(score, SCORE) for name, score in validated.scores.items()}
-    parts = dp.identification.cross_validate("dahl", records, folds=4)
+    parts = calls.predicted(records, "dahl", folds=4)
     results["cross_validate"] = {name: plain(score, SCORE) for name, score in parts.scores.items()}
     return results
 
@@ -495,7 +521,7 @@ def evidence(dp: Any, data: Path) -> dict[str, Any]:
     profile = dp.identification.profile(fit, "dahl.rho @ 1 V", points=11)
     posterior = dp.identification.sample_posterior(fit, steps=1500)
     groups = {f"damper {n}": synthetic_records(dp, (1.0,), 100 * (n + 1), 1.0 + 0.05 * n) for n in range(3)}
-    specimens = dp.identification.fit_specimens("dahl", groups)
+    specimens = dp.identification.fit_specimens(model="dahl", records=groups)
     draws = [{name: float(law(1.0)) for name, law in damper.all_laws.items()} for damper in fit.damper.draws(5, seed=3)]
     return {
         "profile": plain(

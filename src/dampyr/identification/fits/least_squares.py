@@ -69,7 +69,7 @@ def check_records_and_model(call: str, records: Any, model: Any) -> None:
     """Raise InputError where ``call``, which takes records and then a model, is given something else."""
     first = Argument("records", records, (Record,), RECORDS, several=True)
     second = Argument("model", model, (str, Composition, Damper), MODEL)
-    if second.takes(records) and first.takes(model):
+    if second.takes(records) and not second.takes(model):
         raise InputError(f"{call}: records come first since 0.4.0; write {call}(records, model)")
     check_kinds(call, first, second)
 
