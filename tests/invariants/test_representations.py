@@ -268,7 +268,7 @@ def _identify(made: SimpleNamespace) -> None:
     made.fit = dp.identification.fit(made.records, "dahl")
     made.band = dp.identification.prediction_band(made.fit.damper, made.records[0], draws=20)
     made.validation = cross_validate(made.records, "dahl", options=FitOptions(folds=3))
-    made.accepted = dp.identification.accept_records(made.records, made.damper)
+    made.accepted = dp.identification.accept(made.records, made.damper)
     made.validated = dp.identification.validate(made.damper, made.records)
     entry = dp.identification.Entry(
         "dahl", 0.09, 0.004, 0.09, 0.1, 0.12, 0.01, 0.1, 9, 1.0, True, "converged", (made.validation,), made.fit

@@ -3,13 +3,13 @@
 `fit` identifies any damper from one record or many, predicts records that it leaves out, and without a model chooses the one
 that does so best; `limit_cycle` and `plastic_region` are the two methods of the dissertation for the viscous Dahl model;
 `score` says how well a damper predicts a record; `residuals` analyses what a fit leaves,
-and the fit's ``findings`` say it in words; `accept` whether a record lies within a band about a reference damper. `profile` and
+and the fit's ``findings`` say it in words; `accept` whether records lie within a band about a reference damper. `profile` and
 `sample_posterior` say how well a number is known where the standard error is too simple, `identifiability` what the records
 cannot separate, and `fit_specimens` how the dampers of one type differ.
 """
 
-from dampyr.identification.acceptance_tests.accept_records import Accepted, AcceptOptions, accept_records
-from dampyr.identification.acceptance_tests.acceptance import Acceptance, Point, Tolerance, accept
+from dampyr.identification.acceptance_tests.accept import Accepted, accept
+from dampyr.identification.acceptance_tests.acceptance import Acceptance, AcceptOptions, Point, Tolerance
 from dampyr.identification.fits.diagnostics import Trend
 from dampyr.identification.fits.fit import fit
 from dampyr.identification.fits.fit_options import FitOptions
@@ -32,12 +32,12 @@ from dampyr.identification.scoring.validation import Fold, Validation
 
 __all__ = [
     "AcceptOptions", "Acceptance", "Accepted", "FitOptions", "ScoreOptions", "Validated",
-    "accept_records", "validate",
+    "accept", "validate",
     "Band", "Interval", "Levels", "prediction_band",
     "Inseparable", "Identifiability", "Posterior", "Profile", "Specimens", "Spread",
     "fit_specimens", "identifiability", "profile", "sample_posterior",
     "Entry", "Fit", "Fold", "Leaderboard", "LimitCycle", "Nuisance", "PlasticRegion", "Point", "Residuals",
     "Score", "Screened", "Tolerance", "Trace", "Trend", "Trial", "Validation", "Window",
-    "accept", "analyse", "fit", "limit_cycle",
+    "analyse", "fit", "limit_cycle",
     "plastic_region", "prediction", "residuals", "score",
 ]  # fmt: skip
