@@ -132,7 +132,7 @@ class Option:
         try:
             return value_of(self.hint, value, self.name)
         except InputError as problem:
-            raise InputError(f"{problem}; 0.1 is 10 %") from None if self.shown_in == "%" else problem
+            raise InputError(f"{problem}; 0.1 is 10 %" if self.shown_in == "%" else str(problem)) from None
 
     def _in_si(self, value: Any) -> Any:
         return value if value is None else in_si(value, self.unit, self.name)
