@@ -195,6 +195,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "records.Measured": lambda made: dp.records.measure(made.records[0]),
     "records.MovingAverage": lambda made: dp.records.MovingAverage(0.3),
     "records.Overview": lambda made: dp.records.overview(made.records[0]),
+    "records.ReadOptions": lambda made: dp.records.ReadOptions(voltage=1.98, smoothed="0.1 periods"),
     "records.Quality": lambda made: dp.records.quality(made.records[0]),
     "records.Recognised": lambda made: dp.records.Recognised("force", 50, 0.1, 0.1, 15.2, 14.0),
     "records.Record": lambda made: made.records[0],

@@ -10,21 +10,21 @@ import click
 from dampyr.cli._examples import examples
 from dampyr.cli._options import OptionsCommand
 from dampyr.cli._output import as_json_option, print_json, print_result, state_origin
-from dampyr.cli._records import Reading, gather, reading_options, role_option
+from dampyr.cli._records import READING, gather, role_option
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
     from dampyr.identification import AcceptOptions
     from dampyr.models import Damper
-    from dampyr.records import Record
+    from dampyr.records import ReadOptions, Record
 
 FAILED, UNDECIDED = 1, 3  # exit codes; 2 is a wrong request, as with every command
 
 
 @click.command(
     cls=OptionsCommand,
-    options={"options": "dampyr.identification:AcceptOptions"},
+    options={"options": "dampyr.identification:AcceptOptions"} | READING,
     epilog=examples(
         "dampyr accept damper.toml tests --tolerance 20%",
         "dampyr accept damper.toml tests --tolerance 10% --report accept.html",
@@ -34,7 +34,6 @@ FAILED, UNDECIDED = 1, 3  # exit codes; 2 is a wrong request, as with every comm
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
 @role_option("Of a folder in PATHS.")
 @report_options()
-@reading_options
 @as_json_option
 def command(
     reference: str,
@@ -42,7 +41,7 @@ def command(
     options: AcceptOptions,
     role: str | None,
     report: Path | None,
-    reading: Reading,
+    reading: ReadOptions,
     as_json: bool,
 ) -> int:
     """Judge records by a reference damper with a band of tolerance.
@@ -74,7 +73,7 @@ def command(
     return {"passed": 0, "failed": FAILED, "not judged": UNDECIDED}[result.verdict]
 
 
-def _reference(text: str, reading: Reading) -> Damper | list[Record]:
+def _reference(text: str, reading: ReadOptions) -> Damper | list[Record]:
     from dampyr import studies
 
     path = Path(text)

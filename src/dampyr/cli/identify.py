@@ -22,7 +22,7 @@ from dampyr.cli._output import (
     state_origin,
 )
 from dampyr.cli._progress import stages
-from dampyr.cli._records import Reading, gather, reading_options
+from dampyr.cli._records import READING, gather
 from dampyr.cli._report import report_options
 from dampyr.errors import DampyrError, InputError
 from dampyr.findings import worst_first
@@ -31,11 +31,12 @@ MAX_WORKERS = 8  # each process compiles the models of its own trials, which mor
 
 if TYPE_CHECKING:
     from dampyr.identification import Fit, FitOptions
+    from dampyr.records import ReadOptions
 
 
 @click.command(
     cls=OptionsCommand,
-    options={"options": "dampyr.identification:FitOptions"},
+    options={"options": "dampyr.identification:FitOptions"} | READING,
     first=1,
     epilog=examples(
         "dampyr identify tests --model dahl --save damper.toml --report damper.html",
@@ -52,7 +53,6 @@ if TYPE_CHECKING:
 )
 @click.option("--save", type=click.Path(path_type=Path), metavar="CARD", help="Write the damper's card, a .toml file.")
 @report_options()
-@reading_options
 @details_option
 @as_json_option
 def command(
@@ -63,7 +63,7 @@ def command(
     by_specimen: bool,
     save: Path | None,
     report: Path | None,
-    reading: Reading,
+    reading: ReadOptions,
     details: bool,
     as_json: bool,
 ) -> None:

@@ -10,22 +10,28 @@ import click
 from dampyr.cli._control import structure_of
 from dampyr.cli._examples import examples
 from dampyr.cli._motion import Ground, motion_options
+from dampyr.cli._options import OptionsCommand
 from dampyr.cli._output import as_json_option, in_process_option, print_json, print_result, state_origin
 from dampyr.cli._progress import stages
-from dampyr.cli._records import Reading, gather, pairs
+from dampyr.cli._records import READING, gather
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
     from dampyr.planning import Peak, PlanOptions
+    from dampyr.records import ReadOptions
 
 
 @click.command(
+    cls=OptionsCommand,
+    options=READING,
+    leave_out=("voltage", "dt"),
+    first=26,
     epilog=examples(
         "dampyr plan --card damper.toml --rig rig.toml --tests 6 --out next.toml",
         "dampyr plan tests --model dahl --rig rig.toml --target dahl.rho=5% --out narrow.toml",
         "dampyr plan --card damper.toml --tests 3 --seconds 4 --perform --out lab/planned",
         "dampyr plan --card damper.toml --goal peak --voltage 1.98 --peak-target 2% --perform --out lab/peak",
-    )
+    ),
 )
 @click.argument("records", nargs=-1, type=click.Path(path_type=Path))
 @click.option("--card", type=click.Path(path_type=Path), help="What is known of the damper, in place of records.")
@@ -104,6 +110,7 @@ def command(
     mixed_origins: bool,
     per_round: int,
     figure: Path | None,
+    reading: ReadOptions,
     as_json: bool,
 ) -> None:
     """Propose the next tests on a rig.
@@ -125,11 +132,11 @@ def command(
     evidence: Any = published.card_or_published(str(card), Path()) if card else None
     options = planning.PlanOptions(
         model=model,
-        laws=pairs(laws),
+        laws=_pairs(laws),
         bandwidth=bandwidth,
         tests=tests,
         duration=None if duration is None else parse(duration, "s"),
-        targets={name: share(text, f"the target of {name}") for name, text in (pairs(targets) or {}).items()},
+        targets={name: share(text, f"the target of {name}") for name, text in (_pairs(targets) or {}).items()},
         goal=goal,
         peak=_peak(goal, structure, motion, ground, voltage, peak_of),
         peak_target=None if peak_target is None else share(peak_target, "the peak's target"),
@@ -139,7 +146,7 @@ def command(
         mixed_origins=mixed_origins,
     )
     if records:
-        evidence = gather(records, "fit", Reading({}))
+        evidence = gather(records, "fit", reading)
     if perform and out is None:
         raise InputError("--out is missing; give a folder for the rounds of tests")
     if perform:
@@ -242,3 +249,11 @@ def _next(out: Path | None) -> str:
         if out
         else "Next: give --out FILE, and dampyr run FILE performs it."
     )
+
+
+def _pairs(given: tuple[str, ...]) -> dict[str, str] | None:
+    """``NAME=VALUE`` options as a dictionary."""
+    for pair in given:
+        if "=" not in pair:
+            raise InputError(f"{pair!r} has no '='; write it as in dahl.rho=5%")
+    return dict(pair.split("=", 1) for pair in given) or None

@@ -26,7 +26,7 @@ def test_several_files_without_names_are_uploaded_with_the_columns_chosen_once(a
         page.get_by_label(f"Channel of column {k}").select_option(channel)
     assert page.get_by_label("Unit of column 1").input_value() == "mm"
     page.get_by_label("Unit of column 2").fill("kN")
-    page.get_by_label("Voltage at the coil, V").fill("0,5")
+    page.get_by_label("Voltage, V").fill("0,5")
     page.get_by_role("button", name="Upload").click()
     page.get_by_text("Uploaded 2 records.").wait_for()
     page.get_by_label("Show two_ second").wait_for()
@@ -40,7 +40,7 @@ def test_an_upload_is_described_anew_renamed_and_deleted_after_a_question(addres
     page = new_page(f"{address}#/records?source=data&open=data/uploads/a.h5&tab=about")
     page.get_by_text("Change what is said of it").click()
     page.get_by_label("Operator").fill("Jo")
-    page.get_by_label("Voltage at the coil, V").last.fill("1,98")
+    page.get_by_label("Voltage at the coil, V").fill("1,98")
     page.get_by_role("button", name="Save the changes").click()
     page.get_by_text("The record is written anew").wait_for()
     assert records.read(data / "uploads" / "a.h5").voltage == 1.98

@@ -23,7 +23,7 @@ export async function show(root, query) {
   const cached = new Map();
   let listed = [];
   let drawings = [];
-  const [sources, formats, judging] = await Promise.all([get("records/sources"), get("records/formats"), get("records/acceptance/options")]);
+  const [sources, formats, reading, judging] = await Promise.all(["sources", "formats", "uploads/options", "acceptance/options"].map((one) => get(`records/${one}`)));
   const request = fromAddress(query, judging);
   if (!state.source) { // one's own records, where there are any
     const own = await get(`records/list?${asQuery({ source: "data" })}`);
@@ -42,7 +42,7 @@ export async function show(root, query) {
         h("div", { class: "fields sources" }, field("Source", source), field("Filter", filter), field("Role", role)),
         rest,
         list,
-        uploads(formats.read, (keys) => ((state.source = source.value = "data"), (state.open = keys.slice(0, MAX_OPEN)), load(true)))),
+        uploads(formats.read, reading, (keys) => ((state.source = source.value = "data"), (state.open = keys.slice(0, MAX_OPEN)), load(true)))),
       sheet),
   );
 
