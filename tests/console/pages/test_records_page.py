@@ -34,6 +34,17 @@ def test_several_files_without_names_are_uploaded_with_the_columns_chosen_once(a
     assert (read.voltage, np.abs(read.force).max() > 3e5) == (0.5, True)
 
 
+def test_a_line_of_names_that_is_said_shows_the_columns_anew(address, new_page, tmp_path):
+    (tmp_path / "two.csv").write_text("one,two,three\nt [s],x [mm],f [N]\n" + BARE)
+    page = new_page(f"{address}#/records?source=data")
+    page.get_by_text("Upload records").click()
+    page.get_by_label("File", exact=True).set_input_files([tmp_path / "two.csv"])
+    page.get_by_label("Channel of x", exact=True).wait_for()
+    page.get_by_label("Header").fill("1")
+    page.get_by_label("Header").blur()
+    page.get_by_label("Channel of two").wait_for()
+
+
 def test_an_upload_is_described_anew_renamed_and_deleted_after_a_question(address, new_page, data):
     (data / "uploads").mkdir()
     records.write(made("a"), data / "uploads" / "a.h5")
