@@ -99,6 +99,7 @@ def test_the_readme_is_two_screens_long() -> None:
 def test_lines_are_short_enough_to_read(page: Path) -> None:
     text = re.sub(r"\]\([^)]*\)", "]", page.read_text(encoding="utf-8"))  # where a link leads is not read
     text = text.partition("<!-- generated: bibliography -->")[0]
+    text = re.sub(r"(<!-- generated: [\w-]+ -->).+<!-- end -->", r"\1", text)  # nobody wraps a list that is made
     prose = [line for line in text.splitlines() if line[:1] not in ("|", "$")]
     assert max(map(len, prose)) <= 145
 

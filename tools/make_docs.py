@@ -435,7 +435,7 @@ def option_section(cls: type) -> str:
         ]
         for o in options_of(cls)
     ]
-    taken = f"Taken by {listing(calls)} and {listing(typed)}."
+    taken = fill(f"Taken by {listing(calls)} and {listing(typed)}.", 118)
     return "\n".join(
         [f"## `{cls.__name__}`", "", taken, "", table(["argument", "option", "value", "default", "what"], rows), ""]
     )
@@ -489,7 +489,7 @@ LISTS: dict[str, Callable[[], str]] = {
     "command-examples": command_examples,
     "command-sections": command_sections,
     "option-sections": option_sections,
-    **{f"options-of-{name}": option_names(name) for name, _ in options_commands()},
+    **{f"options-of-{name.replace(' ', '-')}": option_names(name) for name, _ in options_commands()},
     "bibliography": citations.sections,
 }
 

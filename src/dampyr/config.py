@@ -123,7 +123,7 @@ def value_of(hint: Any, value: Any, where: str) -> Any:
     for note in notes:
         if isinstance(note, Quantity) and float in kinds:
             return _measured(note, value, where)
-    plain = _plain(kinds[0], value, where)
+    plain = _plain([kind for kind in kinds if get_origin(kind) is None], value, where)
     for note in notes:
         if isinstance(note, Choices):
             note.check(where, plain)
@@ -161,12 +161,17 @@ def _measured(quantity: Quantity, value: Any, where: str) -> float:
     return parsed
 
 
-def _plain(kind: Any, value: Any, where: str) -> Any:
+def _plain(kinds: list[Any], value: Any, where: str) -> Any:
+    """A value of one of several plain types; the first that it is of."""
+    for kind in kinds:
+        is_of = isinstance(value, (int, float) if kind is float else kind)
+        if is_of and (kind is bool or not isinstance(value, bool)):
+            return float(value) if kind is float else value
     names = {float: "a number", int: "a whole number", str: "a text", bool: "true or false"}
-    wrong = not isinstance(value, (int, float) if kind is float else kind)
-    if kind in names and (wrong or (kind is not bool and isinstance(value, bool))):
-        raise InputError(f"{where} = {value!r} must be {names[kind]}")
-    return float(value) if kind is float else value
+    allowed = [names[kind] for kind in kinds if kind in names]
+    if allowed:
+        raise InputError(f"{where} = {value!r} must be {' or '.join(allowed)}")
+    return value
 
 
 def _is_required(field: Field[Any]) -> bool:

@@ -92,13 +92,18 @@ class Options:
             )
         return cls(**keywords) if options is None else replace(options, **keywords)  # type: ignore[type-var]
 
+    def as_keywords(self) -> dict[str, Any]:
+        """The values by name."""
+        return {option.name: getattr(self, option.name) for option in options_of(type(self))}
+
 
 @dataclass(frozen=True)
 class Option:
     """A field of `Options`, with all that its annotation says.
 
-    ``kind`` is the type of a value: bool, int, float or str; of ``several``, a tuple, that of each, and of ``pairs``, a mapping
-    by names, that of the values. ``for_all``: one value for all names may stand in the place of the mapping.
+    ``kind`` is the type of a value: bool, int, float or str, of several the first; of ``several``, a tuple, that of each,
+    and of ``pairs``, a mapping by names, that of the values. ``for_all``: one value for all names may stand in the place of
+    the mapping.
     """
 
     name: str
@@ -263,7 +268,8 @@ def _option(name: str, hint: Any, default: Any) -> Option:
         get_origin(container) is tuple,
         get_origin(container) is not tuple and get_origin(container) is not None,
     )
-    kind = get_args(container)[-1 if pairs else 0] if several or pairs else container
+    inner = get_args(container)[-1 if pairs else 0] if several or pairs else container
+    kind = next(iter(get_args(inner)), inner)  # of several plain types the first, in which it is typed
     quantity = next((note for note in notes if isinstance(note, Quantity)), None)
     choices = next((note.words for note in notes if isinstance(note, Choices)), None)
     terminal = next((note for note in notes if isinstance(note, Terminal)), Terminal())

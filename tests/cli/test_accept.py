@@ -50,13 +50,15 @@ def test_the_exit_code_tells_the_verdict(lab: Path) -> None:
 
 
 def test_the_band_is_told_in_units_of_people(lab: Path) -> None:
-    wide = run(lab / "card.toml", lab / "strong.h5", "--tolerance", "15%", "--slack", "12 N", "--slack", "400mJ")
+    wide = run(
+        lab / "card.toml", lab / "strong.h5", "--tolerance", "15%", "--force-slack", "12 N", "--energy-slack", "400mJ"
+    )
     assert wide.exit_code == 0, wide.stdout
     assert "± 15 % and 12 N and 0.4 J" in wide.stdout
     assert run(lab / "card.toml", lab / "strong.h5", "--tolerance", "0.21").exit_code == 0
-    for slack in ("12", "12mm", "N"):
-        refused = run(lab / "card.toml", lab / "strong.h5", "--slack", slack)
-        assert (refused.exit_code, "no unit of a force or an energy" in refused.stderr) == (2, True)
+    for slack in ("12mm", "N"):
+        refused = run(lab / "card.toml", lab / "strong.h5", "--force-slack", slack)
+        assert (refused.exit_code, f"--force-slack {slack}: " in refused.stderr) == (2, True)
 
 
 def test_json_has_every_point_in_si(lab: Path) -> None:

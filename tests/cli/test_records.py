@@ -109,7 +109,7 @@ def test_a_bad_file_is_one_line_that_names_it(table: Path, change: tuple[str, st
 def test_a_channel_must_be_named(table: Path) -> None:
     result = run(table, "--unit", "mm")
     assert result.exit_code == 2
-    assert "'mm' has no '='; write it as in displacement=mm" in result.stderr
+    assert "--unit 'mm' has no '='; write it as in CHANNEL=UNIT" in result.stderr
 
 
 def test_the_campaign_is_listed_with_its_disagreement_and_its_missing_rows(campaign_folder: Path) -> None:

@@ -20,7 +20,7 @@ from dampyr.console.equivalent_commands import (
 )
 from dampyr.console.identify_schemas import IdentifyRequest, ValidateRequest
 from dampyr.console.record_acceptance import AcceptanceRequest
-from dampyr.identification import FitOptions, ScoreOptions
+from dampyr.identification import AcceptOptions, FitOptions, ScoreOptions
 
 KEYS = ["data/uploads/a test.h5", "labcontrol/ensaio.A.1.mat"]
 
@@ -56,11 +56,13 @@ def test_validation_and_acceptance() -> None:
         given = parsed(validate_command(ValidateRequest(records=KEYS, card="cards/x.toml", band=band)))
         assert given["options"] == ScoreOptions(band=band)
     request = AcceptanceRequest(
-        key=KEYS, reference=["cards/x.toml"], tolerance=0.1, force=20, judge=["energy"], offset=-5
+        key=KEYS, reference=["cards/x.toml"], tolerance=0.1, force_slack=20, quantities=["energy"], offset=-5, relevel=2
     )
     given = parsed(accept_command(request))
-    assert (given["reference"], given["tolerance"], given["slacks"]) == ("cards/x.toml", "10%", ("20N",))
-    assert (given["judge"], given["offset"]) == (("energy",), "-5N")
+    assert (given["reference"], given["options"]) == (
+        "cards/x.toml",
+        AcceptOptions(0.1, force_slack=20.0, quantities=("energy",), offset=-5.0, relevel=2),
+    )
     assert "a folder of these records" in accept_command(request.model_copy(update={"reference": KEYS}))
 
 

@@ -36,7 +36,7 @@ def judged(client, *keys, **options):
 def test_the_endpoint_tells_what_the_function_finds(client, campaign_folder):
     got = judged(client, VALI, reference="raminelli_2020", tolerance=0.04).json()
     record = records.read_campaign(campaign_folder, role="validation")[0]
-    own = identification.accept(record, raminelli_2020.damper(), identification.Tolerance(0.04))
+    own = identification.accept(record, raminelli_2020.damper(), tolerance=0.04).results[0]
     (one,) = got["records"]
     assert (one["name"], one["verdict"], one["count"]) == ("ensaio.vali.1", own.verdict, len(own.points))
     assert one["outside_count"] == len(own.outside) > 0
@@ -55,7 +55,9 @@ def test_the_endpoint_tells_what_the_function_finds(client, campaign_folder):
 def test_cards_and_records_are_references(client, lab):
     results = judged(client, "data/good.h5", "data/strong.h5", reference="cards/mine.toml").json()["records"]
     assert [one["verdict"] for one in results] == ["passed", "failed"]
-    wide = judged(client, "data/strong.h5", reference="cards/mine.toml", force=12, energy=0.4).json()["records"]
+    wide = judged(client, "data/strong.h5", reference="cards/mine.toml", force_slack=12, energy_slack=0.4).json()[
+        "records"
+    ]
     assert wide[0]["verdict"] == "passed"
     each = judged(client, "data/good.h5", "data/strong.h5", reference=["data/good.h5", "data/strong.h5"]).json()
     assert [one["verdict"] for one in each["records"]] == ["failed", "failed"]
@@ -66,13 +68,26 @@ def test_cards_and_records_are_references(client, lab):
     assert "voltage 3 V is outside the calibrated range" in beyond["reason"]
 
 
+def test_a_card_may_be_extrapolated_and_records_relevelled(client, lab):
+    beyond = judged(client, "data/fast.h5", reference="cards/mine.toml", allow_extrapolation="true").json()["records"][
+        0
+    ]
+    assert beyond["judged"] == beyond["count"] > 0
+    got = judged(client, "data/strong.h5", reference="cards/mine.toml", relevel=2).json()
+    (once,), (again,) = got["records"], got["relevelled"]
+    assert (once["verdict"], once["level"]) == ("failed", 1.0)
+    assert (again["verdict"], again["level"]) == ("passed", pytest.approx(1.2, abs=0.01))
+    assert [each["level"] for each in got["data"]["relevelled"]] == [again["level"]]
+    assert judged(client, "data/strong.h5", reference="cards/mine.toml").json()["relevelled"] == []
+
+
 def test_many_points_are_thinned_and_none_outside_is_lost(client, data):
     t = np.arange(0.0, 1500.0, 0.05)
     x, v = 0.01 * np.sin(2 * np.pi * t), 0.02 * np.pi * np.cos(2 * np.pi * t)
     weak = np.where(np.abs(t - 700.0) < 1.5, 0.5, 1.0)
     records.write(records.Record(t, x, 900.0 * v, voltage=0.0, name="new"), data / "new.h5")
     records.write(records.Record(t, x, 900.0 * v * weak, voltage=0.0, name="long"), data / "long.h5")
-    (one,) = judged(client, "data/long.h5", reference="data/new.h5", judge="extension").json()["records"]
+    (one,) = judged(client, "data/long.h5", reference="data/new.h5", quantities="extension").json()["records"]
     (points,) = one["points"]
     assert one["count"] > 1400
     assert len(points["speed"]) < 1000
@@ -90,8 +105,9 @@ def test_many_points_are_thinned_and_none_outside_is_lost(client, data):
         ({"reference": "cards/mine.toml", "tolerance": 15}, 422, "tolerance"),
         ({"reference": "cards/mine.toml", "tolerance": "nan"}, 422, "tolerance"),
         ({"reference": "cards/mine.toml", "tolerance": 0}, 400, "has no width"),
-        ({"reference": "cards/mine.toml", "judge": "rebound"}, 422, "judge"),
-        ({"reference": "cards/mine.toml", "force": -1}, 422, "force"),
+        ({"reference": "cards/mine.toml", "quantities": "rebound"}, 400, "quantities = 'rebound' is not known"),
+        ({"reference": "cards/mine.toml", "force_slack": -1}, 422, "force_slack"),
+        ({"reference": "cards/mine.toml", "relevel": -1}, 422, "relevel"),
         ({"reference": "cards/mine.toml", "offset": "inf"}, 422, "offset"),
     ],
 )
@@ -124,7 +140,7 @@ def test_a_person_judges_records_and_the_address_keeps_it(data, lab, address, ne
     page.get_by_role("status").filter(has_text="2 passed.").wait_for()
     assert page.get_by_role("heading", name="Points outside").count() == 0
     page.get_by_label("energy", exact=True).uncheck()
-    page.wait_for_url(re.compile("judge=extension&judge=compression$"))
+    page.wait_for_url(re.compile("quantities=extension&quantities=compression$"))
     page.reload()
     page.get_by_role("status").filter(has_text="2 passed.").wait_for()
     assert page.get_by_label("Tolerance, %").input_value() == "21"
@@ -148,6 +164,8 @@ def test_what_is_not_judged_says_why_in_the_dark_on_a_phone(lab, address, new_pa
 def test_a_wrong_number_is_told_in_a_sentence(lab, address, client, chromium):
     """The browser itself complains of an answer 422, so this page is watched by nobody."""
     page = chromium.new_page()
-    page.goto(f"{address}#/records?source=data&open=data/good.h5&tab=acceptance&reference=cards/mine.toml&force=much")
-    page.get_by_text("Force: Input should be a valid number").wait_for()
+    page.goto(
+        f"{address}#/records?source=data&open=data/good.h5&tab=acceptance&reference=cards/mine.toml&force_slack=much"
+    )
+    page.get_by_text("force_slack: Input should be a valid number").wait_for()
     page.close()

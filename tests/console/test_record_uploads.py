@@ -13,6 +13,7 @@ pytest.importorskip("fastapi")
 from dampyr import records
 from dampyr.console import record_answers
 from dampyr.console.record_sources import unique_names
+from dampyr.options import options_of
 
 ROWS = [(k / 100, 8 * np.sin(k / 12), 300 * np.cos(k / 12) + 20) for k in range(600)]
 CSV = "time [s],displacement [mm],force [N]\n" + "".join(f"{t},{x:.5f},{f:.4f}\n" for t, x, f in ROWS)
@@ -157,6 +158,22 @@ def test_a_file_without_names_is_read_with_the_columns_that_were_chosen(client):
     assert about["input_value"] == 0.5
     assert "force turned, as its sign was declared" in about["history"]
     assert preview(client, "no.csv", "words\n")["problem"].startswith("no.csv: has no line of numbers")
+
+
+def test_what_the_form_of_uploads_offers_is_taken(client):
+    offered = [option["name"] for option in client.get("/api/records/uploads/options").json()]
+    assert offered == [
+        option.name for option in options_of(records.ReadOptions) if option.name not in ("units", "columns", "cut")
+    ]
+    untimed = "x [mm],f [N]\n" + "".join(f"{x:.5f},{f:.4f}\n" for _, x, f in ROWS)
+    said = {"dt": 0.01, "column": ["displacement=x", "force=f"], "smoothed": "3 samples, not undone", "lowpass": "20"}
+    answer = upload(client, "untimed.csv", untimed, **said)
+    assert answer.status_code == 201, answer.text
+    history = client.get("/api/records/one", params={"key": answer.json()["key"]}).json()["about"]["history"]
+    assert any("time from the sampling interval, 0.01 s" in step for step in history)
+    assert any("low-pass" in step for step in history)
+    for wrong, code in (({"dt": -1}, 422), ({"smoothed": "a tenth"}, 400), ({"force_sign": 2}, 400)):
+        assert upload(client, "wrong.csv", untimed, **wrong).status_code == code
 
 
 def test_a_record_is_described_anew_and_the_file_as_it_came_is_untouched(client, data):

@@ -10,7 +10,7 @@ from tests.identification.synthetic import sine
 
 from dampyr.cli import cli
 from dampyr.findings import OF_DAMPER, handed_on
-from dampyr.identification import Fit, accept_records, fit, validate
+from dampyr.identification import Fit, accept, fit, validate
 from dampyr.models import Damper
 from dampyr.records import Record, describe, write
 from dampyr.show.pages.acceptance_page import write_acceptance_page
@@ -72,7 +72,7 @@ def test_pages_say_a_saturated_force_once(of_clipped: Fit, tmp_path: Path) -> No
     assert of_clipped.damper is not None
     write_fit_page(of_clipped, tmp_path / "fit.html")
     write_validate_page(validate(of_clipped.damper, [clipped()]), tmp_path / "validate.html")
-    write_acceptance_page(accept_records([clipped()], of_clipped.damper), tmp_path / "accept.html")
+    write_acceptance_page(accept([clipped()], of_clipped.damper), tmp_path / "accept.html")
     for page in ("fit.html", "validate.html", "accept.html"):
         assert (tmp_path / page).read_text("utf-8").count(SATURATED) == 1, page
 
@@ -80,10 +80,10 @@ def test_pages_say_a_saturated_force_once(of_clipped: Fit, tmp_path: Path) -> No
 def test_records_of_another_damper_and_the_card_are_told_apart(of_clipped: Fit) -> None:
     assert of_clipped.damper is not None
     clean = sine(DAHL, 0.0, name="clean")
-    for result in (validate(of_clipped.damper, [clean]), accept_records([clean], of_clipped.damper)):
+    for result in (validate(of_clipped.damper, [clean]), accept([clean], of_clipped.damper)):
         assert [str(one) for one in result.findings] == [f"the damper's fit: {of_clipped.findings[0]}"]
         assert result.as_dict()["findings"] == [of_clipped.findings[0].as_dict() | {"source": "the damper's fit"}]
-    by_records = accept_records([clean], [clipped("reference")])
+    by_records = accept([clean], [clipped("reference")])
     assert [one.about for one in by_records.findings] == [("reference",)]
 
 

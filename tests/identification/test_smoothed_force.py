@@ -196,14 +196,14 @@ def test_cross_validation_and_acceptance_compare_like_with_like() -> None:
     made = [smoothed(record) for record in records(0.5, count=3)]
     assert cross_validate(made, "dahl", options=FitOptions(folds=3)).error < 0.02
     damper = Damper("dahl", LAWS)
-    assert accept(made[0], damper).passed
+    assert accept(made[0], damper).verdict == "passed"
     far = smoothed(records(0.5)[0], 41)
-    judged = accept(made[0], [far.replace(note="", name="reference")])
+    judged = accept(made[0], [far.replace(note="", name="reference")]).results[0]
     assert judged.passed is None
     assert "the force here is smoothed over 0.105 s, that of the reference otherwise" in judged.reasons
     again = smoothed(sine(damper, 0.0, "again", 0.004, 1.0, 0.5, seed=9))
-    assert accept(made[0], [again]).judged
-    plain = accept(records(0.5)[0], [again])
+    assert accept(made[0], [again]).results[0].judged
+    plain = accept(records(0.5)[0], [again]).results[0]
     assert "the force here is not smoothed, that of the reference otherwise" in plain.reasons
 
 

@@ -202,6 +202,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "records.Measured": lambda made: dp.records.measure(made.records[0]),
     "records.MovingAverage": lambda made: dp.records.MovingAverage(0.3),
     "records.Overview": lambda made: dp.records.overview(made.records[0]),
+    "records.ReadOptions": lambda made: dp.records.ReadOptions(voltage=1.98, smoothed="0.1 periods"),
     "records.Quality": lambda made: dp.records.quality(made.records[0]),
     "records.Recognised": lambda made: dp.records.Recognised("force", 50, 0.1, 0.1, 15.2, 14.0),
     "records.Record": lambda made: made.records[0],
@@ -275,7 +276,7 @@ def _identify(made: SimpleNamespace) -> None:
     made.fit = dp.identification.fit(made.records, "dahl")
     made.band = dp.identification.prediction_band(made.fit.damper, made.records[0], draws=20)
     made.validation = cross_validate(made.records, "dahl", options=FitOptions(folds=3))
-    made.accepted = dp.identification.accept_records(made.records, made.damper)
+    made.accepted = dp.identification.accept(made.records, made.damper)
     made.validated = dp.identification.validate(made.damper, made.records)
     entry = dp.identification.Entry(
         "dahl", 0.09, 0.004, 0.09, 0.1, 0.12, 0.01, 0.1, 9, 1.0, True, "converged", (made.validation,), made.fit

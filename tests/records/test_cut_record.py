@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from dampyr.errors import InputError
-from dampyr.records import Record, cut
+from dampyr.records import ReadOptions, Record, cut, read, read_campaign, write
 
 
 def record(seconds: float = 23.0, dt: float = 0.01, **fields: object) -> Record:
@@ -82,3 +84,19 @@ def test_events_are_cut_in_the_middle_of_the_rests(noise: float) -> None:
 def test_what_cannot_be_cut(by: float | str, words: str) -> None:
     with pytest.raises(InputError, match=words):
         cut(record(4.0), by)
+
+
+def test_a_folder_is_cut_as_it_is_read_and_a_file_is_not(tmp_path: Path) -> None:
+    path = write(record(), tmp_path / "long.h5")
+    pieces = read_campaign(tmp_path, cut="10 s")
+    assert [piece.name for piece in pieces] == [piece.name for piece in cut(read(path), 10.0)] == ["long_1", "long_2"]
+    assert [piece.name for piece in read_campaign(tmp_path, options=ReadOptions(cut=10.0))] == ["long_1", "long_2"]
+    with pytest.raises(InputError, match=r"cut = 'events' makes several records of one file; read it without"):
+        read(path, cut="events")
+    with pytest.raises(InputError, match=r"cut by 'five' is not possible; give a duration"):
+        read_campaign(tmp_path, cut="five")
+    write(record(4.0).replace(note="named", name="long_1"), tmp_path / "other.h5")
+    with pytest.raises(
+        InputError, match=r"2 records or pieces are called 'long_1'; rename a file, or read them without"
+    ):
+        read_campaign(tmp_path, cut="10 s")

@@ -76,7 +76,7 @@ def test_inputs_as_a_table_or_a_number(folder: Path) -> None:
         ('current = {"run*" = 1, "run2*" = 2}', "gives run2_0.25A.txt both 1 and 2 A"),
         ("units = 3", "is no table"),
         ('columns = {stroke = "x"}', "'stroke', which is no channel"),
-        ("columns = {force = 1.5}", "force = 1.5 is no text"),
+        ("columns = {force = 1.5}", "columns['force'] = 1.5 must be a text or a whole number"),
     ],
 )
 def test_a_wrong_reading_toml_is_one_line(folder: Path, text: str, words: str) -> None:
@@ -279,10 +279,13 @@ def test_a_section_goes_before_what_stands_above_it(folder: Path) -> None:
             '[[files]]\npattern = "run*"\nvalidation = ["a"]',
             "[[files]] 1: 'validation' is not known; choose from pattern, units,",
         ),
-        ('[[files]]\npattern = "run*"\nheader = -1', "[[files]] 1: header = -1 is no line; give the number"),
+        ('[[files]]\npattern = "run*"\nheader = -1', "[[files]] 1: header = -1 is not allowed; it must be at least 0"),
         ('[[files]]\npattern = "run*"\nforce_sign = 2', "[[files]] 1: force_sign = 2 is not allowed; it must be -1"),
-        ('[[files]]\npattern = "run*"\ndt = "2 mm"', "[[files]] 1: the unit 'mm' does not measure what 's' measures"),
-        ('[[files]]\npattern = "run*"\ndt = -1', "[[files]] 1: dt = -1 s is no sampling interval"),
+        (
+            '[[files]]\npattern = "run*"\ndt = "2 mm"',
+            "[[files]] 1: dt: the unit 'mm' does not measure what 's' measures",
+        ),
+        ('[[files]]\npattern = "run*"\ndt = -1', "[[files]] 1: dt = -1 s is not allowed; it must be greater than 0"),
         ('[[files]]\npattern = "run*"\nvariable = ""', "[[files]] 1: variable = '' is no name"),
         ('[[files]]\npattern = "run*"\nvoltage = 1\ncurrent = 1', "[[files]] 1: voltage and current are both given"),
         ('specimen = " "', "specimen = ' ' is not a name; give one line of text"),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dampyr.errors import FileError
+from dampyr.errors import FileError, InputError
 from dampyr.records import read, write
 
 ROWS = [(0.01 * k, 2.5 * k, 10.0 * k - 20) for k in range(10)]
@@ -322,7 +322,7 @@ def test_the_sign_of_the_force_is_turned_where_it_is_declared(tmp_path):
     assert np.array_equal(turned.force, -plain.force)
     assert turned.history[-1] == "force turned, as its sign was declared"
     assert np.array_equal(read(path, force_sign=1).force, plain.force)
-    with pytest.raises(FileError, match=r"force_sign = -2 is not allowed; it must be -1, which turns the force, or 1"):
+    with pytest.raises(InputError, match=r"force_sign = -2 is not allowed; it must be -1, which turns the force, or 1"):
         read(path, force_sign=-2)
 
 

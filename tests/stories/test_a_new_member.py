@@ -111,13 +111,13 @@ import numpy as np
 
 from dampyr.atomic_write import write_whole
 from dampyr.errors import FileError
-from dampyr.records.files.record_files import Request
+from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import Record
 
 CHANNELS = ("time", "displacement", "force")
 
 
-def read(path: Path, request: Request) -> Record:
+def read(path: Path, request: ReadOptions) -> Record:
     """The record in a ``.json`` file."""
     try:
         content = json.loads(path.read_text("utf-8"))

@@ -201,9 +201,9 @@ def test_accept(data: Path, client: TestClient, reference: str) -> None:
     judged, others = ("a", "b"), ("c", "d")
     by_records = reference == "records"
     against = own(data, *others) if by_records else studies.published_damper(reference)
-    options = identification.AcceptOptions(identification.Tolerance(0.2, 5.0), ("extension", "energy"))
+    options = identification.AcceptOptions(0.2, 5.0, quantities=("extension", "energy"))
     name = "c, d" if by_records else reference
-    ours = identification.accept_records(own(data, *judged), against, options, name)
+    ours = identification.accept(own(data, *judged), against, options, name)
     show.write_acceptance_page(ours, data / "ours.html")
 
     folder = data / "c, d"  # reports are titled by the last part of a path
@@ -212,12 +212,12 @@ def test_accept(data: Path, client: TestClient, reference: str) -> None:
         (folder / f"{other}.h5").write_bytes((data / f"{other}.h5").read_bytes())
     said = command(
         "accept", folder if by_records else reference, *(data / f"{each}.h5" for each in judged),
-        "--tolerance", "20%", "--slack", "5N", "--judge", "extension", "--judge", "energy",
+        "--tolerance", "20%", "--force-slack", "5N", "--judge", "extension", "--judge", "energy",
         "--report", data / "said.html",
     )  # fmt: skip
     params = {
-        "key": keys(*judged), "reference": keys(*others) if by_records else reference, "tolerance": 0.2, "force": 5.0,
-        "judge": ["extension", "energy"],
+        "key": keys(*judged), "reference": keys(*others) if by_records else reference, "tolerance": 0.2,
+        "force_slack": 5.0, "quantities": ["extension", "energy"],
     }  # fmt: skip
     request = client.get("/api/records/acceptance", params=params).json()["data"]
     assert request == plain(ours.as_dict())

@@ -217,8 +217,8 @@ def _objects(made: Made) -> dict[str, Any]:
     return {
         "record": made.records[0], "fit": result, "residuals": result.residuals, "damper": result.damper,
         "validated": dp.identification.validate(result.damper, made.records),
-        "accepted": dp.identification.accept_records(made.records, result.damper),
-        "acceptance": dp.identification.accept(made.records[0], result.damper),
+        "accepted": dp.identification.accept(made.records, result.damper),
+        "acceptance": dp.identification.accept(made.records[0], result.damper).results[0],
         "simulated": simulated, "response": simulated.cases["1.98 V"],
     }  # fmt: skip
 

@@ -35,7 +35,7 @@ from dampyr.campaigns.planned_tests import Plan, PlannedTest
 from dampyr.campaigns.record_test import take
 from dampyr.campaigns.step import Peaks
 from dampyr.errors import DampyrWarning, FileError, InputError
-from dampyr.records.files.record_files import Request
+from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.recording import Recording
 from dampyr.records.formats import h5
 from dampyr.rig import Drive, RigSettings
@@ -286,7 +286,7 @@ class DriveLearning:
         try:
             if not h5.state(path).complete or h5.provenance(path).get(KEY) != self.key:
                 return None
-            record, raw = h5.read(path, Request()), h5.read_raw(path)["position"]
+            record, raw = h5.read(path, ReadOptions()), h5.read_raw(path)["position"]
             table = np.loadtxt(self._path(number, "csv"), delimiter=",", skiprows=1, ndmin=2)
         except (InputError, OSError, ValueError, KeyError):
             return None

@@ -13,7 +13,7 @@ from dampyr.campaigns.differences import step_differences
 from dampyr.campaigns.journal import Entry, TestState
 from dampyr.campaigns.planned_tests import Plan
 from dampyr.errors import FileError, InputError
-from dampyr.records.files.record_files import Request
+from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.formats import h5
 
 INTERRUPTED = "interrupted: the host was killed or lost its power"
@@ -119,7 +119,7 @@ def broken_tries(folder: Path, name: str) -> list[Path]:
 def _is_damaged(path: Path) -> bool:
     """Whether a file cannot be read as a record, though it has samples enough."""
     try:
-        h5.read(path, Request())
+        h5.read(path, ReadOptions())
     except h5.FewSamples:
         return False
     except InputError:

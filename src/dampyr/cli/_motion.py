@@ -103,13 +103,13 @@ def spectral(text: str) -> tuple[float, float, float]:
     return acceleration(parts[0]), units.parse(parts[1], "s"), ratio(parts[2]) if len(parts) == 3 else 0.05
 
 
-def ratio(text: str, what: str = "damping") -> float:
-    """A ratio below 1, ``5%`` or ``0.05``."""
+def ratio(text: str) -> float:
+    """A damping ratio below 1, ``5%`` or ``0.05``."""
     number = text.strip()
     try:
         value = float(number.removesuffix("%")) / (100 if number.endswith("%") else 1)
     except ValueError:
-        raise InputError(f"{text!r} is not a {what}; write it as in 5% or 0.05") from None
+        raise InputError(f"{text!r} is not a damping; write it as in 5% or 0.05") from None
     if not 0 <= value < 1:
-        raise InputError(f"a {what} of {text} is not allowed; it must be from 0 to less than 1, as in 5% or 0.05")
+        raise InputError(f"a damping of {text} is not allowed; it must be from 0 to less than 1, as in 5% or 0.05")
     return value

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import warnings
-from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from functools import wraps
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,15 +13,7 @@ import click
 from dampyr.errors import DampyrWarning, InputError
 
 if TYPE_CHECKING:
-    from dampyr.records import Record
-
-
-@dataclass(frozen=True)
-class Reading:
-    """Metadata that the command line gives for files without it, by the arguments of `records.read`; and how to cut them."""
-
-    said: dict[str, Any]
-    cut: str | None = None
+    from dampyr.records import ReadOptions, Record
 
 
 def role_option(what: str = "Of a folder.") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -36,59 +26,14 @@ def _role(chosen: str) -> str | None:
     return None if chosen == "all" else chosen
 
 
-OPTIONS = (
-    click.option("--voltage", type=float, help="V at the coil, for all files; a measured column gives way to it."),
-    click.option("--current", type=float, help="A, for all files; a measured column gives way to it."),
-    click.option("--unit", "units", multiple=True, metavar="CHANNEL=UNIT", help="Such as displacement=mm."),
-    click.option(
-        "--column",
-        "columns",
-        multiple=True,
-        metavar="CHANNEL=NAME",
-        help="Such as force='Load cell', 'displacement=Displacement (mm)', its number from 0, or - for none.",
-    ),
-    click.option("--dt", metavar="TIME", help="Sampling interval of files without a time, such as 2ms; else in s."),
-    click.option("--header", type=int, metavar="LINE", help="Line of the names in a text, from 1; 0: there is none."),
-    click.option(
-        "--variable", metavar="NAME", help="Matrix of a MATLAB file, sheet of an Excel file or group of a TDMS file."
-    ),
-    click.option("--force-sign", type=int, metavar="SIGN", help="-1 turns the force of all files."),
-    click.option("--measurement-session", metavar="NAME", help="One day's records on one mounting, for all files."),
-    click.option("--specimen", metavar="NAME", help="Which damper it is, for all files."),
-    click.option(
-        "--smoothed",
-        metavar="WINDOW",
-        help="The files' channels went through a moving average: '0.3 s', '15 samples' or '0.1 periods', ', trailing'.",
-    ),
-    click.option(
-        "--lowpass", metavar="HZ", help="Displacement above it is noise; '15 f': 15 times the motion's frequency."
-    ),
-    click.option(
-        "--cut", metavar="TIME|events", help="Cut every record, such as every 5s, or at the rests between events."
-    ),
-)
-
-
-def reading_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The options `OPTIONS`; they come as ``reading``, a `Reading`."""
-
-    @wraps(command)
-    def wrapped(*rest: Any, units: tuple[str, ...], columns: tuple[str, ...], cut: str | None, **options: Any) -> Any:
-        from dampyr.records.files.record_files import Layout
-
-        said = {name: options.pop(name) for name in ("voltage", "current", *Layout.__annotations__)}
-        said |= {"units": pairs(units), "columns": pairs(columns)}
-        return command(*rest, reading=Reading({k: v for k, v in said.items() if v is not None}, cut), **options)
-
-    for option in reversed(OPTIONS):
-        wrapped = option(wrapped)
-    return wrapped
+READING = {"reading": "dampyr.records:ReadOptions"}
+"""What a command that reads records takes: its `OptionsCommand` gets it among its ``options``."""
 
 
 def gather(
     paths: tuple[Path, ...],
     role: str | None,
-    reading: Reading,
+    reading: ReadOptions,
     reference_inputs: Sequence[float] = (),
     warn: bool = True,
     short: list[str] | None = None,
@@ -100,15 +45,17 @@ def gather(
     ``short``, where it is given, takes the sentence of each file that has too few samples for a record, and none is an error.
     """
     from dampyr import records
+    from dampyr.records.conditioning.cut_record import cut_all
     from dampyr.records.formats.h5 import FewSamples
 
     measured: list[Record] = []
+    whole = replace(reading, cut=None)
     for path in paths:
         if path.is_dir():
-            measured += records.read_campaign(path, role=role, **reading.said)  # type: ignore[arg-type]
+            measured += records.read_campaign(path, role, options=whole)  # type: ignore[arg-type]
         else:
             try:
-                measured.append(records.read(path, **reading.said))
+                measured.append(records.read(path, whole))
             except FewSamples as problem:
                 if short is None:
                     raise
@@ -116,13 +63,8 @@ def gather(
     if not measured and not short:
         where, which = ", ".join(map(str, paths)), f" whose role is {role}" if role else ""
         raise InputError(f"no records{which} in {where}; name files, or a folder with records")
-    if reading.cut is not None and measured:
-        measured = [piece for record in measured for piece in records.cut(record, reading.cut)]
-        name, count = Counter(record.name for record in measured).most_common(1)[0]
-        if count > 1:
-            raise InputError(
-                f"{count} records or pieces are called {name!r}; rename a file, or read them without --cut"
-            )
+    if reading.cut is not None:
+        measured = cut_all(measured, reading.cut)
     nominal = records.nominal_inputs(measured, reference_inputs)
     tell_inputs(measured, nominal)
     if warn:
@@ -169,11 +111,3 @@ def warn_of_signs(record_list: Sequence[Record]) -> None:
             DampyrWarning,
             stacklevel=3,
         )
-
-
-def pairs(given: tuple[str, ...]) -> dict[str, str] | None:
-    """``NAME=VALUE`` options as a dictionary."""
-    for pair in given:
-        if "=" not in pair:
-            raise InputError(f"{pair!r} has no '='; write it as in displacement=mm")
-    return dict(pair.split("=", 1) for pair in given) or None

@@ -22,7 +22,7 @@ from dampyr.cli._output import (
     state_origin,
 )
 from dampyr.cli._progress import stages
-from dampyr.cli._records import Reading, gather, reading_options
+from dampyr.cli._records import READING, gather
 from dampyr.cli._report import report_options
 from dampyr.errors import DampyrError, InputError
 from dampyr.findings import worst_first
@@ -32,12 +32,12 @@ MAX_WORKERS = 8  # each process compiles the models of its own trials, which mor
 
 if TYPE_CHECKING:
     from dampyr.identification import Fit, FitOptions, Specimens
-    from dampyr.records import Record
+    from dampyr.records import ReadOptions, Record
 
 
 @click.command(
     cls=OptionsCommand,
-    options={"options": "dampyr.identification:FitOptions"},
+    options={"options": "dampyr.identification:FitOptions"} | READING,
     first=1,
     epilog=examples(
         "dampyr identify tests --model dahl --save damper.toml --report damper.html",
@@ -61,7 +61,6 @@ if TYPE_CHECKING:
 )
 @click.option("--save", type=click.Path(path_type=Path), metavar="CARD", help="Write the damper's card, a .toml file.")
 @report_options()
-@reading_options
 @details_option
 @as_json_option
 def command(
@@ -73,7 +72,7 @@ def command(
     by_specimen: bool,
     save: Path | None,
     report: Path | None,
-    reading: Reading,
+    reading: ReadOptions,
     details: bool,
     as_json: bool,
 ) -> None:

@@ -14,16 +14,18 @@ from dampyr.cli._motion import Ground, motion_options
 from dampyr.cli._options import OptionsCommand
 from dampyr.cli._output import as_json_option, in_process_option, print_json, print_result, state_origin
 from dampyr.cli._progress import stages
-from dampyr.cli._records import Reading, gather
+from dampyr.cli._records import READING, gather
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
     from dampyr.planning import Peak, PlanOptions
+    from dampyr.records import ReadOptions
 
 
 @click.command(
     cls=OptionsCommand,
-    options={"options": "dampyr.planning:PlanOptions"},
+    options={"options": "dampyr.planning:PlanOptions"} | READING,
+    leave_out=("voltage", "dt"),
     first=1,
     epilog=examples(
         "dampyr plan --card damper.toml --rig rig.toml --tests 6 --out next.toml",
@@ -75,6 +77,7 @@ def command(
     perform: bool,
     per_round: int,
     figure: Path | None,
+    reading: ReadOptions,
     as_json: bool,
 ) -> None:
     """Propose the next tests on a rig.
@@ -95,7 +98,7 @@ def command(
     evidence: Any = published.card_or_published(str(card), Path()) if card else None
     options = replace(options, peak=_peak(options.goal, structure, motion, ground, voltage, peak_of))
     if records:
-        evidence = gather(records, "fit", Reading({}))
+        evidence = gather(records, "fit", reading)
     if perform and out is None:
         raise InputError("--out is missing; give a folder for the rounds of tests")
     if perform:

@@ -8,18 +8,19 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dampyr.cli._examples import examples
+from dampyr.cli._options import OptionsCommand
 from dampyr.cli._output import as_json_option, print_json, print_table, state_origin
-from dampyr.cli._records import Reading, gather, reading_options, role_option
+from dampyr.cli._records import READING, gather, role_option
 
 if TYPE_CHECKING:
-    from dampyr.records import Overview
+    from dampyr.records import Overview, ReadOptions
 
 COLUMNS = ["record", "role", "input", "duration", "frequency", "peak to peak", "peak speed", "mean force"]
 UNITS = ["", "", "", "s", "Hz", "mm", "mm/s", "N"]
 BY_INPUT = ["input", "records", "frequency", "peak to peak", "peak speed"]
 
 
-class RecordsCommand(click.Command):
+class RecordsCommand(OptionsCommand):
     """A command whose first word may be that of another one in `commands`; a folder of that name is ``./convert``."""
 
     @property
@@ -35,14 +36,15 @@ class RecordsCommand(click.Command):
         return chosen.make_context(f"{info_name} {args[0]}", args[1:], parent, **extra)
 
 
-@click.command(epilog=examples("dampyr records convert tests --to csv --out csv"))
+@click.command(
+    cls=OptionsCommand, options=READING, first=3, epilog=examples("dampyr records convert tests --to csv --out csv")
+)
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--to", default="h5", show_default=True, metavar="FORMAT", help="Of the new files: h5, csv or mat.")
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="The folder to write into.")
 @role_option()
-@reading_options
 @as_json_option
-def convert(paths: tuple[Path, ...], to: str, out: Path, role: str | None, reading: Reading, as_json: bool) -> None:
+def convert(paths: tuple[Path, ...], to: str, out: Path, role: str | None, reading: ReadOptions, as_json: bool) -> None:
     """Write records in another format.
 
     PATHS are files or folders of them. Each record becomes a file of its name in --out; a file that is there is never
@@ -59,6 +61,8 @@ def convert(paths: tuple[Path, ...], to: str, out: Path, role: str | None, readi
 
 @click.command(
     cls=RecordsCommand,
+    options=READING,
+    first=1,
     epilog=examples(
         "dampyr records tests",
         "dampyr records test.csv --column 'force=Load cell' --voltage 1.98",
@@ -66,12 +70,11 @@ def convert(paths: tuple[Path, ...], to: str, out: Path, role: str | None, readi
 )
 @click.argument("paths", nargs=-1, type=click.Path(path_type=Path))
 @role_option()
-@reading_options
 @as_json_option
 def command(
     paths: tuple[Path, ...],
     role: str | None,
-    reading: Reading,
+    reading: ReadOptions,
     as_json: bool,
 ) -> None:
     """List records, measured and checked.

@@ -10,16 +10,17 @@ import click
 from dampyr.cli._examples import examples
 from dampyr.cli._options import OptionsCommand
 from dampyr.cli._output import as_json_option, print_json, print_result, state_origin
-from dampyr.cli._records import Reading, gather, reading_options, role_option
+from dampyr.cli._records import READING, gather, role_option
 from dampyr.cli._report import report_options
 
 if TYPE_CHECKING:
     from dampyr.identification import ScoreOptions
+    from dampyr.records import ReadOptions
 
 
 @click.command(
     cls=OptionsCommand,
-    options={"options": "dampyr.identification:ScoreOptions"},
+    options={"options": "dampyr.identification:ScoreOptions"} | READING,
     first=1,
     epilog=examples(
         "dampyr validate damper.toml tests --role validation", "dampyr validate damper.toml tests --forces forces"
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     "--forces", type=click.Path(path_type=Path), metavar="DIR", help="Write measured and predicted forces as CSV."
 )
 @report_options()
-@reading_options
 @as_json_option
 def command(
     card: Path,
@@ -41,7 +41,7 @@ def command(
     options: ScoreOptions,
     forces: Path | None,
     report: Path | None,
-    reading: Reading,
+    reading: ReadOptions,
     as_json: bool,
 ) -> None:
     """Score a card on records that it predicts.

@@ -74,14 +74,9 @@ def accept_command(request: Any) -> str:
 
     ``request`` is an `dampyr.console.record_acceptance.AcceptanceRequest`.
     """
-    tolerance = ["--tolerance", f"{100 * request.tolerance:g}%"]
-    slacks = ((request.force, "N"), (request.energy, "J"))
-    slack = [f"--slack={value:g}{unit}" for value, unit in slacks if value]
-    offset = [] if request.offset is None else [f"--offset={request.offset:g}N"]
-    options = [*tolerance, *slack, *_options(request, judge="--judge"), *offset]
     several = "the reference is a folder of these records" if len(request.reference) > 1 else ""
     reference = " ".join(_paths(request.reference))
-    return _command("accept", reference, *_paths(request.key), *options, note=several)
+    return _command("accept", reference, *_paths(request.key), *command_words(request.options()), note=several)
 
 
 def response_command(request: ResponseRequest) -> str:

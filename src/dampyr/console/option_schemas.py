@@ -13,13 +13,15 @@ MAX_TEXT, MAX_ITEMS = 200, 60  # characters of a text, and entries of a list
 
 
 class OptionsRequest(BaseModel):
-    """A part of a request: values of options, in SI units."""
+    """A part of a request: values of options, in SI units; those of ``LEFT_OUT`` are given in another way, or not at all."""
 
     OPTIONS: ClassVar[type[Options]]
+    LEFT_OUT: ClassVar[tuple[str, ...]] = ()
 
-    def options(self) -> Any:
-        """The object of options that the values mean."""
-        return self.OPTIONS(**{option.name: getattr(self, option.name) for option in options_of(self.OPTIONS)})
+    def options(self, **others: Any) -> Any:
+        """The object of options that the values mean, with ``others`` for what is left out."""
+        names = [option.name for option in options_of(self.OPTIONS) if option.name not in self.LEFT_OUT]
+        return self.OPTIONS(**{name: getattr(self, name) for name in names}, **others)
 
 
 def request_of(cls: type[Options], leave_out: tuple[str, ...] = ()) -> Any:
@@ -30,7 +32,7 @@ def request_of(cls: type[Options], leave_out: tuple[str, ...] = ()) -> Any:
         if option.name not in leave_out
     }
     made = create_model(f"{cls.__name__}Request", __base__=OptionsRequest, **fields)  # type: ignore[call-overload]
-    made.OPTIONS = cls
+    made.OPTIONS, made.LEFT_OUT = cls, leave_out
     return made
 
 

@@ -17,10 +17,11 @@ from dampyr.console import record_sources
 from dampyr.console.dampers import CARDS, DamperLink, damper_of, list_dampers
 from dampyr.console.equivalent_commands import accept_command
 from dampyr.console.limits import READING
+from dampyr.console.option_schemas import form_of, request_of
 from dampyr.console.page_words import in_page_words
 from dampyr.console.state import Here
-from dampyr.identification import Acceptance, Accepted, AcceptOptions, Point, Tolerance, accept_records
-from dampyr.identification.acceptance_tests.acceptance import QUANTITIES, Quantity
+from dampyr.identification import Acceptance, Accepted, AcceptOptions, Point, accept
+from dampyr.identification.acceptance_tests.acceptance import QUANTITIES
 from dampyr.models import Damper
 from dampyr.records import Record
 from dampyr.show.identification.acceptance import band
@@ -32,12 +33,11 @@ MAX_RECORDS = 6  # as many as the page has colours for
 MAX_POINTS, MAX_OUTSIDE = 900, 200  # what a chart can show and a person reads
 
 Key = Annotated[str, Field(min_length=3, max_length=640)]
-Slack = Annotated[float, Field(ge=0, le=1e9, allow_inf_nan=False)]
 
 router = APIRouter()
 
 
-class AcceptanceRequest(BaseModel):
+class AcceptanceRequest(request_of(AcceptOptions)):  # type: ignore[misc]
     """Which records, by what reference, in what band."""
 
     key: list[Key] = Field(min_length=1, max_length=MAX_RECORDS, description="Records, such as data/uploads/test.h5.")
@@ -46,30 +46,13 @@ class AcceptanceRequest(BaseModel):
         max_length=MAX_RECORDS,
         description="A card, cards/NAME.toml, a published damper, or records by their keys.",
     )
-    tolerance: float = Field(default=0.15, ge=0, le=1, allow_inf_nan=False, description="Share of the expected value.")
-    force: Slack = Field(default=0.0, description="N, besides.")
-    energy: Slack = Field(default=0.0, description="J, besides.")
-    judge: list[Quantity] = Field(default=list(QUANTITIES), min_length=1, max_length=3)
-    offset: float | None = Field(
-        default=None,
-        ge=-1e9,
-        le=1e9,
-        allow_inf_nan=False,
-        description="N, taken from measured forces; else their mean.",
-    )
-
-    def options(self) -> AcceptOptions:
-        """The options of `dampyr.identification.accept_records`."""
-        return AcceptOptions(
-            Tolerance(self.tolerance, self.force, self.energy), tuple(dict.fromkeys(self.judge)), self.offset
-        )
 
 
 class OnePoint(BaseModel):
     """A point outside, or the worst, SI; ``deviation`` is measured over expected less 1."""
 
     cycle: int
-    quantity: Quantity
+    quantity: str
     speed: float
     measured: float
     low: float | None
@@ -80,7 +63,7 @@ class OnePoint(BaseModel):
 class Points(BaseModel):
     """The points of a quantity as columns, SI; ``used`` in halves of the band. Those inside are thinned where they are many."""
 
-    quantity: Quantity
+    quantity: str
     cycle: list[int]
     speed: list[float]
     measured: list[float]
@@ -105,7 +88,7 @@ class Judged(BaseModel):
 
     Cycles count from the start of the motion: ``run`` in halves, ``cut`` whole ones, ``judged_cycles`` by every
     quantity; strokes in m. ``wrong_rejection`` and ``wrong_acceptance`` are chances, see
-    `dampyr.identification.Acceptance`.
+    `dampyr.identification.Acceptance`. The forces were divided by ``level``, 1 but for records that are relevelled.
     """
 
     key: str
@@ -122,6 +105,7 @@ class Judged(BaseModel):
     judged_stroke_m: float
     wrong_rejection: float | None
     wrong_acceptance: float | None
+    level: float | None
     levels: list[LevelJudged]
     outside_count: int
     reason: str
@@ -136,7 +120,7 @@ class Band(BaseModel):
 
     input: str | None
     input_value: float | None
-    quantity: Quantity
+    quantity: str
     speed: list[float]
     expected: list[float]
     low: list[float]
@@ -144,9 +128,10 @@ class Band(BaseModel):
 
 
 class Judgement(BaseModel):
-    """All records, and the bands to draw; ``data`` is what `dampyr accept --json` prints."""
+    """All records, those judged a second time, and the bands to draw; ``data`` is what `dampyr accept --json` prints."""
 
     records: list[Judged]
+    relevelled: list[Judged]
     bands: list[Band]
     notes: list[str] = Field(
         description="What a person should look at in the records and in the reference, worst first."
@@ -158,6 +143,12 @@ class Judgement(BaseModel):
 async def list_references(here: Here, request: Request) -> list[DamperLink]:
     """Dampers that records can be judged by; every record can be a reference, too."""
     return [DamperLink(**each) for each in await here.workers.run(request, READING, list_dampers, here.data)]
+
+
+@router.get("/acceptance/options")
+def list_options() -> list[dict[str, Any]]:
+    """What can be chosen, for the form."""
+    return form_of(AcceptOptions)
 
 
 @router.get("/acceptance")
@@ -178,8 +169,13 @@ def judgement_of(data: Path, query: AcceptanceRequest) -> dict[str, Any]:
     """A `Judgement` as plain values."""
     accepted = _judged(data, query)
     keys = dict.fromkeys(query.key)
+
+    def summaries(results: Sequence[Acceptance]) -> list[dict[str, Any]]:
+        return [_summarise(key, one).model_dump() for key, one in zip(keys, results, strict=True)]
+
     return {
-        "records": [_summarise(key, one).model_dump() for key, one in zip(keys, accepted.results, strict=True)],
+        "records": summaries(accepted.results),
+        "relevelled": summaries(accepted.relevelled) if accepted.relevelled else [],
         "bands": [each.model_dump() for each in _bands(accepted.results)],
         "notes": [in_page_words(finding.sentence) for finding in accepted.findings],
         "data": plain(accepted.as_dict()),
@@ -203,7 +199,7 @@ def _judged(data: Path, query: AcceptanceRequest) -> Accepted:
     name = ", ".join(_shown(each) for each in query.reference)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        return accept_records(chosen, reference, query.options(), name)
+        return accept(chosen, reference, query.options(), name)
 
 
 def _is_damper(name: str) -> bool:
@@ -231,6 +227,7 @@ def _summarise(key: str, one: Acceptance) -> Judged:
         judged_stroke_m=one.judged_stroke_m,
         wrong_rejection=one.wrong_rejection,
         wrong_acceptance=one.wrong_acceptance,
+        level=_finite(one.level),
         levels=[
             LevelJudged(
                 number=each.number,
@@ -259,7 +256,7 @@ def _one(p: Point) -> OnePoint:
     )  # fmt: skip
 
 
-def _points(quantity: Quantity, points: Sequence[Point]) -> Points:
+def _points(quantity: str, points: Sequence[Point]) -> Points:
     stride = -(-len(points) // MAX_POINTS) or 1
     selected = [p for k, p in enumerate(points) if k % stride == 0]
     few = {id(p): p for p in [*selected, *[p for p in points if p.inside is False][:MAX_POINTS]]}.values()

@@ -105,10 +105,10 @@ def _with_notes(described: dict[str, Any], *more: str) -> dict[str, Any]:
     return dict(plain(described)) | {"notes": [*more, *(in_page_words(finding["words"]) for finding in findings)]}
 
 
-def take_upload(path: Path, to: Path, said: dict[str, Any]) -> dict[str, Any]:
-    """Read the file ``path`` and write the file ``to`` (.h5); ``said`` is what :func:`dampyr.records.read` takes besides."""
+def take_upload(path: Path, to: Path, options: records.ReadOptions) -> dict[str, Any]:
+    """Read the file ``path`` and write the file ``to`` (.h5)."""
     try:
-        record = records.read(path, **said)
+        record = records.read(path, options)
         described = description(record)
         records.write(record, to)
     except FileError as problem:

@@ -19,10 +19,12 @@ from pydantic import BaseModel, Field
 from dampyr import records
 from dampyr.console import record_answers, record_notes, record_sources, safe_paths
 from dampyr.console.limits import READING
+from dampyr.console.option_schemas import form_of, request_of
 from dampyr.console.record_formats import PLAIN_TEXT, SUFFIXES
 from dampyr.console.security import MAX_UPLOAD
 from dampyr.console.state import AppState, Here
 from dampyr.errors import FileError, InputError
+from dampyr.records import ReadOptions
 from dampyr.records.files.column_table import guess_channels
 from dampyr.records.files.text_columns import read_table
 from dampyr.records.record import CHANNELS
@@ -38,6 +40,8 @@ BODY = {
     }
 }
 Name = Annotated[str, InPath(max_length=255, description="The file's name; its suffix gives the format.")]
+UPLOAD_LEAVES_OUT = ("units", "columns", "cut")
+"""Options of reading that an upload has in another form, and the one that makes several records of a file."""
 Text = Annotated[str | None, Field(max_length=200)]
 
 router = APIRouter()
@@ -94,29 +98,24 @@ class Rename(BaseModel):
     name: str = Field(min_length=1, max_length=100)
 
 
+class UploadRequest(request_of(ReadOptions, UPLOAD_LEAVES_OUT)):  # type: ignore[misc]
+    """What the file does not say itself."""
+
+    unit: list[str] = Field(default=[], max_length=8, description="Such as displacement=mm.")
+    column: list[str] = Field(default=[], max_length=8, description="Such as force=Load cell.")
+    ticket: str = Field(default="", max_length=40, description="By which its place in the queue can be asked for.")
+
+
+@router.get("/uploads/options")
+def list_options() -> list[dict[str, Any]]:
+    """What can be said of a file besides its columns, for the form."""
+    return form_of(ReadOptions, UPLOAD_LEAVES_OUT)
+
+
 @router.put("/uploads/{name}", status_code=201, openapi_extra=BODY)
-async def take(
-    here: Here,
-    request: Request,
-    name: Name,
-    unit: Annotated[list[str], Query(default_factory=list, max_length=8, description="Such as displacement=mm.")],
-    column: Annotated[list[str], Query(default_factory=list, max_length=8, description="Such as force=Load cell.")],
-    voltage: Annotated[float | None, Query(allow_inf_nan=False, description="V, constant, at the coil.")] = None,
-    current: Annotated[float | None, Query(allow_inf_nan=False, description="A, constant.")] = None,
-    dt: Annotated[str | None, Query(max_length=40, description="Sampling interval, such as 2 ms.")] = None,
-    variable: Annotated[str | None, Query(max_length=100, description="Matrix of a MATLAB file.")] = None,
-    header: Annotated[int | None, Query(ge=0, le=10**6, description="Line of the names, from 1; 0: none.")] = None,
-    force_sign: Annotated[int | None, Query(ge=-1, le=1, description="-1 turns the force.")] = None,
-    measurement_session: Annotated[
-        str | None, Query(max_length=100, description="A day's records on a mounting.")
-    ] = None,
-    specimen: Annotated[str | None, Query(max_length=100, description="Which damper it is.")] = None,
-    ticket: Annotated[str, Query(max_length=40, description="By which its place in the queue can be asked for.")] = "",
-) -> Taken:
+async def take(here: Here, request: Request, name: Name, query: Annotated[UploadRequest, Query()]) -> Taken:
     """Upload a record: it is read in a process with limits and saved as an .h5 file in the folder ``uploads``."""
-    said: dict[str, Any] = {"voltage": voltage, "current": current, "units": _pairs(unit), "columns": _pairs(column)}
-    said |= {"dt": dt, "variable": variable, "header": header, "force_sign": force_sign}
-    said |= {"measurement_session": measurement_session, "specimen": specimen}
+    said = query.options(units=_pairs(query.unit), columns=_pairs(query.column))
     stored = _name_of_upload(name)
     target = safe_paths.inside(here.data, f"{UPLOADS}/{Path(stored).stem}.h5")
     if target.exists():
@@ -125,7 +124,7 @@ async def take(
         await _receive(request, folder / stored, here.data, here.quota)
         made = folder / "read.h5"
         taken = await here.uploads.run(
-            request, READING, record_answers.take_upload, folder / stored, made, said, ticket=ticket
+            request, READING, record_answers.take_upload, folder / stored, made, said, ticket=query.ticket
         )
         target.parent.mkdir(exist_ok=True)
         with safe_paths.ALONE:

@@ -8,8 +8,8 @@ lie within a band about a reference damper. `profile` and `sample_posterior` say
 error is too simple, `identifiability` what the records cannot separate, and `fit_specimens` how the dampers of one type differ.
 """
 
-from dampyr.identification.acceptance_tests.accept_records import Accepted, AcceptOptions, accept_records
-from dampyr.identification.acceptance_tests.acceptance import Acceptance, Point, Tolerance, accept
+from dampyr.identification.acceptance_tests.accept import Accepted, accept
+from dampyr.identification.acceptance_tests.acceptance import Acceptance, AcceptOptions, Point, Tolerance
 from dampyr.identification.fits.diagnostics import Trend
 from dampyr.identification.fits.fit import fit
 from dampyr.identification.fits.fit_options import FitOptions
@@ -33,13 +33,13 @@ from dampyr.identification.scoring.validation import Fold, Validation
 
 __all__ = [
     "AcceptOptions", "Acceptance", "Accepted", "FitOptions", "ScoreOptions", "Validated",
-    "accept_records", "validate",
+    "accept", "validate",
     "Band", "Interval", "Levels", "prediction_band",
     "Inseparable", "Identifiability", "Posterior", "Profile", "Specimens", "Spread",
     "fit_specimens", "identifiability", "profile", "sample_posterior",
     "MethodComparison", "MethodResult", "compare_method",
     "Entry", "Fit", "Fold", "Leaderboard", "LimitCycle", "Nuisance", "PlasticRegion", "Point", "Residuals",
     "Score", "Screened", "Tolerance", "Trace", "Trend", "Trial", "Validation", "Window",
-    "accept", "analyse", "fit", "limit_cycle",
+    "analyse", "fit", "limit_cycle",
     "plastic_region", "prediction", "residuals", "score",
 ]  # fmt: skip

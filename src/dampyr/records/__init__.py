@@ -30,12 +30,14 @@ from dampyr.records.description import describe
 from dampyr.records.files.campaign_folder import CampaignRow, campaign_rows, read_campaign
 from dampyr.records.files.comparison import write_comparison
 from dampyr.records.files.conversion import convert
+from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.record_files import read, write
 from dampyr.records.record import Label, Record
 
 __all__ = [
     "Label",
     "Record",
+    "ReadOptions",
     "read",
     "write",
     "write_comparison",

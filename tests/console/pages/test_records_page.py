@@ -26,12 +26,23 @@ def test_several_files_without_names_are_uploaded_with_the_columns_chosen_once(a
         page.get_by_label(f"Channel of column {k}").select_option(channel)
     assert page.get_by_label("Unit of column 1").input_value() == "mm"
     page.get_by_label("Unit of column 2").fill("kN")
-    page.get_by_label("Voltage at the coil, V").fill("0,5")
+    page.get_by_label("Voltage, V").fill("0,5")
     page.get_by_role("button", name="Upload").click()
     page.get_by_text("Uploaded 2 records.").wait_for()
     page.get_by_label("Show two_ second").wait_for()
     read = records.read(data / "uploads" / "one.h5")
     assert (read.voltage, np.abs(read.force).max() > 3e5) == (0.5, True)
+
+
+def test_a_line_of_names_that_is_said_shows_the_columns_anew(address, new_page, tmp_path):
+    (tmp_path / "two.csv").write_text("one,two,three\nt [s],x [mm],f [N]\n" + BARE)
+    page = new_page(f"{address}#/records?source=data")
+    page.get_by_text("Upload records").click()
+    page.get_by_label("File", exact=True).set_input_files([tmp_path / "two.csv"])
+    page.get_by_label("Channel of x", exact=True).wait_for()
+    page.get_by_label("Header").fill("1")
+    page.get_by_label("Header").blur()
+    page.get_by_label("Channel of two").wait_for()
 
 
 def test_an_upload_is_described_anew_renamed_and_deleted_after_a_question(address, new_page, data):
@@ -40,7 +51,7 @@ def test_an_upload_is_described_anew_renamed_and_deleted_after_a_question(addres
     page = new_page(f"{address}#/records?source=data&open=data/uploads/a.h5&tab=about")
     page.get_by_text("Change what is said of it").click()
     page.get_by_label("Operator").fill("Jo")
-    page.get_by_label("Voltage at the coil, V").last.fill("1,98")
+    page.get_by_label("Voltage at the coil, V").fill("1,98")
     page.get_by_role("button", name="Save the changes").click()
     page.get_by_text("The record is written anew").wait_for()
     assert records.read(data / "uploads" / "a.h5").voltage == 1.98

@@ -66,7 +66,7 @@ def test_broken_files(tmp_path, variables):
         r"unknown unit 'furlongs/blink'": {},
     }
     for message, changes in cases.items():
-        units = {"displacement": "furlongs/blink"} if not changes else None
+        units = {"displacement": "furlongs/blink"} if not changes else {}
         with pytest.raises(FileError, match=r"ensaio\.mat: " + message) as caught:
             read(saved(tmp_path, variables, **changes), units=units)
         assert "\n" not in str(caught.value)

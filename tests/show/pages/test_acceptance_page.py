@@ -9,7 +9,7 @@ from tests.identification.synthetic import sine
 from tests.show.pages.test_html_page import Reader
 
 from dampyr.errors import InputError
-from dampyr.identification import Acceptance, Accepted, Tolerance, accept
+from dampyr.identification import Acceptance, Accepted, accept
 from dampyr.models import Damper, Interpolation
 from dampyr.show.pages.acceptance_page import write_acceptance_page
 
@@ -28,7 +28,7 @@ def written(acceptances: list[Acceptance], path: Path) -> tuple[Reader, str]:
 
 
 def test_a_page_says_who_passed_and_what_is_outside(tmp_path: Path) -> None:
-    acceptances = [accept(r, CARD, Tolerance(0.15, 5.0)) for r in (GOOD, WEAK, BEYOND)]
+    acceptances = list(accept([GOOD, WEAK, BEYOND], CARD, tolerance=0.15, force_slack=5.0).results)
     reader, html = written(acceptances, tmp_path)
     assert reader.inside("h1") == ["Judged by my card.toml"]
     assert "1 passed, 1 failed, 1 not judged" in " ".join(reader.inside("p"))
@@ -43,11 +43,11 @@ def test_a_page_says_who_passed_and_what_is_outside(tmp_path: Path) -> None:
 
 
 def test_a_page_without_anything_outside_or_judged_says_so(tmp_path: Path) -> None:
-    reader, _ = written([accept(GOOD, CARD)], tmp_path)
+    reader, _ = written(list(accept(GOOD, CARD).results), tmp_path)
     assert "No point lies outside." in reader.inside("p")
     assert "What was not judged" not in reader.inside("h2")
     still = GOOD.replace(note="still", displacement=np.zeros(GOOD.n), velocity=None)
-    reader, _ = written([accept(still, CARD)], tmp_path)
+    reader, _ = written(list(accept(still, CARD).results), tmp_path)
     assert {"No record has a whole cycle.", "No point was judged."} <= set(reader.inside("p"))
     assert "No whole cycle." in reader.inside("td")
 

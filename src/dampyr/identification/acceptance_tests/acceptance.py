@@ -26,25 +26,26 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from statistics import NormalDist
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
-from dampyr.argument_kinds import DAMPER, RECORD, Argument, check_kinds
+from dampyr.config import Choices
 from dampyr.errors import InputError
 from dampyr.identification.acceptance_tests.reference_cycles import Expected, Reference, expected
 from dampyr.models import Damper
+from dampyr.options import Options, ShownIn, Terminal
 from dampyr.origin import NOT_STATED, Origin, combined
 from dampyr.records import Cut, Cycle, Level, Record, cut_cycles, cycle_table
 from dampyr.records.cycle_analysis.cycles import SAME_STROKE
 from dampyr.shown import Shown
+from dampyr.units import Quantity
 
-Quantity = Literal["extension", "compression", "energy"]
 Verdict = Literal["passed", "failed", "not judged"]
-QUANTITIES: tuple[Quantity, ...] = ("extension", "compression", "energy")
+QUANTITIES = ("extension", "compression", "energy")
 UNITS = {"extension": "N", "compression": "N", "energy": "J"}
 SHARE = 0.5  # of a quantity's points of a level: with more of them open than judged the test is no test
 RISK = 0.05  # that noise alone fails a damper at the edge of its band
@@ -56,24 +57,11 @@ NORMAL = NormalDist()
 
 @dataclass(frozen=True)
 class Tolerance:
-    """Half the width of a band: ``relative`` (0.15 is 15 %) of the expected value, plus ``force`` in N or ``energy`` in J.
-
-    Raises :class:`~dampyr.errors.InputError` for a relative share outside 0 to 1, or a negative slack.
-    """
+    """Half the width of a band: ``relative`` (0.15 is 15 %) of the expected value, plus ``force`` in N or ``energy`` in J."""
 
     relative: float = 0.15
     force: float = 0.0
     energy: float = 0.0
-
-    def __post_init__(self) -> None:
-        if not 0.0 <= self.relative <= 1.0:
-            raise InputError(
-                f"relative = {self.relative:g} is not allowed; it is a share from 0 to 1, such as 0.15 for 15 %"
-            )
-        for name, unit in (("force", "N"), ("energy", "J")):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise InputError(f"{name} = {value:g} {unit} is not allowed; it must be finite and at least 0")
 
     def __str__(self) -> str:
         given = ((100 * self.relative, "%"), (self.force, "N"), (self.energy, "J"))
@@ -82,6 +70,53 @@ class Tolerance:
     def half(self, quantity: str, value: float) -> float:
         """Half the width of the band about ``value``, in N or J."""
         return self.relative * abs(value) + (self.energy if quantity == "energy" else self.force)
+
+
+@dataclass(frozen=True)
+class AcceptOptions(Options):
+    """Options of `accept`."""
+
+    tolerance: Annotated[
+        float,
+        Quantity("", low=0, high=1),
+        ShownIn("%"),
+        "Half the width of the band, as a share of what the reference gives",
+    ] = 0.15
+    force_slack: Annotated[float, Quantity("N", low=0), "And this much more of each force"] = 0.0
+    energy_slack: Annotated[float, Quantity("J", low=0), "And this much more of each energy"] = 0.0
+    quantities: Annotated[
+        tuple[str, ...],
+        Choices(QUANTITIES),
+        Terminal("--judge"),
+        "What is judged: the forces at peak velocity in extension and in compression, and the energy of a cycle; may be given "
+        "several times",
+    ] = QUANTITIES
+    offset: Annotated[
+        float | None,
+        Quantity("N"),
+        "Zero of the load cell, which is taken from every measured force; without it its mean over whole cycles is",
+    ] = None
+    allow_extrapolation: Annotated[bool, "Judge beyond what a card was calibrated on, too"] = False
+    relevel: Annotated[
+        int,
+        Quantity("", low=0),
+        "Judge a second time with the level of this many first cycles taken out of the later ones; 0 for not at all",
+    ] = 0
+
+    @property
+    def band(self) -> Tolerance:
+        """The three parts of half the band's width."""
+        return Tolerance(self.tolerance, self.force_slack, self.energy_slack)
+
+    def check(self) -> None:
+        """Refuse to judge by nothing, or with a band without a width."""
+        if not self.quantities:
+            raise InputError(f"quantities: no quantity is given; choose from {', '.join(QUANTITIES)}")
+        for quantity in self.quantities:
+            if self.band.half(quantity, 1.0) == 0.0:
+                raise InputError(
+                    f"the band of the {quantity} has no width; give a relative tolerance, or one in {UNITS[quantity]}"
+                )
 
 
 @dataclass(frozen=True)
@@ -95,7 +130,7 @@ class Point:
     """
 
     cycle: int
-    quantity: Quantity
+    quantity: str
     speed: float
     stroke_m: float
     measured: float
@@ -165,7 +200,7 @@ class Acceptance(Shown):
     input: str | None
     input_value: float | None
     tolerance: Tolerance
-    quantities: tuple[Quantity, ...]
+    quantities: tuple[str, ...]
     offset: float | None
     points: tuple[Point, ...]
     reason: str = ""
@@ -238,45 +273,17 @@ class Acceptance(Shown):
         return self.reasons if not self.reason or self.reason in self.reasons else self.reasons | {self.reason: 0}
 
 
-def accept(
-    record: Record,
-    reference: Reference,
-    tolerance: Tolerance | None = None,
-    quantities: Iterable[Quantity] = QUANTITIES,
-    offset: float | None = None,
-    allow_extrapolation: bool = False,
-) -> Acceptance:
-    """Judge every whole cycle of every level of ``record`` by a reference.
-
-    ``reference`` is a `Damper`, which runs freely along the record's own motion and input, both forces being read by the same
-    cycles; or one or more `Record` of a reference damper at the same input, whose points are interpolated over speed in each
-    direction, and whose energies are compared where the strokes agree to 10 % (the record itself among them is left out).
-
-    From the forces of every record, and of the damper's run, its own mean over the cycles of its levels is taken,
-    since a load cell's zero and the gas force are not the damper's work. A force that is larger in one direction only
-    moves that mean, so half of the excess shows in each direction; where the zero is known, give it: ``offset`` in N
-    is then taken from the measured forces, and a damper's force stays as it is. ``allow_extrapolation`` judges beyond
-    what a damper was calibrated on, with a warning.
-
-    Raises :class:`~dampyr.errors.InputError` for an argument that is wrong. What cannot be judged is a value with a reason.
-    """
-    check_kinds(
-        "accept",
-        Argument("record", record, (Record,), RECORD),
-        Argument("reference", reference, (Damper, Record), DAMPER, several=True),
-    )
-    band = tolerance or Tolerance()
-    requested = _checked_quantities(quantities, band)
-    if offset is not None and not math.isfinite(offset):
-        raise InputError(f"offset = {offset:g} N is not finite; give the load cell's zero, or leave it out")
+def judge_record(record: Record, reference: Reference, options: AcceptOptions) -> Acceptance:
+    """Every whole cycle of every level of ``record``, judged by a reference; what cannot be judged is a value with a reason."""
+    band, requested = options.band, tuple(q for q in QUANTITIES if q in options.quantities)
     made = cut_cycles(record)
-    table = [one for one in cycle_table(record, offset) if one.level] if made.cycles else []
-    expectations = expected(reference, record, table, offset, allow_extrapolation)
+    table = [cycle for cycle in cycle_table(record, options.offset) if cycle.level] if made.cycles else []
+    expectations = expected(reference, record, table, options.offset, options.allow_extrapolation)
     points = tuple(_point(q, cycle, expectations[q][k], band) for k, cycle in enumerate(table) for q in requested)
-    against = reference if isinstance(reference, Sequence) else [reference]
+    against = [reference] if isinstance(reference, Damper) else reference
     origin = combined(each.origin for each in (record, *against))
     judged = Acceptance(
-        record.name, record.input, record.input_value, band, requested, offset, points,
+        record.name, record.input, record.input_value, band, requested, options.offset, points,
         levels=tuple(_as_run(each) for each in made.levels), run=made.run, cut=len(made.cycles), stroke_m=made.stroke_m,
         origin=origin,
     )  # fmt: skip
@@ -307,21 +314,7 @@ def relevelled(one: Acceptance, cycles: int) -> Acceptance:
     return _with_verdict(replace(one, points=points, levels=levels, level=level), "")
 
 
-def _checked_quantities(quantities: Iterable[Quantity], band: Tolerance) -> tuple[Quantity, ...]:
-    given = tuple(dict.fromkeys([quantities] if isinstance(quantities, str) else quantities))
-    unknown = [q for q in given if q not in QUANTITIES]
-    if unknown or not given:
-        what = f"{unknown[0]!r} is not among the quantities" if unknown else "no quantity is given"
-        raise InputError(f"{what}; choose from {', '.join(QUANTITIES)}")
-    narrow = [q for q in given if band.half(q, 0.0) == 0.0 and band.relative == 0.0]
-    if narrow:
-        raise InputError(
-            f"the band of the {narrow[0]} has no width; give a relative tolerance, or one in {UNITS[narrow[0]]}"
-        )
-    return tuple(q for q in QUANTITIES if q in given)
-
-
-def _point(quantity: Quantity, cycle: Cycle, expectation: Expected, tolerance: Tolerance) -> Point:
+def _point(quantity: str, cycle: Cycle, expectation: Expected, tolerance: Tolerance) -> Point:
     measured = {"extension": cycle.force_out, "compression": cycle.force_in, "energy": cycle.energy}[quantity]
     error = {"extension": cycle.error_out, "compression": cycle.error_in, "energy": cycle.energy_error}[quantity]
     speeds = {"extension": cycle.speed_out, "compression": -cycle.speed_in}
@@ -386,7 +379,7 @@ def _placed(p: Point, z: float) -> Point:
     return replace(p, allowance=allowance, inside=p.low - allowance <= p.measured <= p.high + allowance)
 
 
-def _level(level: JudgedLevel, points: Sequence[Point], requested: Sequence[Quantity], z: float) -> JudgedLevel:
+def _level(level: JudgedLevel, points: Sequence[Point], requested: Sequence[str], z: float) -> JudgedLevel:
     """A level with what its points say together."""
     cycles = {p.cycle for p in points}
     judged = sum(all(p.inside is not None for p in points if p.cycle == k) for k in cycles)
@@ -455,7 +448,7 @@ def _passes(off: float, spread: float, limit: float) -> float:
     return NORMAL.cdf((limit - off) / spread) - NORMAL.cdf((-limit - off) / spread)
 
 
-def _reason(levels: Sequence[JudgedLevel], requested: Sequence[Quantity]) -> str:
+def _reason(levels: Sequence[JudgedLevel], requested: Sequence[str]) -> str:
     """Why the whole cannot be judged; "" where at least half of the cycles of every level and quantity were."""
     reasons = {each.number: each.reason for each in levels if each.reason}
     if not reasons:

@@ -23,7 +23,7 @@ from dampyr.records.conditioning.nominal_input import SMALLEST, TOLERANCE, is_st
 from dampyr.records.conditioning.smoothing import force_average
 
 Array = NDArray[np.float64]
-Reference = Damper | Record | Sequence[Record]
+Reference = Damper | Sequence[Record]
 Expected = tuple[float | None, str]
 SAME = 0.02  # of a speed: within it two tests count as at one speed
 STROKE = 0.1  # of a stroke: within it the energy at one peak speed goes with the stroke
@@ -39,16 +39,10 @@ def expected(
     offset: float | None = None,
     allow_extrapolation: bool = False,
 ) -> dict[str, list[Expected]]:
-    """For each quantity and cycle the reference's value, or None and the reason.
-
-    Raises :class:`~dampyr.errors.InputError` for a reference that is none.
-    """
+    """For each quantity and cycle the reference's value, or None and the reason."""
     if isinstance(reference, Damper):
         return _of_damper(reference, record, table, offset, allow_extrapolation)
-    tests = [reference] if isinstance(reference, Record) else reference
-    if not isinstance(tests, Sequence) or not tests or not all(isinstance(one, Record) for one in tests):
-        raise InputError("the reference is neither a damper nor records; give a Damper, a Record or a list of records")
-    return _of_records(tests, record, table, offset)
+    return _of_records(reference, record, table, offset)
 
 
 def _of_damper(

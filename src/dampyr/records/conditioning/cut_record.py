@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -55,6 +57,21 @@ def cut(record: Record, by: float | str, rest: float = REST) -> list[Record]:
             f"{MIN_SAMPLES}; give a longer duration"
         )
     return [_piece(record, slice(edges[k], edges[k + 1]), k + 1, len(edges) - 1, how) for k in range(len(edges) - 1)]
+
+
+def cut_all(records: Sequence[Record], by: float | str) -> list[Record]:
+    """The pieces of several records, each cut as by `cut`; :class:`~dampyr.errors.InputError` where two have one name."""
+    pieces = [piece for record in records for piece in cut(record, by)]
+    name, count = Counter(piece.name for piece in pieces).most_common(1)[0] if pieces else ("", 0)
+    if count > 1:
+        raise InputError(f"{count} records or pieces are called {name!r}; rename a file, or read them without cut")
+    return pieces
+
+
+def check_cut(by: float | str) -> None:
+    """Raise :class:`~dampyr.errors.InputError` unless ``by`` is a duration or "events"."""
+    if by != EVENTS:
+        _duration(by)
 
 
 def _duration(by: float | str) -> float:

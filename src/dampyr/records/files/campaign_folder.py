@@ -11,15 +11,18 @@ import csv
 import hashlib
 import io
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
-from typing import Unpack, cast
+from typing import Any
 
 from dampyr.errors import FileError, InputError, MissingData
+from dampyr.options import takes
+from dampyr.records.conditioning.cut_record import cut_all
 from dampyr.records.files.folder import read_folder
 from dampyr.records.files.folder_metadata import TABLE
-from dampyr.records.files.record_files import Layout, read
+from dampyr.records.files.read_options import ReadOptions
+from dampyr.records.files.record_files import read
 from dampyr.records.record import CHANNELS, GROUPS, Label, Record, Role, as_group, as_role
 from dampyr.shown import Shown
 from dampyr.units import round_trip, to_si
@@ -61,15 +64,13 @@ class CampaignRow(Shown):
         return self.label.row
 
 
+@takes(ReadOptions)
 def read_campaign(
     folder: str | Path,
     role: Role | None = "fit",
     incomplete: bool = False,
-    voltage: float | None = None,
-    current: float | None = None,
-    units: Mapping[str, str] | None = None,
-    columns: Mapping[str, str | int | None] | None = None,
-    **layout: Unpack[Layout],
+    options: ReadOptions | None = None,
+    **keywords: Any,
 ) -> list[Record]:
     """The records of a campaign, in the order of its table, or, without one, in the natural order of the files' names.
 
@@ -83,9 +84,9 @@ def read_campaign(
         "fit" (the rows of the tables), "validation" (the tests that no fit may use), or None for both.
     incomplete
         Of dampyr's own files the complete tests are returned, the latest try of each; True adds all the rest.
-    voltage, current, units, columns, layout
-        For every file, as in :func:`dampyr.records.read`. A ``campaign.csv`` gives the voltages itself, and session and
-        specimen where it has columns for them.
+    options
+        The further arguments, for every file, as one object; those that are given by name take their places. A ``campaign.csv``
+        gives the voltages itself, and session and specimen where it has columns for them.
 
     Rows without a file are skipped here and reported by :func:`campaign_rows`. Text files without a line of numbers, such as
     a README, are left out with a warning.
@@ -97,7 +98,7 @@ def read_campaign(
     FileError
         A file is wrong, is not the file whose sha256 the table gives, or the table is wrong.
     InputError
-        An input is given beside a ``campaign.csv``, or two records have one name.
+        An argument is wrong, an input is given beside a ``campaign.csv``, or two records or pieces of them have one name.
 
     Examples
     --------
@@ -112,18 +113,22 @@ def read_campaign(
     >>> [record.name for record in dp.records.read_campaign("sines")]
     ['test1', 'test2']
     """
+    options = ReadOptions.of("read_campaign", options, keywords)
+    whole = replace(options, cut=None)
     folder = _folder(folder)
     wanted = None if role is None else as_role(role)
     if (folder / TABLE).is_file():
-        _check_no_input(folder, voltage, current)
+        _check_no_input(folder, options)
         rows = [row for row in campaign_rows(folder) if wanted in (None, row.role)]
-        return [read_row(row, units, columns, **layout) for row in rows if row.file is not None]
-    records = read_folder(folder, incomplete, voltage=voltage, current=current, units=units, columns=columns, **layout)
-    return [record for record in records if wanted in (None, record.role)]
+        records = [read_row(row, whole) for row in rows if row.file is not None]
+    else:
+        records = [record for record in read_folder(folder, whole, incomplete) if wanted in (None, record.role)]
+    return records if options.cut is None else cut_all(records, options.cut)
 
 
-def _check_no_input(folder: Path, voltage: float | None, current: float | None) -> None:
-    for name, value in (("voltage", voltage), ("current", current)):
+def _check_no_input(folder: Path, options: ReadOptions) -> None:
+    for name in ("voltage", "current"):
+        value = getattr(options, name)
         if value is not None:
             raise InputError(
                 f"{name} = {value:g} {CHANNELS[name]} was given, but {folder / TABLE} says it of each file; leave {name} out"
@@ -144,20 +149,15 @@ def campaign_rows(folder: str | Path | None = None) -> list[CampaignRow]:
     return _rows(path, path.read_text("utf-8"), path.parent)
 
 
-def read_row(
-    row: CampaignRow,
-    units: Mapping[str, str] | None = None,
-    columns: Mapping[str, str | int | None] | None = None,
-    **layout: Unpack[Layout],
-) -> Record:
+def read_row(row: CampaignRow, options: ReadOptions | None = None) -> Record:
     """The record of one row: its file checked by sha256, with the row's voltage, label, role, session and specimen."""
     if row.file is None:
         where = f"row {row.row} of table {row.table}" if row.row else f"the test of {row.table}"
         raise MissingData(f"{where} has no file{f' {row.file_name}' if row.file_name else ''}; choose another row")
     check_sha256(row.file, row.sha256)
-    named = {name: getattr(row, name) for name in GROUPS if getattr(row, name) is not None}
-    said = cast(Layout, {**named, **layout})
-    record = read(row.file, voltage=row.voltage, units=units, columns=columns, **said)
+    options = options or ReadOptions()
+    groups = {name: getattr(row, name) for name in GROUPS if getattr(options, name) is None}
+    record = read(row.file, options, voltage=row.voltage, **groups)
     provenance = dict(record.provenance) | {"campaign": TABLE, "sha256": row.sha256}
     note = f"voltage, label and role from {TABLE}"
     return record.replace(note=note, label=row.label, role=row.role, provenance=provenance)

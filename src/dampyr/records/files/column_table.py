@@ -17,7 +17,7 @@ import numpy as np
 from dampyr.errors import FileError
 from dampyr.records.conditioning.integrated_displacement import with_integrated_displacement
 from dampyr.records.conditioning.nominal_input import MEASURED, SOURCE
-from dampyr.records.files.record_files import Request
+from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import CHANNELS, Array, Record
 from dampyr.units import to_si
 
@@ -81,7 +81,7 @@ class Table:
         return ", ".join(words[:MAX_NAMED]) + (f" and {count - MAX_NAMED} more" if count > MAX_NAMED else "")
 
 
-def record_of(path: Path, table: Table, request: Request, kind: str) -> Record:
+def record_of(path: Path, table: Table, request: ReadOptions, kind: str) -> Record:
     """The record in a table, every channel in SI; ``kind`` is the name of the format."""
     used = _columns(path, table, request)
     _check_needed(path, table, used, request)
@@ -116,7 +116,7 @@ def name_and_unit(cell: str) -> tuple[str, str]:
     return (match[1].strip(), match[2].strip()) if match else (cell.strip(), "")
 
 
-def _columns(path: Path, table: Table, request: Request) -> dict[str, int]:
+def _columns(path: Path, table: Table, request: ReadOptions) -> dict[str, int]:
     """Which column each channel is: as declared, else by the words of the header among the columns that are left."""
     declared = {channel: said for channel, said in request.columns.items() if said != ""}
     used: dict[str, int] = {}
@@ -190,7 +190,7 @@ def _called(table: Table, said: str) -> list[int]:
     return with_unit or called
 
 
-def _check_needed(path: Path, table: Table, used: dict[str, int], request: Request) -> None:
+def _check_needed(path: Path, table: Table, used: dict[str, int], request: ReadOptions) -> None:
     """Time (or ``dt``), force, and displacement or velocity have to be there."""
     if request.dt is not None and "time" in used:
         there = repr(table.names[used["time"]]) if table.names else f"number {used['time']}"
@@ -234,7 +234,7 @@ def _kind(table: Table, column: int) -> str:
     return table.kinds[column] if table.kinds else "number"
 
 
-def _check_units(path: Path, table: Table, used: dict[str, int], request: Request) -> None:
+def _check_units(path: Path, table: Table, used: dict[str, int], request: ReadOptions) -> None:
     """Raise :class:`FileError` with every column that has no unit, not the first one only."""
     used = {channel: column for channel, column in used.items() if _kind(table, column) == "number"}
     stated = {channel: table.units[column] if table.units else "" for channel, column in used.items()}
@@ -259,7 +259,7 @@ def _check_one_input(path: Path, inputs: dict[str, Any]) -> None:
 
 
 def _time(
-    path: Path, table: Table, column: int | None, request: Request
+    path: Path, table: Table, column: int | None, request: ReadOptions
 ) -> tuple[Array, dict[str, str], tuple[str, ...]]:
     """The time in s, the text of its first stamp for the provenance, and what the history says of it."""
     if column is None:
@@ -295,7 +295,7 @@ def _time(
     return seconds - seconds[0], {"first_sample": first} | date, (note,)
 
 
-def _in_si(path: Path, table: Table, channel: str, column: int, request: Request) -> Array:
+def _in_si(path: Path, table: Table, channel: str, column: int, request: ReadOptions) -> Array:
     stated = table.units[column] if table.units else ""
     declared = request.units.get(channel, "")
     if stated and declared and _spelled(stated, channel) != _spelled(declared, channel):

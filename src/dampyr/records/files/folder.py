@@ -11,6 +11,7 @@ from typing import Any
 from dampyr import registry
 from dampyr.errors import DampyrWarning, FileError, InputError, MissingData
 from dampyr.records.files.folder_metadata import DECIMAL, NAME, reading_of
+from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.record_files import REGISTRY, read_file, warn_of_integrated
 from dampyr.records.files.text_columns import has_numbers
 from dampyr.records.formats import h5
@@ -19,8 +20,8 @@ from dampyr.records.record import Record
 OWN = ".h5"
 
 
-def read_folder(folder: Path, incomplete: bool = False, **said: Any) -> list[Record]:
-    """The records in the files of a folder, in natural order; ``said`` is what :func:`dampyr.records.read` takes.
+def read_folder(folder: Path, options: ReadOptions, incomplete: bool = False) -> list[Record]:
+    """The records in the files of a folder, in natural order.
 
     Every file with a suffix that is read is a record, but hidden files, those that ``reading.toml`` ignores, and texts without
     a line of numbers, such as a README; these are named in a warning. Of dampyr's own files the latest complete try of each
@@ -31,7 +32,7 @@ def read_folder(folder: Path, incomplete: bool = False, **said: Any) -> list[Rec
     records, few = [], []
     for path in selected:
         try:
-            records.append(_read(path, said))
+            records.append(_read(path, options))
         except h5.FewSamples as problem:
             few.append(f"{path.name} ({problem.samples})")
     if few:
@@ -99,9 +100,9 @@ def _latest(files: list[Path]) -> list[Path]:
     return [path for path in files if path.suffix.lower() != OWN or path in own]
 
 
-def _read(path: Path, said: dict[str, Any]) -> Record:
+def _read(path: Path, options: ReadOptions) -> Record:
     try:
-        return read_file(path, **said)
+        return read_file(path, options)
     except FileError as problem:
         if not _is_text(path) or problem.path != path or NAME in str(problem):
             raise

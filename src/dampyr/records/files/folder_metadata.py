@@ -40,7 +40,6 @@ compared with a file's name, with and without its suffix; ``{}`` is a number suc
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -50,11 +49,10 @@ from typing import Any
 
 from dampyr.config import parse_toml
 from dampyr.errors import FileError, InputError
-from dampyr.records.conditioning.lowpass import as_lowpass
 from dampyr.records.conditioning.moving_average import KEYS as WINDOW_KEYS
 from dampyr.records.conditioning.moving_average import Declaration
-from dampyr.records.record import CHANNELS, as_group
-from dampyr.units import parse
+from dampyr.records.files.read_options import ReadOptions
+from dampyr.records.record import CHANNELS
 
 NAME = "reading.toml"
 TABLE = "campaign.csv"  # names the files of a campaign (`dampyr.records.files.campaign_folder`)
@@ -271,23 +269,22 @@ def _expression(pattern: str) -> str:
     return escaped.replace(r"\*", ".*").replace(r"\?", ".")
 
 
-def _units(name: str, table: Any) -> dict[str, Any]:
-    return _by_channel(name, table, str)
+def _option(name: str, said: Any) -> Any:
+    return getattr(ReadOptions(**{name: said}), name)
 
 
-def _columns(name: str, table: Any) -> dict[str, Any]:
-    return _by_channel(name, table, (str, int))
+def _table(name: str, said: Any) -> Any:
+    if not isinstance(said, dict):
+        raise InputError(f"{name} = {said!r} is no table; write it below [{name}], such as displacement = ...")
+    return _option(name, said)
 
 
-def _by_channel(name: str, table: Any, kind: Any) -> dict[str, Any]:
-    if not isinstance(table, dict):
-        raise InputError(f"{name} = {table!r} is no table; write it below [{name}], such as displacement = ...")
-    for channel, value in table.items():
-        if channel not in CHANNELS:
-            raise InputError(f"{name} names {channel!r}, which is no channel; choose from {', '.join(CHANNELS)}")
-        if not isinstance(value, kind) or isinstance(value, bool):
-            raise InputError(f"{name}: {channel} = {value!r} is no text; write it in quotes")
-    return table
+def _by_pattern(name: str, said: Any) -> Any:
+    return (
+        {pattern: _option(name, each) for pattern, each in said.items()}
+        if isinstance(said, dict)
+        else _option(name, said)
+    )
 
 
 def _input(name: str, said: Any) -> Any:
@@ -301,68 +298,27 @@ def _input(name: str, said: Any) -> Any:
     return {pattern: float(value) for pattern, value in said.items()} if isinstance(said, dict) else float(said)
 
 
-def _group(name: str, said: Any) -> Any:
-    return (
-        {pattern: as_group(name, text) for pattern, text in said.items()}
-        if isinstance(said, dict)
-        else as_group(name, said)
-    )
-
-
 def _smoothed(name: str, said: Any) -> Any:
     """One declaration, which may be a table of its fields, or a table of declarations by pattern."""
-    if isinstance(said, dict) and not set(said) & set(WINDOW_KEYS):
-        return {pattern: Declaration.of(each) for pattern, each in said.items()}
-    return Declaration.of(said)
-
-
-def _lowpass(name: str, said: Any) -> Any:
-    return {pattern: as_lowpass(each) for pattern, each in said.items()} if isinstance(said, dict) else as_lowpass(said)
-
-
-def _interval(name: str, said: Any) -> float:
-    if isinstance(said, bool) or not isinstance(said, int | float | str):
-        raise InputError(f'{name} = {said!r} is no sampling interval; write it as in "2 ms", or in s')
-    dt = parse(said, "s")
-    if not (math.isfinite(dt) and dt > 0.0):
-        raise InputError(f"{name} = {dt:g} s is no sampling interval; it must be finite and greater than 0")
-    return dt
-
-
-def _variable(name: str, said: Any) -> str:
-    if not (isinstance(said, str) and said.strip()):
-        raise InputError(f"{name} = {said!r} is no name; give that of a matrix in the file")
-    return said.strip()
-
-
-def _line(name: str, said: Any) -> int:
-    if not isinstance(said, int) or isinstance(said, bool) or said < 0:
-        raise InputError(f"{name} = {said!r} is no line; give the number of the names' line, from 1, or 0 for none")
-    return said
-
-
-def _sign(name: str, said: Any) -> int:
-    if not isinstance(said, int) or isinstance(said, bool) or abs(said) != 1:
-        raise InputError(f"{name} = {said!r} is not allowed; it must be -1, which turns the force, or 1")
-    return said
+    return Declaration.of(said) if isinstance(said, dict) and set(said) & set(WINDOW_KEYS) else _by_pattern(name, said)
 
 
 KEYS: Mapping[str, Callable[[str, Any], Any]] = {
-    "units": _units,
-    "columns": _columns,
+    "units": _table,
+    "columns": _table,
     "voltage": _input,
     "current": _input,
-    "dt": _interval,
-    "variable": _variable,
-    "header": _line,
-    "force_sign": _sign,
-    "measurement_session": _group,
-    "specimen": _group,
+    "dt": _option,
+    "variable": _option,
+    "header": _option,
+    "force_sign": _option,
+    "measurement_session": _by_pattern,
+    "specimen": _by_pattern,
     "smoothed": _smoothed,
-    "lowpass": _lowpass,
+    "lowpass": _by_pattern,
 }
 """What may be said of files, all of them or those of a section: each key with the check that gives its value, named as the
-argument of :func:`dampyr.records.read`."""
+option of `dampyr.records.ReadOptions`."""
 
 
 def _shown(value: Any) -> str:

@@ -25,7 +25,7 @@ import numpy as np
 from dampyr.errors import FileError
 from dampyr.origin import ORIGIN_KINDS
 from dampyr.records.files.column_table import SPELLINGS, TEMPERATURES, Table, name_and_unit, record_of
-from dampyr.records.files.record_files import Request
+from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import GROUPS, Array, Record
 
 MAX_COLUMNS = 1000  # of a line: a test has some ten channels; a file with more is written the wrong way round
@@ -51,13 +51,13 @@ GROUP = re.compile(rf"[#%]\s*(?:({'|'.join(GROUPS)})\s*:\s*(\S.*)|(origin)\s*:\s
 """A comment above the numbers that states the session or the specimen, as dampyr writes it."""
 
 
-def read(path: Path, request: Request, kind: str) -> Record:
+def read(path: Path, request: ReadOptions, kind: str) -> Record:
     """The record in a text file of columns, every channel in SI."""
     request.refuse(path, variable="a text has columns and no variables")
     return record_of(path, read_table(path, request.header, is_by_number(request)), request, kind)
 
 
-def is_by_number(request: Request) -> bool:
+def is_by_number(request: ReadOptions) -> bool:
     """Whether every column is declared by its number, so that no name is needed."""
     said = [column for column in request.columns.values() if column not in (None, "-")]
     return bool(said) and all(isinstance(column, int) or column.isdigit() for column in said)

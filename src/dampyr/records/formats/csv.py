@@ -8,14 +8,14 @@ import numpy as np
 from dampyr.atomic_write import write_whole
 from dampyr.errors import FileError
 from dampyr.records.files import text_columns
-from dampyr.records.files.record_files import Request
+from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import CHANNELS, Record, stated
 
 TITLE, MEDIA_TYPE = "CSV", "text/csv"
 PLAIN_TEXT = True
 
 
-def read(path: Path, request: Request) -> Record:
+def read(path: Path, request: ReadOptions) -> Record:
     """The record in a ``.csv`` file, in SI."""
     return text_columns.read(path, request, "CSV")
 

@@ -3,13 +3,13 @@
 from pathlib import Path
 
 from dampyr.records.files import text_columns
-from dampyr.records.files.record_files import Request
+from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import Record
 
 TITLE = "text"
 PLAIN_TEXT = True
 
 
-def read(path: Path, request: Request) -> Record:
+def read(path: Path, request: ReadOptions) -> Record:
     """The record in a ``.dat`` file, in SI."""
     return text_columns.read(path, request, "text")

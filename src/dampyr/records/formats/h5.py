@@ -41,7 +41,7 @@ from dampyr.records.checks.channel_uncertainty import Uncertainty
 from dampyr.records.conditioning.moving_average import Alignment, MovingAverage
 from dampyr.records.files.checksums import REPAIR, Attributes, Checksums, Stored, attributes_of
 from dampyr.records.files.new_file import new_file
-from dampyr.records.files.record_files import Request
+from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.self_contained import check_contained
 from dampyr.records.record import CHANNELS, GROUPS, MIN_SAMPLES, Label, Record, as_role
 from dampyr.source_digest import full_version
@@ -101,7 +101,7 @@ class State:
     attempt: int
 
 
-def read(path: Path, request: Request) -> Record:
+def read(path: Path, request: ReadOptions) -> Record:
     """The record in one of dampyr's files; an incomplete one says so in its provenance and history.
 
     Raises :class:`~dampyr.errors.FileError` where a dataset is not what was written, by its checksum or by the raw reading
@@ -395,7 +395,7 @@ def _rows(file: Any) -> int | None:
     return int(file["rows"][()]) if "rows" in file else None
 
 
-def _channel(path: Path, file: Any, name: str, request: Request, stored: Stored, attributes: Attributes) -> Any:
+def _channel(path: Path, file: Any, name: str, request: ReadOptions, stored: Stored, attributes: Attributes) -> Any:
     data = file[f"calibrated/{name}"]
     unit = str(attributes[f"calibrated/{name}"].get("unit", "")) or request.units.get(name, "")
     if not unit:

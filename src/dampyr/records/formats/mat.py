@@ -22,7 +22,7 @@ from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
 from dampyr.origin import ORIGIN_KINDS
 from dampyr.records.files.column_table import Table, record_of
-from dampyr.records.files.record_files import Request
+from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.self_contained import check_contained
 from dampyr.records.record import COMMENTS, GROUPS, Array, Record, stated
 from dampyr.units import to_si
@@ -54,7 +54,7 @@ class _Stored:
         return stated | ({"origin": origin} if isinstance(origin, str) and origin in ORIGIN_KINDS else {})
 
 
-def read(path: Path, request: Request) -> Record:
+def read(path: Path, request: ReadOptions) -> Record:
     """The record in a MATLAB file: that of the campaign, whose header is checked against the data, or as declared."""
     request.refuse(path, header="a MATLAB file has none")
     named = {column for column in request.columns.values() if isinstance(column, str)} - {"", "-"}
@@ -66,7 +66,7 @@ def read(path: Path, request: Request) -> Record:
     return _of_the_campaign(path, stored, request)
 
 
-def _table(path: Path, stored: _Stored, request: Request) -> Table:
+def _table(path: Path, stored: _Stored, request: ReadOptions) -> Table:
     """One matrix, or one column for each variable that is declared."""
     if request.variable is not None:
         matrix = _real(path, stored, request.variable)
@@ -101,7 +101,7 @@ def _table(path: Path, stored: _Stored, request: Request) -> Table:
     return Table(tuple(vectors), ("",) * len(vectors), values, groups=stored.groups())
 
 
-def _of_the_campaign(path: Path, stored: _Stored, request: Request) -> Record:
+def _of_the_campaign(path: Path, stored: _Stored, request: ReadOptions) -> Record:
     variables = _campaign_variables(path, stored)
     dt = _interval(path, variables["Ts"])
     n = variables["dist"].size

@@ -16,7 +16,7 @@ import numpy as np
 
 from dampyr.errors import FileError, InputError, install_line
 from dampyr.records.files.column_table import WORDS, Table, name_and_unit, record_of
-from dampyr.records.files.record_files import Request
+from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import GROUPS, Record
 
 TITLE = "TDMS"
@@ -24,7 +24,7 @@ UNIT, INTERVAL, START, OFFSET = "unit_string", "wf_increment", "wf_start_time", 
 SAME_START = 1e-3  # of an interval: what stamps are rounded by; a thousandth of a sample moves no number of a fit
 
 
-def read(path: Path, request: Request) -> Record:
+def read(path: Path, request: ReadOptions) -> Record:
     """The record in one group of channels of a ``.tdms`` file."""
     request.refuse(path, header="a TDMS file names its channels")
     try:
@@ -168,7 +168,7 @@ def _aligned(
     return aligned, note
 
 
-def _has_time(table: Table, request: Request) -> bool:
+def _has_time(table: Table, request: ReadOptions) -> bool:
     if "time" in request.columns:
         return request.columns["time"] not in (None, "-")
     return any(name.lower() in WORDS["time"] for name in table.names)

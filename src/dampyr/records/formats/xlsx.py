@@ -13,7 +13,7 @@ from typing import Any
 
 from dampyr.errors import FileError, InputError, install_line
 from dampyr.records.files.column_table import record_of
-from dampyr.records.files.record_files import Request
+from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.text_columns import is_by_number, table_of_text
 from dampyr.records.record import Record
 
@@ -21,7 +21,7 @@ TITLE = "Excel"
 MAX_UNFOLDED = 200_000_000  # bytes of the archive's parts: a million rows of four channels, and some 20 s of reading
 
 
-def read(path: Path, request: Request) -> Record:
+def read(path: Path, request: ReadOptions) -> Record:
     """The record in one sheet of an ``.xlsx`` file."""
     name, text, formula = _sheet(path, request.variable)
     try:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.identification.acceptance_tests.acceptance import UNITS, Acceptance, Point, Quantity
+from dampyr.identification.acceptance_tests.acceptance import UNITS, Acceptance, Point
 from dampyr.identification.acceptance_tests.reference_cycles import SAME, groups
 from dampyr.show.descriptions import Description, Frame, describe
 from dampyr.show.figures import style
@@ -107,7 +107,7 @@ def percent(chance: float) -> str:
     return "below 0.01 %" if chance < 1e-4 else f"{100 * chance:.2g} %"
 
 
-def band(acceptances: Iterable[Acceptance], quantity: Quantity) -> list[tuple[float, float, float, float]]:
+def band(acceptances: Iterable[Acceptance], quantity: str) -> list[tuple[float, float, float, float]]:
     """The band along the speed, for a picture: (speed m/s, expected, low, high), means of points with the same speed to 2 %."""
     points = [p for acceptance in acceptances for p in acceptance.judged if p.quantity == quantity]
     rows = np.array([(p.speed, p.expected, p.low, p.high) for p in points], dtype=float).reshape(-1, 4)

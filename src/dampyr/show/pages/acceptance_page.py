@@ -14,7 +14,7 @@ from dampyr.identification import Acceptance, Accepted
 from dampyr.identification.acceptance_tests.acceptance import UNITS
 from dampyr.phrases import counted
 from dampyr.show.figures.acceptance import band_used, peak_velocity_band
-from dampyr.show.identification.accept_records import (
+from dampyr.show.identification.accept import (
     judgement_table,
     level_table,
     relevelled_table,
@@ -31,7 +31,7 @@ MAX_ROWS, MAX_FIGURES, MAX_POINTS = 40, 8, 60  # what a page can show and a pers
 
 
 def write_acceptance_page(result: Accepted, path: str | Path) -> Path:
-    """Write the page of the result of `dampyr.identification.accept_records` and return its path.
+    """Write the page of the result of `dampyr.identification.accept` and return its path.
 
     It shows verdicts, the band with the points, the points outside, and what was not judged. Raises
     :class:`~dampyr.errors.InputError` without any judgement.

@@ -1,31 +1,23 @@
 // Records judged by a reference damper: the request, the band with its points, and the points outside.
 import { get, query as asQuery } from "./api.js";
 import { chart, charts as drawCharts, COLOURS } from "./chart.js";
-import { choice, field, h, number, section, short, tick } from "./dom.js";
+import { field, h, number, section, short } from "./dom.js";
 import { attempt, say } from "./notice.js";
-import { oneNumber } from "./numbers.js";
+import { optionsForm, optionsInAddress } from "./options.js";
 import { originLine } from "./origin.js";
 import { table } from "./table.js";
 
 const OTHERS = "others";
 const WAYS = ["extension", "compression"];
 const QUANTITIES = [...WAYS, "energy"];
-const START = { reference: "", tolerance: "15", force: "0", energy: "0", offset: "", judge: QUANTITIES };
 const SHAPES = [[true, "circle", "inside"], [false, "cross", "outside"], [null, "square", "not judged"]];
 const BADGES = { passed: "badge good", failed: "badge bad", "not judged": "badge" };
 
-/** The request in an address. */
-export function fromAddress(query) {
-  const judge = query.getAll("judge").filter((one) => QUANTITIES.includes(one));
-  const said = Object.fromEntries(Object.keys(START).map((name) => [name, query.get(name) ?? START[name]]));
-  return { ...said, judge: judge.length ? judge : [...QUANTITIES] };
-}
+/** The request in an address: the reference, and the options that are not as usual, in SI units; `options` is what the server offers. */
+export const fromAddress = (query, options) => ({ reference: query.get("reference") ?? "", options, values: optionsInAddress(options, query) });
 
 /** The request for an address, without defaults. */
-export function forAddress(request) {
-  const changed = Object.entries(request).filter(([name, value]) => String(value) !== String(START[name]));
-  return Object.fromEntries(changed);
-}
+export const forAddress = ({ reference, values }) => ({ reference, ...values });
 
 /** acceptance(keys of the records, request, changed): elements; `request` is changed by the form, which then calls `changed()`. */
 export async function acceptance(keys, request, changed, charts) {
@@ -37,7 +29,7 @@ export async function acceptance(keys, request, changed, charts) {
     const mine = ++last;
     changed();
     if (!request.reference) return result.replaceChildren(h("p", { class: "blank" }, "Choose a reference: a card, a published damper, or a record of a reference damper."));
-    const question = asQuery(asWanted(keys, request));
+    const question = asQuery({ key: keys, reference: request.reference === OTHERS ? keys : request.reference, ...request.values });
     if (!result.children.length) result.append(h("p", { class: "soft" }, "Judging …"));
     const judgement = await attempt(() => get(`records/acceptance?${question}`));
     if (mine !== last) return undefined;
@@ -51,7 +43,7 @@ export async function acceptance(keys, request, changed, charts) {
 }
 
 function asking(keys, dampers, request, changed) {
-  const reference = h("select", { onchange: () => take("reference", reference.value) }, h("option", { value: "" }, "choose …"));
+  const reference = h("select", {}, h("option", { value: "" }, "choose …"));
   const groups = [
     ["Cards", dampers.filter((one) => one.name.startsWith("cards/")).map((one) => [one.name, one.title])],
     ["Published dampers", dampers.filter((one) => !one.name.startsWith("cards/")).map((one) => [one.name, one.title.replace("published: ", "")])],
@@ -63,34 +55,18 @@ function asking(keys, dampers, request, changed) {
     if (all.length) reference.append(h("optgroup", { label }, all.map(([value, words]) => h("option", { value }, words))));
   }
   reference.value = request.reference;
-  const take = (name, value) => {
-    request[name] = value;
-    changed();
-  };
-  const box = (name, extra = {}) => h("input", { type: "text", inputmode: "decimal", value: request[name], onchange: (event) => typed(name, event.target.value), ...extra });
-  const typed = (name, text) => {
+  const form = optionsForm(request.options, request.values, () => {
     try {
-      take(name, String(oneNumber(text, "The entry") ?? ""));
+      const values = form.values();
+      if (values.quantities?.length === 0) throw new Error("No quantity is to be judged; tick one or more.");
+      Object.assign(request, { reference: reference.value, values });
     } catch (problem) {
-      say(problem.message, "bad");
+      return say(problem.message, "bad");
     }
-  };
-  const ticks = QUANTITIES.map((name) => tick(name, { checked: request.judge.includes(name), onchange: (event) => {
-    const judged = QUANTITIES.filter((one) => (one === name ? event.target.checked : request.judge.includes(one)));
-    if (judged.length) take("judge", judged);
-    else event.target.checked = true;
-  } }));
-  return h("div", { class: "asking" },
-    h("div", { class: "fields" }, field("Reference", reference), field("Tolerance, %", box("tolerance")), field("and force, N", box("force")), field("and energy, J", box("energy")),
-      field("Load cell zero, N", box("offset", { placeholder: "the mean" }))),
-    h("div", { class: "row", role: "group", "aria-label": "What is judged" }, h("span", { class: "label" }, "Judge"), ticks));
-}
-
-/** The request as the API takes it; text that is not a number is sent unchanged, and refused in a sentence. */
-function asWanted(keys, request) {
-  const share = Number(request.tolerance);
-  const reference = request.reference === OTHERS ? keys : [request.reference];
-  return { key: keys, reference, tolerance: request.tolerance !== "" && Number.isFinite(share) ? share / 100 : request.tolerance, force: request.force, energy: request.energy, offset: request.offset, judge: request.judge };
+    return changed();
+  });
+  form.element.prepend(field("Reference", reference));
+  return form.element;
 }
 
 function shown(judgement, question, charts) {
@@ -125,6 +101,7 @@ function shown(judgement, question, charts) {
     h("div", { class: "row" }, h("a", { class: "button", href: `/api/records/acceptance/page?${question}`, download: "acceptance.html" }, "Save the page")),
     any ? section("Forces at peak velocity", forces.element, h("p", { class: "soft" }, "● inside, ✕ outside, □ not judged; one chart for each input and direction. The band is drawn through the means of points of equal speed.")) : null,
     judged ? section("Deviation within the band", used.element, h("p", { class: "soft" }, "Deviation in half-widths of the band: 0 is the reference, 1 and −1 are the edges; above 0 the damper is stronger, in either direction.")) : null,
+    relevelled(judgement.relevelled),
     levels(judgement.records),
     outside(judgement.records),
     open(judgement.records),
@@ -141,11 +118,21 @@ function summary(records) {
     caption: "One point outside fails a record, and so does the mean of a level. Where less than half of a level's cycles could be judged, it has neither passed nor failed.",
     columns: [{ name: "record" }, { name: "verdict", align: "left" }, { name: "run", align: "right" }, { name: "whole" }, { name: "judged", align: "right" }, { name: "stroke", unit: "mm" }, { name: "judged to", unit: "mm" }, { name: "outside" },
       { name: "worst", align: "left" }, { name: "cycle" }, { name: "off by", unit: "%", digits: 3 }, { name: "wrong rejection", unit: "%", align: "right" }, { name: "wrong acceptance", unit: "%", align: "right" }],
-    rows: records.map((one) => [one.name, { key: one.verdict, show: h("span", { class: BADGES[one.verdict] }, { passed: "✓ ", failed: "✗ ", "not judged": "? " }[one.verdict], one.verdict) },
+    rows: records.map((one) => [one.name, badge(one.verdict),
       { key: one.run, show: one.run.toFixed(1) }, one.cut, { key: one.judged_cycles, show: `${one.judged_cycles} of ${one.cut}` }, 1e3 * one.stroke_m, one.judged ? 1e3 * one.judged_stroke_m : null, one.outside_count,
       one.worst?.quantity ?? null, one.worst?.cycle ?? null, percent(one.worst?.deviation), chance(one.wrong_rejection), chance(one.wrong_acceptance)]),
   });
 }
+
+function relevelled(records) {
+  return records.length ? section("Relevelled", table({
+    caption: "Judged again with the level of the first cycles, measured over expected, taken out of the later ones",
+    columns: [{ name: "record" }, { name: "level", digits: 4 }, { name: "verdict", align: "left" }, { name: "judged" }, { name: "outside" }, { name: "worst", align: "left" }, { name: "off by", unit: "%", digits: 3 }],
+    rows: records.map((one) => [one.name, one.level, badge(one.verdict), one.judged_cycles, one.outside_count, one.worst?.quantity ?? null, percent(one.worst?.deviation)]),
+  })) : null;
+}
+
+const badge = (verdict) => ({ key: verdict, show: h("span", { class: BADGES[verdict] }, { passed: "✓ ", failed: "✗ ", "not judged": "? " }[verdict], verdict) });
 
 function levels(records) {
   const rows = records.filter((one) => one.levels.length > 1).flatMap((one) => one.levels.map((each) => [one.name, each.number, { key: each.judged, show: `${each.judged} of ${each.cycles}` }, 1e3 * each.stroke_m, each.frequency_hz,

@@ -2,50 +2,63 @@
 import { choice, field, h, tick } from "./dom.js";
 import { numberList, oneNumber } from "./numbers.js";
 
-/** `element`, the controls; `values()`, what differs from the usual, in SI units: an Error says what is wrong. */
-export function optionsForm(options) {
-  const controls = options.map((option) => [option, control(option)]);
+/**
+ * `element`, the controls; `values()`, what differs from the usual, in SI units: an Error says what is wrong.
+ *
+ * The controls begin with `chosen`, such values; `changed` is called when a person has changed one.
+ */
+export function optionsForm(options, chosen = {}, changed = () => {}) {
+  const controls = options.map((option) => [option, control(option, Object.hasOwn(chosen, option.name) ? chosen[option.name] : option.default)]);
   const groups = [...new Set(options.map((option) => option.group))];
   const of = (group) => h("div", { class: "fields" }, controls.filter(([option]) => option.group === group).map(([, one]) => one.element));
   return {
-    element: h("div", {}, groups.map((group) => (group ? h("details", {}, h("summary", {}, group), of(group)) : of(group)))),
+    element: h("div", { onchange: changed }, groups.map((group) => (group ? h("details", {}, h("summary", {}, group), of(group)) : of(group)))),
     values() {
-      const chosen = {};
+      const values = {};
       for (const [option, one] of controls) {
         const value = one.value();
-        if (JSON.stringify(value) !== JSON.stringify(option.default)) chosen[option.name] = value;
+        if (JSON.stringify(value) !== JSON.stringify(option.default)) values[option.name] = value;
       }
-      return chosen;
+      return values;
     },
   };
 }
 
-function control(option) {
-  if (option.kind === "bool") return ticked(option);
-  if (option.choices && option.several) return tickedChoices(option);
-  if (option.choices) return selected(option);
-  return typed(option);
+/** The values of options in an address, in SI units; a text that is no number stays one, and the server says so. */
+export function optionsInAddress(options, query) {
+  const read = ({ kind }, text) => (kind === "bool" ? text === "true" : kind === "str" || text === "" || Number.isNaN(Number(text)) ? text : Number(text));
+  return Object.fromEntries(options.filter(({ name }) => query.has(name)).map((option) => {
+    const values = query.getAll(option.name).map((text) => read(option, text));
+    return [option.name, option.several ? values : values[0]];
+  }));
 }
 
-function ticked({ label, words, default: usual }) {
-  const box = tick(label, { checked: usual });
+function control(option, value) {
+  if (option.kind === "bool") return ticked(option, value);
+  if (option.choices && option.several) return tickedChoices(option, value);
+  if (option.choices) return selected(option, value);
+  return typed(option, value);
+}
+
+function ticked({ label, words }, value) {
+  const box = tick(label, { checked: value });
   return { element: h("div", { class: "field" }, box, h("small", {}, words)), value: () => box.firstChild.checked };
 }
 
-function tickedChoices({ label, words, choices, default: usual }) {
-  const boxes = choices.map(([value, meaning]) => [value, tick(value, { checked: usual.includes(value), title: meaning })]);
+function tickedChoices({ label, words, choices }, value) {
+  const boxes = choices.map(([name, meaning]) => [name, tick(name, { checked: value.includes(name), title: meaning })]);
   const element = h("div", { class: "field", role: "group", "aria-label": label }, h("span", { class: "label" }, label), h("div", { class: "row" }, boxes.map(([, box]) => box)), h("small", {}, words));
-  return { element, value: () => boxes.filter(([, box]) => box.firstChild.checked).map(([value]) => value) };
+  return { element, value: () => boxes.filter(([, box]) => box.firstChild.checked).map(([name]) => name) };
 }
 
-function selected({ label, words, choices, default: usual, optional }) {
-  const made = choice([...(optional ? [["", "–"]] : []), ...choices.map(([value]) => value)], { value: usual ?? "" });
+function selected({ label, words, choices, optional }, value) {
+  const made = choice([...(optional ? [["", "–"]] : []), ...choices.map(([name]) => name)], { value: value ?? "" });
   return { element: field(label, made, words), value: () => made.value || null };
 }
 
-function typed(option) {
-  const { label, words, unit, default: usual } = option;
-  const input = h("input", { type: "text", value: asText(option, usual), placeholder: option.placeholder });
+function typed(option, value) {
+  const { label, words, unit } = option;
+  const input = h("input", { type: "text", value: asText(option, value), placeholder: option.placeholder });
   return { element: field(unit ? `${label}, ${unit}` : label, input, words), value: () => read(option, input.value.trim()) };
 }
 
@@ -56,7 +69,7 @@ function asText(option, value) {
   return single(option, value);
 }
 
-const single = ({ kind, factor }, value) => (kind === "str" ? value : String(Number((factor * value).toPrecision(12))));
+const single = ({ kind, factor }, value) => (kind === "str" || typeof value === "string" ? value : String(Number((factor * value).toPrecision(12))));
 
 function read(option, text) {
   if (option.pairs) return pairs(option, text);

@@ -1,43 +1,37 @@
 // Uploads: several files at once, their columns shown before, and what the files do not state themselves.
 import { get, query as asQuery, send, upload } from "./api.js";
 import { choice, field, h, number, short } from "./dom.js";
-import { oneNumber } from "./numbers.js";
 import { say } from "./notice.js";
+import { optionsForm } from "./options.js";
 
 const ENOUGH = 65536; // bytes of a file that show its columns
 const LOOK = 1000; // ms between two looks at the place in the queue
 const UNITS = { time: "s", displacement: "mm", force: "N", velocity: "mm/s", voltage: "V", current: "A", temperature: "degC" };
 
-/** uploads(formats, taken): the form; `taken` is called with the keys of the records that came in. */
-export function uploads(formats, taken) {
+/** uploads(formats, options, taken): the form; `options` is what can be said of a file besides its columns, `taken` is called with the keys of the records that came in. */
+export function uploads(formats, options, taken) {
   const plainText = ["csv", "txt", "dat"];
   const file = h("input", { type: "file", multiple: true, accept: formats.map((one) => `.${one.name}`).join() });
-  const text = (attributes = {}) => h("input", { type: "text", maxlength: "100", ...attributes });
-  const voltage = text({ inputmode: "decimal" });
-  const current = text({ inputmode: "decimal" });
-  const dt = text({ placeholder: "2 ms" });
-  const variable = text();
-  const header = text({ inputmode: "numeric" });
-  const sign = choice([["", "as it is"], ["-1", "turned"]]);
-  const session = text({ placeholder: "2026-03-01" });
-  const specimen = text();
+  const about = optionsForm(options, {}, () => said().header !== header && preview());
   const which = choice([], { "aria-label": "File whose columns are shown" });
   const shown = h("div", { id: "columns", "aria-live": "polite" });
   const states = h("ul", { class: "before", id: "uploads" });
   const go = h("button", { type: "submit", class: "main" }, "Upload");
   let columns = [];
   let turn = 0;
+  let header; // of the columns that are shown
 
   async function preview() {
     const chosen = file.files[Number(which.value)] ?? file.files[0];
     const mine = ++turn;
+    header = said().header;
     columns = [];
     shown.replaceChildren();
     if (!chosen || !plainText.includes(chosen.name.split(".").at(-1).toLowerCase())) return;
-    const said = asQuery({ header: header.value.trim(), part: chosen.size > ENOUGH });
+    const question = asQuery({ header, part: chosen.size > ENOUGH });
     let result;
     try {
-      result = await send("PUT", `records/preview/${encodeURIComponent(chosen.name)}?${said}`, chosen.slice(0, ENOUGH));
+      result = await send("PUT", `records/preview/${encodeURIComponent(chosen.name)}?${question}`, chosen.slice(0, ENOUGH));
     } catch (problem) {
       result = { columns: [], problem: problem.message };
     }
@@ -72,11 +66,13 @@ export function uploads(formats, taken) {
     return { unit, column: [...chosen.map((one) => `${one.channel.value}=${one.k}`), ...dropped.map((one) => `${one.guessed}=-`)] };
   }
 
+  /** What the form says, and nothing while it says what is wrong: the upload tells. */
   function said() {
-    return {
-      ...mapping(), voltage: oneNumber(voltage.value, "Voltage"), current: oneNumber(current.value, "Current"), dt: dt.value.trim(), header: header.value.trim(), variable: variable.value.trim(),
-      force_sign: sign.value, measurement_session: session.value.trim(), specimen: specimen.value.trim(),
-    };
+    try {
+      return about.values();
+    } catch {
+      return {};
+    }
   }
 
   async function one(chosen, request) {
@@ -113,11 +109,8 @@ export function uploads(formats, taken) {
   });
   which.addEventListener("change", preview);
   which.hidden = true;
-  header.addEventListener("change", preview);
   const form = h("form", {}, field("File", file, `${formats.map((each) => each.title).join(", ")}; several at once, at most 64 MiB each`), which, shown,
-    h("div", { class: "fields" }, field("Voltage at the coil, V", voltage, "where the file does not state it"), field("Current, A", current, "instead of a voltage"),
-      field("Sampling interval", dt, "of a file without a time"), field("Line of the names", header, "from 1; 0 for none"), field("Variable", variable, "a matrix, a sheet or a TDMS group"),
-      field("Sign of the force", sign), field("Session", session, "one day's records on one mounting"), field("Specimen", specimen, "which damper it is")),
+    about.element,
     h("div", { class: "row" }, go), states);
   form.addEventListener("submit", async (event) => {
     event.preventDefault();
@@ -125,7 +118,7 @@ export function uploads(formats, taken) {
     if (!chosen.length) return say("Choose a file first.", "bad");
     let request;
     try {
-      request = said();
+      request = { ...mapping(), ...about.values() };
     } catch (problem) {
       return say(problem.message, "bad");
     }

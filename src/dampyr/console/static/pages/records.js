@@ -20,11 +20,11 @@ const TABS = { time: "Time", loops: "Loops", spectra: "Spectra", cycles: "Cycles
 
 export async function show(root, query) {
   const state = { source: query.get("source"), open: query.getAll("open").slice(0, MAX_OPEN), tab: Object.hasOwn(TABS, query.get("tab") ?? "") ? query.get("tab") : "time", filter: "", role: "" };
-  const request = fromAddress(query);
   const cached = new Map();
   let listed = [];
   let drawings = [];
-  const [sources, formats] = await Promise.all([get("records/sources"), get("records/formats")]);
+  const [sources, formats, reading, judging] = await Promise.all(["sources", "formats", "uploads/options", "acceptance/options"].map((one) => get(`records/${one}`)));
+  const request = fromAddress(query, judging);
   if (!state.source) { // one's own records, where there are any
     const own = await get(`records/list?${asQuery({ source: "data" })}`);
     state.source = own.length ? "data" : sources.at(-1).name;
@@ -42,7 +42,7 @@ export async function show(root, query) {
         h("div", { class: "fields sources" }, field("Source", source), field("Filter", filter), field("Role", role)),
         rest,
         list,
-        uploads(formats.read, (keys) => ((state.source = source.value = "data"), (state.open = keys.slice(0, MAX_OPEN)), load(true)))),
+        uploads(formats.read, reading, (keys) => ((state.source = source.value = "data"), (state.open = keys.slice(0, MAX_OPEN)), load(true)))),
       sheet),
   );
 

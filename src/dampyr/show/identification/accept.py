@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from dampyr.findings import as_dicts
-from dampyr.identification.acceptance_tests.accept_records import Accepted
+from dampyr.identification.acceptance_tests.accept import Accepted
 from dampyr.identification.acceptance_tests.acceptance import BEYOND, Acceptance, JudgedLevel
 from dampyr.phrases import counted, sentence
 from dampyr.show.descriptions import Description, Frame, describe

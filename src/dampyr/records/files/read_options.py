@@ -1,0 +1,159 @@
+"""What is said of files of records that they do not say themselves; the same for all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+
+from dampyr.errors import FileError, InputError
+from dampyr.options import Options, Terminal
+from dampyr.records.conditioning.cut_record import check_cut
+from dampyr.records.conditioning.lowpass import as_lowpass
+from dampyr.records.conditioning.moving_average import Declaration
+from dampyr.records.conditioning.nominal_input import agrees
+from dampyr.records.record import CHANNELS, GROUPS, as_group
+from dampyr.units import Quantity
+
+
+@dataclass(frozen=True)
+class ReadOptions(Options):
+    """Options of `read` and `read_campaign`; ``cut``, which makes several records of one, is of `read_campaign` alone.
+
+    ``smoothed`` is kept as a `dampyr.records.Declaration`, ``lowpass`` in Hz or as a text such as ``"15 f"``.
+    """
+
+    voltage: Annotated[
+        float | None,
+        Quantity("V"),
+        "Voltage at the coil, for all files; a measured column that agrees, to 5 % or 0.05 V, gives way to it",
+    ] = None
+    current: Annotated[
+        float | None,
+        Quantity("A"),
+        "Current, in place of a voltage; a measured column that agrees, to 5 % or 0.05 A, gives way to it",
+    ] = None
+    units: Annotated[
+        Mapping[str, str],
+        Terminal("--unit", "CHANNEL=UNIT"),
+        "Units of the channels of which the files state none, such as displacement=mm",
+    ] = field(default_factory=dict)
+    columns: Annotated[
+        Mapping[str, str | int | None],
+        Terminal("--column", "CHANNEL=NAME"),
+        "Columns of the channels, where the header's own words do not tell: force='Load cell', with its unit as in "
+        "'displacement=Displacement (mm)', its number from 0, or - for none",
+    ] = field(default_factory=dict)
+    dt: Annotated[
+        float | None,
+        Quantity("s", low=0, open_low=True),
+        Terminal(metavar="TIME"),
+        "Sampling interval of files without a time, such as 2ms",
+    ] = None
+    header: Annotated[
+        int | None,
+        Quantity("", low=0),
+        Terminal(metavar="LINE"),
+        "Line of the names in a text, from 1; 0 where there is none",
+    ] = None
+    variable: Annotated[
+        str | None,
+        Terminal(metavar="NAME"),
+        "Matrix of a MATLAB file, of which the columns are given by number; sheet of an Excel file; group of a TDMS file",
+    ] = None
+    force_sign: Annotated[
+        int | None,
+        Terminal(metavar="SIGN"),
+        "-1 turns the force, for files in which a positive force does not oppose a positive velocity",
+    ] = None
+    measurement_session: Annotated[
+        str | None, Terminal(metavar="NAME"), "The records of one day on one mounting, for all files"
+    ] = None
+    specimen: Annotated[str | None, Terminal(metavar="NAME"), "Which damper it is, for all files"] = None
+    smoothed: Annotated[
+        str | float | Declaration | None,
+        Terminal(metavar="WINDOW"),
+        "Moving average that the channels went through, which is undone where it can be: '0.3 s', '15 samples' or "
+        "'0.1 periods', and after a comma trailing, not undone, or channels such as force",
+    ] = None
+    lowpass: Annotated[
+        str | float | None,
+        Terminal(metavar="HZ"),
+        "Frequency above which the displacement is noise, in Hz; '15 f' is 15 times that of the motion",
+    ] = None
+    cut: Annotated[
+        str | float | None,
+        Terminal(metavar="TIME|events"),
+        "Cut every record into pieces of this duration, such as 5s, or at the rests between events",
+    ] = None
+
+    def __post_init__(self) -> None:
+        for name in GROUPS:
+            object.__setattr__(self, name, as_group(name, getattr(self, name)))
+        if self.smoothed is not None:
+            object.__setattr__(self, "smoothed", Declaration.of(self.smoothed))
+        if self.lowpass is not None:
+            object.__setattr__(self, "lowpass", as_lowpass(self.lowpass))
+        super().__post_init__()
+
+    def check(self) -> None:
+        """Refuse what is no channel, name, sign or duration."""
+        for argument in ("units", "columns"):
+            unknown = sorted(set(getattr(self, argument)) - set(CHANNELS))
+            if unknown:
+                raise InputError(
+                    f"{argument} names {unknown[0]!r}, which is no channel; choose from {', '.join(CHANNELS)}"
+                )
+        if self.variable is not None and not self.variable.strip():
+            raise InputError(f"variable = {self.variable!r} is no name; give that of a matrix in the file")
+        if self.force_sign not in (None, -1, 1):
+            raise InputError(
+                f"force_sign = {self.force_sign} is not allowed; it must be -1, which turns the force, or 1"
+            )
+        if self.cut is not None:
+            check_cut(self.cut)
+
+    def refuse(self, path: str | Path, **reasons: str) -> None:
+        """Raise :class:`FileError` where something is said that a format cannot use: ``variable="a text has none"``."""
+        for name, reason in reasons.items():
+            if (said := getattr(self, name)) is not None:
+                raise FileError(path, f"{name} = {said!r} was given, but {reason}; leave it out")
+
+    def input_channels(self, voltage: Any = None, current: Any = None) -> dict[str, Any]:
+        """The input from the call and from the file together.
+
+        What the file states must be what was said; what it measured must agree with it, and gives way to it.
+        """
+        channels: dict[str, Any] = {}
+        for name, said, stored in (("voltage", self.voltage, voltage), ("current", self.current, current)):
+            if said is not None and stored is not None and not _same(said, stored):
+                raise InputError(_contradiction(name, said, stored))
+            channels[name] = said if said is not None else stored
+        return channels
+
+    def replaced(self, voltage: Any = None, current: Any = None) -> tuple[str, ...]:
+        """What the history says of a measured input that gave way to what was said."""
+        pairs = (("voltage", self.voltage, voltage), ("current", self.current, current))
+        return tuple(
+            f"{name} {said:g} {CHANNELS[name]} as stated; {np.mean(stored):.4g} {CHANNELS[name]} as measured"
+            for name, said, stored in pairs
+            if said is not None and stored is not None and not np.array_equal(said, stored)
+        )
+
+
+def _same(said: float, stored: Any) -> bool:
+    return bool(np.array_equal(said, stored)) or (np.ndim(stored) == 1 and agrees(said, stored))
+
+
+def _contradiction(name: str, said: float, stored: Any) -> str:
+    unit = CHANNELS[name]
+    if np.ndim(stored) == 0:
+        return f"{name} = {said:g} {unit} was given, but the file says {np.mean(stored):g} {unit}; leave {name} out of the call"
+    return (
+        f"{name} = {said:g} {unit} was given, but the file's column has {np.min(stored):.4g} to "
+        f"{np.max(stored):.4g} {unit} (mean {np.mean(stored):.4g}), which is further from it than 5 % or 0.05 {unit}; "
+        f"leave {name} out of the call"
+    )
