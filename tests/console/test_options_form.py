@@ -17,7 +17,7 @@ ENTERED = {
     "tied": ("spring.k0 = bouc_wen.k0", {"spring.k0": "bouc_wen.k0"}),
     "bandwidth": ("20", 20.0),
     "loss": ("huber", "huber"),
-    "settling": ("0,5", 0.5),
+    "settling": ("500 ms", "500 ms"),
     "session_prior": ("5", 0.05),
     "starts": ("4", 4),
     "models": ("dahl; bingham", ["dahl", "bingham"]),

@@ -70,4 +70,5 @@ def first_of(problem: RequestValidationError) -> str:
     """The first thing that is wrong with a request, such as ``scale: Input should be greater than 0``."""
     one = problem.errors()[0]
     where = ".".join(str(part) for part in one["loc"] if part not in ("body", "query", "path"))
-    return f"{where}: {one['msg']}" if where else str(one["msg"])
+    words = str(one["msg"]).removeprefix("Value error, ")  # of a check of ours, which names what it is of
+    return f"{where}: {words}" if where and words == one["msg"] else words

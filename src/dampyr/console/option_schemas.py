@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Annotated, Any, ClassVar
 
-from pydantic import BaseModel, Field, create_model
+from pydantic import BaseModel, BeforeValidator, Field, create_model
 
 from dampyr.options import Option, Options, options_of
+from dampyr.units import in_si
 
 MAX_TEXT, MAX_ITEMS = 200, 60  # characters of a text, and entries of a list
 
@@ -40,6 +42,11 @@ def _plain(default: Any) -> Any:
     return list(default) if isinstance(default, tuple) else default
 
 
+def _number(option: Option, value: Any) -> Any:
+    """A text with a unit, such as ``"10 ms"``, in SI; all else as it is."""
+    return in_si(value, option.unit, option.name) if isinstance(value, str) and value[-1:].isalpha() else value
+
+
 def _type(option: Option) -> Any:
     single: Any = option.kind
     if option.kind is str:
@@ -49,7 +56,8 @@ def _type(option: Option) -> Any:
         bounds: dict[str, Any] = {"le": high} if math.isfinite(high) else {}
         bounds |= {"gt" if option.quantity.open_low else "ge": low} if math.isfinite(low) else {}
         bounds |= {"allow_inf_nan": False} if option.kind is float else {}
-        single = Annotated[option.kind, Field(**bounds)]
+        with_unit = [BeforeValidator(partial(_number, option))] if option.kind is float else []
+        single = Annotated[option.kind, Field(**bounds), *with_unit]
     if option.several:
         single = Annotated[list[single], Field(max_length=MAX_ITEMS)]
     elif option.pairs:

@@ -110,7 +110,7 @@ def test_an_upload_is_read_with_every_option_of_the_reader(client):
     assert about["measured"]["energy_per_cycle"] > 0
     assert not about["notes"]
     refused = upload(client, "again.csv", bare, **(said | {"dt": "10 mm"}))
-    assert (refused.status_code, "'mm' does not measure what 's' measures" in refused.text) == (400, True)
+    assert (refused.status_code, "'mm' does not measure what 's' measures" in refused.text) == (422, True)
     matrix = io.BytesIO()
     scipy.io.savemat(matrix, {"run": np.fromstring(bare.replace("\n", ","), sep=",").reshape(-1, 2)})
     said = {name: value for name, value in said.items() if name != "header"} | {"variable": "run"}

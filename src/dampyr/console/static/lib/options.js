@@ -75,7 +75,7 @@ function read(option, text) {
   if (option.pairs) return pairs(option, text);
   if (option.several) return option.kind === "str" ? parts(text) : numberList(text, option.label).map((value) => inSi(option, value));
   if (!text) return option.optional ? null : option.default;
-  return option.kind === "str" ? text : inSi(option, oneNumber(text, option.label));
+  return option.kind === "str" ? text : quantity(option, text, option.label);
 }
 
 function pairs(option, text) {
@@ -85,10 +85,13 @@ function pairs(option, text) {
   return Object.fromEntries(entries.map((entry) => {
     const [name, value] = entry.includes("=") ? entry.split("=", 2).map((one) => one.trim()) : ["*", entry];
     if (name === "*" && !option.for_all) throw new Error(`${option.label}: ${entry} has no =; write it as in NAME = VALUE`);
-    return [name, option.kind === "str" ? value : inSi(option, oneNumber(value, `${option.label}, ${name}`))];
+    return [name, option.kind === "str" ? value : quantity(option, value, `${option.label}, ${name}`)];
   }));
 }
 
 const parts = (text) => text.split(";").map((one) => one.trim()).filter(Boolean);
+
+/** A number in SI; one with a unit behind it is sent as it is typed. */
+const quantity = (option, text, name) => (option.unit && /\d\s*[a-zA-Zµ][^\d]*$/.test(text) ? text : inSi(option, oneNumber(text, name)));
 
 const inSi = ({ factor }, value) => Number((value / factor).toPrecision(12));
