@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, ClassVar
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import BaseModel, Field, create_model
 
@@ -22,10 +23,22 @@ class OptionsRequest(BaseModel):
         return self.OPTIONS(**{option.name: getattr(self, option.name) for option in options_of(self.OPTIONS)})
 
 
-def request_of(cls: type[Options], leave_out: tuple[str, ...] = ()) -> Any:
-    """The class of requests that hold a value for each option of ``cls``: a base for those that hold records, too."""
+def request_of(
+    cls: type[Options],
+    leave_out: tuple[str, ...] = (),
+    usual: Mapping[str, Any] | None = None,
+    at_most: Mapping[str, float] | None = None,
+) -> Any:
+    """The class of requests that hold a value for each option of ``cls``: a base for those that hold records, too.
+
+    ``usual`` values stand in the place of those of ``cls``, and ``at_most`` limits what a server computes.
+    """
+    defaults, limits = usual or {}, at_most or {}
     fields = {
-        option.name: (_type(option), Field(default=_plain(option.default), description=_description(option)))
+        option.name: (
+            _type(option, limits.get(option.name, math.inf)),
+            Field(default=_plain(defaults.get(option.name, option.default)), description=_description(option)),
+        )
         for option in options_of(cls)
         if option.name not in leave_out
     }
@@ -38,16 +51,17 @@ def _plain(default: Any) -> Any:
     return list(default) if isinstance(default, tuple) else default
 
 
-def _type(option: Option) -> Any:
+def _type(option: Option, limit: float = math.inf) -> Any:
     single: Any = option.kind
     if option.kind is str:
         single = Annotated[str, Field(max_length=MAX_TEXT)]
     elif option.quantity is not None:
-        low, high = option.quantity.low, option.quantity.high
+        low, high = option.quantity.low, min(option.quantity.high, limit)
         bounds: dict[str, Any] = {"le": high} if math.isfinite(high) else {}
         bounds |= {"gt" if option.quantity.open_low else "ge": low} if math.isfinite(low) else {}
         bounds |= {"allow_inf_nan": False} if option.kind is float else {}
         single = Annotated[option.kind, Field(**bounds)]
+        single = single | Literal[tuple(option.choices)] if option.choices else single
     if option.several:
         single = Annotated[list[single], Field(max_length=MAX_ITEMS)]
     elif option.pairs:
@@ -60,8 +74,14 @@ def _description(option: Option) -> str:
     return f"{option.words}: {option.values(si=True)}."
 
 
-def form_of(cls: type[Options], leave_out: tuple[str, ...] = ()) -> list[dict[str, Any]]:
-    """What the page makes a form of: a control for each option, with its usual value; numbers in SI, and how they are shown."""
+def form_of(
+    cls: type[Options], leave_out: tuple[str, ...] = (), usual: Mapping[str, Any] | None = None
+) -> list[dict[str, Any]]:
+    """What the page makes a form of: a control for each option, with its usual value; numbers in SI, and how they are shown.
+
+    ``usual`` is as that of `request_of`.
+    """
+    defaults = usual or {}
     return [
         {
             "name": option.name,
@@ -73,7 +93,7 @@ def form_of(cls: type[Options], leave_out: tuple[str, ...] = ()) -> list[dict[st
             "for_all": option.for_all,
             "optional": option.optional,
             "choices": None if option.choices is None else list(option.choices.items()),
-            "default": option.default,
+            "default": defaults.get(option.name, option.default),
             "unit": option.shown_in,
             "factor": option.factor,
             "values": option.values(),

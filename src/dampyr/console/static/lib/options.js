@@ -21,7 +21,7 @@ export function optionsForm(options) {
 function control(option) {
   if (option.kind === "bool") return ticked(option);
   if (option.choices && option.several) return tickedChoices(option);
-  if (option.choices) return selected(option);
+  if (option.choices && option.kind !== "float") return selected(option);
   return typed(option);
 }
 
@@ -36,14 +36,14 @@ function tickedChoices({ label, words, choices, default: usual }) {
   return { element, value: () => boxes.filter(([, box]) => box.firstChild.checked).map(([value]) => value) };
 }
 
-function selected({ label, words, choices, default: usual, optional }) {
-  const made = choice([...(optional ? [["", "–"]] : []), ...choices.map(([value, meaning]) => [value, meaning === value ? value : `${value}: ${meaning}`])], { value: usual ?? "" });
-  return { element: field(label, made, words), value: () => made.value || null };
+function selected({ label, words, kind, choices, default: usual, optional }) {
+  const made = choice([...(optional ? [["", "–"]] : []), ...choices.map(([value, meaning]) => [value, meaning === String(value) ? meaning : `${value}: ${meaning}`])], { value: usual ?? "" });
+  return { element: field(label, made, words), value: () => (kind === "int" && made.value ? Number(made.value) : made.value || null) };
 }
 
 function typed(option) {
-  const { label, words, unit, default: usual } = option;
-  const input = h("input", { type: "text", value: asText(option, usual), placeholder: option.pairs ? "NAME = VALUE; …" : option.several ? "…; …" : "" });
+  const { label, words, unit, choices, default: usual } = option;
+  const input = h("input", { type: "text", value: asText(option, usual), placeholder: choices ? [...choices.map(([value]) => value), "number"].join(", ") : option.pairs ? "NAME = VALUE; …" : option.several ? "…; …" : "" });
   return { element: field(unit ? `${label}, ${unit}` : label, input, words), value: () => read(option, input.value.trim()) };
 }
 
@@ -54,12 +54,13 @@ function asText(option, value) {
   return single(option, value);
 }
 
-const single = ({ kind, factor }, value) => (kind === "str" ? value : String(Number((factor * value).toPrecision(12))));
+const single = ({ kind, factor }, value) => (kind === "str" || typeof value === "string" ? value : String(Number((factor * value).toPrecision(12))));
 
 function read(option, text) {
   if (option.pairs) return pairs(option, text);
   if (option.several) return option.kind === "str" ? parts(text) : numberList(text, option.label).map((value) => inSi(option, value));
   if (!text) return option.optional ? null : option.default;
+  if (option.choices?.some(([value]) => value === text)) return text;
   return option.kind === "str" ? text : inSi(option, oneNumber(text, option.label));
 }
 
