@@ -48,12 +48,14 @@ def another(option: Option) -> Any:
         return not option.default
     if option.several and option.choices:
         return tuple(option.choices)[:3] if tuple(option.choices)[:3] != option.default else tuple(option.choices)[:1]
-    single: Any = {"models": "dahl + spring", "add_ons": "spring", "laws": "constant"}.get(option.name, "dahl.kx")
+    single: Any = {"models": "dahl + spring", "add_ons": "spring", "laws": "constant", "limits": "12mm"}.get(
+        option.name, "dahl.kx"
+    )
     if option.choices:
         single = next(choice for choice in option.choices if choice != option.default)
     elif option.kind in (int, float):
         low = option.quantity.low if option.quantity and option.quantity.low > -1e9 else 0.0
-        single = option.kind((option.default or 0) + 3) if option.kind is int else low + 0.3125
+        single = max(int(low), option.default or 0) + 3 if option.kind is int else low + 0.3125
     return {"dahl.kx": single} if option.pairs else (single,) if option.several else single
 
 
