@@ -128,12 +128,15 @@ class Option:
         """A value in SI units, of the type that the field declares."""
         if isinstance(value, np.ndarray | np.generic):
             value = value.tolist()
-        if self.kind is float and self.quantity and not isinstance(value, Mapping) and not self.is_choice(value):
+        named = self.choices is not None and isinstance(value, str)
+        if self.kind is float and self.quantity and not isinstance(value, Mapping) and not named:
             value = [in_si(each, self.unit, self.name) for each in value] if _is_list(value) else self._in_si(value)
         try:
             return value_of(self.hint, value, self.name)
         except InputError as problem:
-            raise InputError(f"{problem}; 0.1 is 10 %") from None if self.shown_in == "%" else problem
+            if self.shown_in == "%":
+                raise InputError(f"{problem}; 0.1 is 10 %") from None
+            raise
 
     def is_choice(self, value: Any) -> bool:
         """Whether ``value`` is one of the texts that may be chosen."""
