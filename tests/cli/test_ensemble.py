@@ -16,7 +16,7 @@ from dampyr.cli._ensemble import Rate, _lines, scales, shard
 from dampyr.errors import InputError
 from dampyr.ground_motions import kanai_tajimi
 from dampyr.structures import ensemble, fragility, two_storey
-from dampyr.structures.ensembles.limits import Limit, limit_of
+from dampyr.structures.ensembles.peak_limits import Limit, limit_of
 from dampyr.studies import raminelli_2020
 
 CASES = ("--voltage", "0", "--voltage", "1.98", "--synthetic", "4", "--duration", "4", "--scale", "0.2:2:0.6")

@@ -224,9 +224,9 @@ def ensemble_arguments(folder: Path) -> tuple[tuple[Any, ...], dict[str, Any], d
     ground = dp.ground_motions.read(folder / "campaigns/motion.txt")
     card = dp.models.Damper.load(folder / "cards/dahl_cubic_laws.toml")
     law = dp.structures.control_law("on_off", high=3.0, period=0.02)
-    complete = {"dampers": [None, card, {2: card}], "voltages": [0.0, 1.98, law], "scales": [0.5, 1.0, 2.0]}
+    complete = {"dampers": [None, card, {2: card}], "voltage": [0.0, 1.98, law], "scales": [0.5, 1.0, 2.0]}
     inputs, scales = [0.4 * k for k in range(8)], [k / 128 for k in range(1, 257)]
-    interrupted = {"dampers": card, "voltages": inputs, "scales": scales, "quantities": ("displacement",)}
+    interrupted = {"dampers": card, "voltage": inputs, "scales": scales, "quantities": ("displacement",)}
     first = (dp.structures.two_storey(), [ground, ground.scaled(-0.5)])
     return first, complete, interrupted
 

@@ -297,8 +297,8 @@ def test_unbounded_cases_are_counted(motions: list[GroundMotion]) -> None:
     [
         ({"voltage": [1.0], "current": [1.0]}, "both voltage= and current="),
         ({"voltage": ["a"]}, "could not convert|must be finite numbers"),
-        ({"accuracy": "rough"}, "write 'fast' or 'strict'"),
-        ({"precision": 16}, "write 64 or 32"),
+        ({"accuracy": "rough"}, "choose from fast, strict"),
+        ({"precision": 16}, "choose from 64, 32"),
         ({"quantities": ["shear"]}, "choose from displacement"),
         ({"scales": []}, "must be finite numbers"),
         ({"dampers": []}, "dampers is empty"),

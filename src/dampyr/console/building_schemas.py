@@ -26,7 +26,7 @@ Positive = Annotated[float, Field(ge=1e-6, le=1e15, allow_inf_nan=False)]  # bey
 
 # Of rest after the record, longer than the free vibration of any building: 60 s at a period of 2 s and 2 % of damping leave
 # 1/40 of it; of drawn dampers, as each computes all cases again.
-AT_MOST = {"after": 120, "draws": 100, "seed": 2**31}
+HIGHEST = {"after": 120, "draws": 100, "seed": 2**31}
 LIMITS = {"limits": ("12mm",)}  # the page shows a fragility curve in any case
 
 
@@ -117,7 +117,7 @@ class DamperRequest(Strict):
         return {"voltage" if damper.input == "V" else "current": [*self.inputs, *laws]}
 
 
-class ResponseRequest(request_of(RespondOptions, at_most=AT_MOST), Strict):  # type: ignore[misc]
+class ResponseRequest(request_of(RespondOptions, highest=HIGHEST), Strict):  # type: ignore[misc]
     """A building in an earthquake: without damper, and with one at each input."""
 
     building: BuildingRequest = BuildingRequest()
@@ -125,7 +125,7 @@ class ResponseRequest(request_of(RespondOptions, at_most=AT_MOST), Strict):  # t
     damper: DamperRequest = DamperRequest(inputs=[0.0, 1.98])
 
 
-class EnsembleRequest(request_of(EnsembleOptions, usual=LIMITS, at_most=AT_MOST), Strict):  # type: ignore[misc]
+class EnsembleRequest(request_of(EnsembleOptions, usual=LIMITS, highest=HIGHEST), Strict):  # type: ignore[misc]
     """Many motions at many scales, without damper and with one at each input, and how likely limits are exceeded."""
 
     building: BuildingRequest = BuildingRequest()

@@ -27,13 +27,13 @@ def request_of(
     cls: type[Options],
     leave_out: tuple[str, ...] = (),
     usual: Mapping[str, Any] | None = None,
-    at_most: Mapping[str, float] | None = None,
+    highest: Mapping[str, float] | None = None,
 ) -> Any:
     """The class of requests that hold a value for each option of ``cls``: a base for those that hold records, too.
 
-    ``usual`` values stand in the place of those of ``cls``, and ``at_most`` limits what a server computes.
+    ``usual`` values stand in the place of those of ``cls``, and ``highest`` ones limit what a server computes.
     """
-    defaults, limits = usual or {}, at_most or {}
+    defaults, limits = usual or {}, highest or {}
     fields = {
         option.name: (
             _type(option, limits.get(option.name, math.inf)),

@@ -9,7 +9,7 @@ from dampyr.config import Choices
 from dampyr.errors import InputError
 from dampyr.options import Options, Terminal
 from dampyr.structures.batch.assemble import QUANTITIES
-from dampyr.structures.ensembles.limits import Limit, limit_of, limits_of
+from dampyr.structures.ensembles.peak_limits import Limit, limit_of, limits_of
 from dampyr.units import Quantity
 
 MIN_DRAWS = 20  # the 5 % and 95 % quantiles of fewer are their extremes
@@ -43,7 +43,7 @@ class RespondOptions(InstallationOptions):
 
     accuracy: Annotated[
         str | float,
-        Choices({"strict": "2e-4", "fast": "1e-3"}),
+        Choices(("strict", "fast")),
         Quantity("", low=0, high=1, open_low=True),
         "Largest relative change of a peak displacement or drift when the step is halved: strict is 2e-4, fast 1e-3",
     ] = "strict"

@@ -233,7 +233,7 @@ def _input(there: Any, damper: Any, voltage: Any, current: Any) -> Any:
     if not isinstance(value, int | float | np.number) or not math.isfinite(value):
         raise InputError(
             f"{INPUTS[kind]} = {value!r} {describe_place(there)} is not a finite number; write a constant in {kind}, or a "
-            'control law, such as control_law("on_off", high=...)'
+            'control law, such as control_law("on_off", high=...); several, to compare them, in a list'
         )
     return float(value)
 

@@ -95,5 +95,5 @@ def test_without_a_card_it_says_so() -> None:
 
 
 def test_a_device_that_there_is_not() -> None:
-    with pytest.raises(InputError, match="write 'cpu' or 'gpu'"):
+    with pytest.raises(InputError, match="choose from cpu, gpu"):
         ensemble(two_storey(), el_centro(), device="tpu")

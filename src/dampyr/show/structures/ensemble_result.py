@@ -19,7 +19,7 @@ from dampyr.structures.ensembles.ensemble_accuracy import BOUNDS, FLOOR, truncat
 from dampyr.structures.ensembles.ensemble_result import EnsembleResult
 from dampyr.structures.ensembles.fragility import Curve, Fragility
 from dampyr.structures.ensembles.incremental import incremental
-from dampyr.structures.ensembles.limits import UNITS
+from dampyr.structures.ensembles.peak_limits import UNITS
 from dampyr.structures.ensembles.summary import summary
 from dampyr.to_json import plain
 

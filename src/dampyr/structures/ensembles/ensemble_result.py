@@ -12,7 +12,7 @@ from dampyr.origin import NOT_STATED, Origin
 from dampyr.shown import Shown
 from dampyr.structures.ensembles.ensemble_accuracy import doubts
 from dampyr.structures.ensembles.fragility import Fragility, fragility
-from dampyr.structures.ensembles.limits import limits_of
+from dampyr.structures.ensembles.peak_limits import limits_of
 from dampyr.structures.ensembles.store import finding_of, read_dataset
 
 

@@ -31,8 +31,8 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import InputError
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.shown import Shown
-from dampyr.structures.ensembles.limits import UNITS
 from dampyr.structures.ensembles.lognormal import Lognormal, by_capacity, fit_binomial, none
+from dampyr.structures.ensembles.peak_limits import UNITS
 from dampyr.structures.ensembles.store import dataset_of
 from dampyr.structures.time_history.peaks import INTENSITIES, Group, groups
 

@@ -22,7 +22,7 @@ from dampyr.structures.control_laws import describe_law, is_control_law
 from dampyr.structures.ensembles.ensemble_accuracy import outside_words
 from dampyr.structures.ensembles.ensemble_batches import Shard
 from dampyr.structures.ensembles.ensemble_grid import AXES, Cases
-from dampyr.structures.ensembles.limits import UNITS
+from dampyr.structures.ensembles.peak_limits import UNITS
 from dampyr.structures.sites import calibrated_displacements, places_and_dampers
 
 Array = NDArray[np.float64]

@@ -119,7 +119,8 @@ def respond(
     """The response of ``building`` to ``motion``, from rest: of one input, or beside one another of several.
 
     One input gives a `Response`. A list or a tuple of inputs, also of a single one, gives `Responses`: the building without
-    dampers first, then a case for each input, with 90 % intervals of their peaks where ``draws`` is given.
+    dampers first, then a case for each input, with 90 % intervals of their peaks where ``draws`` is given. Without dampers an
+    empty list gives the first of these alone.
 
     Parameters
     ----------
@@ -140,12 +141,12 @@ def respond(
     voltage, current
         the input of the dampers, V or A: a number, which is constant, or a control law
         (:func:`~dampyr.structures.control_laws.control_law`); one for all dampers, or a mapping from place to one. A list or a
-        tuple of these are several inputs, each a case of its own. An array is neither: an input that changes over time is that
-        of a control law.
+        tuple of these are several inputs, each a case of its own. An array is neither, and is refused: what changes an input
+        over time is a control law.
     options
         the further arguments as one object; those that are given by name take their places.
     progress
-        called with what is being done, and the fraction of it that is done.
+        called, where there are several inputs, with what is being done, and the fraction of all that is done.
 
     The scheme is of fourth order, so that the error of the finer one of two steps is well below ``accuracy``, the change from
     one to the other. Under control laws two halvings must agree, and a run too in which every decision that hangs on the step
