@@ -50,6 +50,7 @@ COMMANDS_PAGE = "docs/reference/commands.md"
 MARKS = re.compile(r"(<!-- generated: ([\w-]+) -->)(.*?)(<!-- end -->)", re.DOTALL)
 SHARED_SETTINGS = ("low", "high", "period", "lag")  # of every control law
 HELP_WIDTH = 140  # characters of a command's summary
+LIST_WIDTH = 78  # of a list of options, after the words and the mark before it
 
 
 def main() -> int:
@@ -447,16 +448,17 @@ def meaning(option: Option) -> str:
 
 
 def option_names(command: str) -> Callable[[], str]:
-    """The options of a command that come from classes, in a line, each class with its section."""
+    """The options of a command that come from classes, each class with its section."""
 
     def names() -> str:
         member = dict(options_commands())[command]
         flags = {
             cls: ", ".join(f"`{option.flag}`" for option in member.options_of(cls)) for cls in member.classes.values()
         }
-        return "; ".join(
+        text = "; ".join(
             f"{listed} ([{cls.__name__}](options.md#{cls.__name__.lower()}))" for cls, listed in flags.items()
         )
+        return fill(text, LIST_WIDTH, break_long_words=False, break_on_hyphens=False)
 
     return names
 

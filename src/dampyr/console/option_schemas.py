@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar
 
 from pydantic import BaseModel, Field, create_model
 
@@ -61,7 +61,9 @@ def _type(option: Option, limit: float = math.inf) -> Any:
         bounds |= {"gt" if option.quantity.open_low else "ge": low} if math.isfinite(low) else {}
         bounds |= {"allow_inf_nan": False} if option.kind is float else {}
         single = Annotated[option.kind, Field(**bounds)]
-        single = single | Literal[tuple(option.choices)] if option.choices else single
+        single = (
+            single | Annotated[str, Field(max_length=MAX_TEXT)] if option.choices and option.kind is float else single
+        )
     if option.several:
         single = Annotated[list[single], Field(max_length=MAX_ITEMS)]
     elif option.pairs:

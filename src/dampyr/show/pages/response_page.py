@@ -35,7 +35,7 @@ FINE = 6  # points of a loop for each sample: some hundred in a turn of a stiff 
 
 
 def write_response_page(cases: Responses | Mapping[str, Response], path: str | Path) -> Path:
-    """Write the page of the result of `dampyr.structures.simulate`, or of cases by name.
+    """Write the page of the responses of `dampyr.structures.respond` at several inputs, or of cases by name.
 
     It shows peaks, energies, the displacement of each floor and the damper's loops. All cases share one ground motion.
     """
