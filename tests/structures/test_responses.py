@@ -90,6 +90,11 @@ def test_what_is_wrong_is_said_before_anything_is_computed(given: dict, words: s
     assert not done
 
 
+def test_draws_need_dampers() -> None:
+    with pytest.raises(InputError, match="draws = 20 are of dampers, and none are given"):
+        respond(two_storey(), MOTION, voltage=[], draws=20)
+
+
 def test_limits_of_an_ensemble_are_texts_with_units(cubics: Damper) -> None:
     given = (two_storey(), [MOTION, MOTION.scaled(-0.5)], [None, cubics], [1.0], [0.5, 1.0, 2.0])
     result = ensemble(*given, limits=("5 mm", "1%", "0.5g", "force=1kN"), height=3.0, intensity="scale")

@@ -203,6 +203,10 @@ def _responses(
             if placed
             else f"{kind} = {inputs!r} is of dampers, and none are given; give dampers=, or leave the inputs out"
         )
+    if options.draws is not None and not placed:
+        raise InputError(
+            f"draws = {options.draws} are of dampers, and none are given; give dampers=, or leave draws out"
+        )
     if options.draws is not None and any(isinstance(each, Mapping) for each in inputs):
         raise InputError("draws take the same input for all dampers; give numbers or control laws, no mappings")
     dampers = installed(placed, options)
