@@ -39,10 +39,10 @@ def run(data: Path | None) -> list[Line] | str:
             motions,
             dampers(),
             scales=np.linspace(0.05, 2.0, SCALES),
-            voltages=0.0,
+            voltage=0.0,
             out=path,
             progress=watch,
-        )
+        ).dataset
         spent, size = time.perf_counter() - start, path.stat().st_size
     if not dataset.drift.notnull().all():
         return "some histories grew without bound"

@@ -60,5 +60,5 @@ def run(data: Path | None) -> list[Line]:
 def _march(damper: Damper, executor: Any, scales: Any) -> Any:
     wanted = ("displacement", "drift")
     return ensemble(
-        two_storey(), el_centro(), damper, scales=scales, voltages=[0.0], executor=executor, quantities=wanted
-    )
+        two_storey(), el_centro(), damper, scales=scales, voltage=[0.0], executor=executor, quantities=wanted
+    ).dataset

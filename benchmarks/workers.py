@@ -47,4 +47,6 @@ def run(data: Path | None) -> list[Line]:
 
 def _march(executor: Any) -> Any:
     wanted = ("displacement", "drift")
-    return ensemble(two_storey(), motions(), raminelli_2020.damper(), VOLTS, SCALES, executor, quantities=wanted)
+    return ensemble(
+        two_storey(), motions(), raminelli_2020.damper(), VOLTS, SCALES, executor, quantities=wanted
+    ).dataset

@@ -15,7 +15,7 @@ from dampyr.findings import OF_DAMPER, Finding, Findings, handed_on, worst_first
 from dampyr.ground_motions import el_centro
 from dampyr.hybrid import delayed_result
 from dampyr.models import Damper, Interpolation
-from dampyr.structures import SimulateOptions, respond, simulate, two_storey
+from dampyr.structures import respond, two_storey
 
 
 def test_the_worst_comes_first_and_everything_once() -> None:
@@ -61,9 +61,8 @@ def test_what_differs_in_more_than_numbers_is_not_merged() -> None:
 def test_cases_that_leave_different_limits_say_each_its_own() -> None:
     laws = {"dahl.kx": 900.0, "dahl.kw": Interpolation((0.0, 3.0), (50.0, 600.0)), "dahl.rho": 2500.0}
     damper = Damper("dahl", laws, ranges={"displacement": (0.0, 0.012), "velocity": (0.0, 0.05)})
-    options = SimulateOptions(inputs=(0.0, 3.0))
     with pytest.warns(FindingWarning):
-        result = simulate(two_storey(), el_centro(), damper, options)
+        result = respond(two_storey(), el_centro(), damper, voltage=[0.0, 3.0])
     said = {name: response.doubts for name, response in result.cases.items() if response.sites}
     assert len(said["0 V"]) > len(said["3 V"]) > 0  # only the velocity leaves its range with the strong damper
     assert {str(one) for one in result.findings} == {

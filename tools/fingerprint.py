@@ -336,10 +336,11 @@ class Calls:
         return call(*data, getattr(self.identification, name)(**options))
 
     def ensemble(self, *data: Any, voltages: list[float], scales: Any, **options: Any) -> Any:
-        """Peaks of many cases; the argument of the inputs became ``voltage`` as it is in `respond`."""
+        """Dataset of peaks; the inputs became ``voltage`` as in `respond`, and the dataset a part of the result."""
         ensemble = self.dp.structures.ensemble
         name = "voltage" if "voltage" in inspect.signature(ensemble).parameters else "voltages"
-        return ensemble(*data, scales=scales, **{name: voltages}, **options)
+        peaks = ensemble(*data, scales=scales, **{name: voltages}, **options)
+        return peaks if name == "voltages" else peaks.dataset
 
     def plan(self, path: Path) -> Any:
         """What a campaign's file needs on the default rig: `planned`, later `plan`."""

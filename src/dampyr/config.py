@@ -25,15 +25,15 @@ T = TypeVar("T")
 
 
 class Choices:
-    """Note of a field that holds a text: the texts that it may hold, and what each means where that is stated."""
+    """Note of a field that holds a text or a whole number: what it may hold, and what each means where that is stated."""
 
-    def __init__(self, words: Mapping[str, str] | Iterable[str]) -> None:
-        self.words = dict(words) if isinstance(words, Mapping) else {text: text for text in words}
+    def __init__(self, words: Mapping[Any, str] | Iterable[Any]) -> None:
+        self.words = dict(words) if isinstance(words, Mapping) else {value: str(value) for value in words}
 
-    def check(self, where: str, text: str) -> None:
-        """Raise :class:`InputError` unless ``text`` is one of them."""
-        if text not in self.words:
-            raise InputError(unknown(f"{where} = {text!r}", text, list(self.words)))
+    def check(self, where: str, value: Any) -> None:
+        """Raise :class:`InputError` unless ``value`` is one of them."""
+        if value not in self.words:
+            raise InputError(unknown(f"{where} = {value!r}", str(value), list(map(str, self.words))))
 
 
 MAX_DOTTED = 32  # parts of a key such as a.b.c: no table of ours nests deeper than 4
@@ -122,7 +122,7 @@ def value_of(hint: Any, value: Any, where: str) -> Any:
         return {name: value_of(inner, each, f"{where}[{name!r}]") for name, each in value.items()}
     for note in notes:
         if isinstance(note, Quantity) and float in kinds:
-            return _measured(note, value, where)
+            return _measured(note, value, where) if str not in kinds else _measured_or_named(note, notes, value, where)
     plain = _plain([kind for kind in kinds if get_origin(kind) is None], value, where)
     for note in notes:
         if isinstance(note, Choices):
@@ -159,6 +159,17 @@ def _measured(quantity: Quantity, value: Any, where: str) -> float:
         raise InputError(f"{where} = {value!r}: {problem}") from None
     quantity.check(where, parsed)
     return parsed
+
+
+def _measured_or_named(quantity: Quantity, notes: list[Any], value: Any, where: str) -> float | str:
+    """A number, or one of the texts that stand for one."""
+    names = [str(text) for note in notes if isinstance(note, Choices) for text in note.words]
+    if isinstance(value, str) and value in names:
+        return value
+    try:
+        return _measured(quantity, value, where)
+    except InputError as problem:
+        raise InputError(f"{problem}; or choose from {', '.join(names)}") from None
 
 
 def _plain(kinds: list[Any], value: Any, where: str) -> Any:

@@ -103,7 +103,7 @@ class Option:
 
     ``kind`` is the type of a value: bool, int, float or str, of several the first; of ``several``, a tuple, that of each,
     and of ``pairs``, a mapping by names, that of the values. ``for_all``: one value for all names may stand in the place of
-    the mapping.
+    the mapping. A float with ``choices`` is a number or one of these texts.
     """
 
     name: str
@@ -116,7 +116,7 @@ class Option:
     for_all: bool = False
     optional: bool = False
     quantity: Quantity | None = None
-    choices: Mapping[str, str] | None = None
+    choices: Mapping[Any, str] | None = None
     flag: str = ""
     metavar: str = ""
     adds: bool = False
@@ -137,13 +137,18 @@ class Option:
         """A value in SI units, of the type that the field declares."""
         if isinstance(value, np.ndarray | np.generic):
             value = value.tolist()
-        if self.kind is float and self.quantity and not isinstance(value, Mapping):
+        named = self.choices is not None and isinstance(value, str)
+        if self.kind is float and self.quantity and not isinstance(value, Mapping) and not named:
             value = [in_si(each, self.unit, self.name) for each in value] if _is_list(value) else self._in_si(value)
         try:
             return value_of(self.hint, value, self.name)
         except InputError as problem:
             percent = "; 0.1 is 10 %" if self.shown_in == "%" and "not allowed" in str(problem) else ""
             raise InputError(f"{problem}{percent}") from None
+
+    def is_choice(self, value: Any) -> bool:
+        """Whether ``value`` is one of the texts that may be chosen."""
+        return self.choices is not None and isinstance(value, str) and value in self.choices
 
     def _in_si(self, value: Any) -> Any:
         return value if value is None else in_si(value, self.unit, self.name)
@@ -181,14 +186,15 @@ class Option:
         """A single value of the option from its text; a text stays one."""
         if self.optional and text.strip().lower() == NONE:
             return None
-        if self.kind is str:
+        if self.kind is str or self.is_choice(text):
             return text
         try:
             if self.kind is int:
                 return int(text)
             return parse(text, self.unit) if self.quantity else float(text)
         except InputError as problem:
-            raise InputError(f"{self.flag} {text}: {problem}") from None
+            also = f"; or choose from {', '.join(self.choices)}" if self.choices else ""
+            raise InputError(f"{self.flag} {text}: {problem}{also}") from None
         except ValueError:
             what = "a whole number" if self.kind is int else "a number in SI units"
             raise InputError(f"{self.flag} {text}: {text!r} is not {what}") from None
@@ -212,7 +218,7 @@ class Option:
         """A single value as it is typed, a number in the unit that people read."""
         if value is None:
             return NONE
-        if self.kind is not float:
+        if self.kind is not float or isinstance(value, str):
             return str(value)
         if self.shown_in == self.unit:
             return f"{value:.15g}"
@@ -227,7 +233,9 @@ class Option:
 
     def values(self, si: bool = False) -> str:
         """What may be given, in words: the choices, or the type, unit and range; in the unit that people read unless ``si``."""
-        kind = ", ".join(self.choices) if self.choices is not None else TYPES[self.kind]
+        kind = TYPES[self.kind]
+        if self.choices is not None:
+            kind = ", ".join([*map(str, self.choices), *([kind] if self.kind is float else [])])
         several = f"several of {kind}" if self.several else f"name: {kind}" if self.pairs else kind
         if self.for_all:
             several = f"{kind}, or {several}"
@@ -268,14 +276,18 @@ def _option(name: str, hint: Any, default: Any) -> Option:
         get_origin(container) is tuple,
         get_origin(container) is not tuple and get_origin(container) is not None,
     )
-    inner = get_args(container)[-1 if pairs else 0] if several or pairs else container
+    inner = get_args(container)[-1 if pairs else 0] if several or pairs else float if float in types else container
     kind = next(iter(get_args(inner)), inner)  # of several plain types the first, in which it is typed
     quantity = next((note for note in notes if isinstance(note, Quantity)), None)
     choices = next((note.words for note in notes if isinstance(note, Choices)), None)
     terminal = next((note for note in notes if isinstance(note, Terminal)), Terminal())
     shown_in = next((note.unit for note in notes if isinstance(note, ShownIn)), quantity.unit if quantity else "")
     metavar = terminal.metavar or (
-        "|".join(choices) if choices else "NAME=VALUE" if pairs else shown_in.upper() or METAVARS[kind]
+        "|".join([*map(str, choices), *(["NUMBER"] if kind is float else [])])
+        if choices
+        else "NAME=VALUE"
+        if pairs
+        else shown_in.upper() or METAVARS[kind]
     )
     return Option(
         name,

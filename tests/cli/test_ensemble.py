@@ -12,10 +12,11 @@ import pytest
 from click.testing import CliRunner, Result
 
 from dampyr.cli import cli
-from dampyr.cli._ensemble import Rate, _lines, limit, scales, shard
+from dampyr.cli._ensemble import Rate, _lines, scales, shard
 from dampyr.errors import InputError
 from dampyr.ground_motions import kanai_tajimi
-from dampyr.structures import Limit, ensemble, fragility, two_storey
+from dampyr.structures import ensemble, fragility, two_storey
+from dampyr.structures.ensembles.peak_limits import Limit, limit_of
 from dampyr.studies import raminelli_2020
 
 CASES = ("--voltage", "0", "--voltage", "1.98", "--synthetic", "4", "--duration", "4", "--scale", "0.2:2:0.6")
@@ -35,7 +36,7 @@ def ensemble_json(*arguments: str) -> dict:
 def test_it_is_what_the_functions_give() -> None:
     got = ensemble_json(*CASES, "--without-damper", "--limit", "12mm", "--limit", "1%", "--height", "3 m")
     motions = [kanai_tajimi(4.0, 0.01, (1, k), pga=0.3 * 9.80665) for k in range(1, 5)]
-    data = ensemble(two_storey(), motions, [None, raminelli_2020.damper()], [0.0, 1.98], [0.2, 0.8, 1.4, 2.0])
+    data = ensemble(two_storey(), motions, [None, raminelli_2020.damper()], [0.0, 1.98], [0.2, 0.8, 1.4, 2.0]).dataset
     assert got["cases"] == 64
     assert got["error_estimate"] == data.attrs["error_estimate"]
     for one, expected in zip(
@@ -104,7 +105,7 @@ def test_parts_in_processes_of_their_own(tmp_path: Path) -> None:
         (("--voltage", "0", "--limit", "12"), "'12' has no unit"),
         (("--voltage", "0", "--limit", "12 s"), "write it as in 12mm, 1% or 0.5g"),
         (("--voltage", "0", "--limit", "1%"), "is a ratio of the storey height"),
-        (("--voltage", "0", "--limit", "12mm", "--height", "3m"), "--height belongs to a limit in per cent"),
+        (("--voltage", "0", "--limit", "12mm", "--height", "3m"), "height belongs to a limit in per cent"),
         (("--voltage", "0", "--scale", "2:1:0.1"), "'2:1:0.1' is neither a number nor a range"),
         (("--voltage", "0", "--scale", "1,1"), "1 is given twice"),
         (("--voltage", "0", "--shard", "3/2", "--out", "x"), "'3/2' is not a part"),
@@ -133,11 +134,12 @@ def test_scales_and_limits_and_shards() -> None:
     assert scales(("0.1:0.5:0.1", "2,3")) == [0.1, 0.2, 0.3, 0.4, 0.5, 2.0, 3.0]
     assert scales(("0.1:3:0.1",)) == [float(f"{0.1 * k:.12g}") for k in range(1, 31)]
     assert scales(()) == [1.0]
-    assert limit("12mm", None) == Limit("drift", 0.012)
-    acceleration = limit("0.5g", None)
+    assert limit_of("12mm") == Limit("drift", 0.012)
+    acceleration = limit_of("0.5g")
     assert acceleration == Limit("acceleration", acceleration.value)
     assert acceleration.value == pytest.approx(4.903325)
-    assert limit("1 %", "3m") == Limit("drift", 0.01, 3.0)
+    assert limit_of("1 %", 3.0) == Limit("drift", 0.01, 3.0)
+    assert limit_of("force=1kN") == Limit("force", 1000.0)
     assert shard("3/32") == (3, 32)
     with pytest.raises(InputError, match="counted from 1"):
         shard("0/4")

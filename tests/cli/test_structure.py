@@ -46,8 +46,8 @@ def test_ensemble_takes_a_file(tower: Path, tmp_path: Path) -> None:
     out = tmp_path / "cases.h5"
     done = run("ensemble", "--structure", tower, "--voltage", "0", "--scale", "0.1", "--out", out, "--json")
     assert done.exit_code == 0, done.output
-    assert list(dp.structures.read_ensemble(out).building_name.values) == ["tower"]
-    assert dp.structures.read_ensemble(out).sizes["storey"] == 3
+    assert list(dp.structures.read_ensemble(out).dataset.building_name.values) == ["tower"]
+    assert dp.structures.read_ensemble(out).dataset.sizes["storey"] == 3
 
 
 def test_the_structure_alone(tower: Path, tmp_path: Path) -> None:
@@ -82,11 +82,10 @@ def test_what_is_wrong_is_one_line(tmp_path: Path) -> None:
             assert (done.exit_code, done.stderr.count("\n")) == (2, 1)
             assert words in done.stderr
     building, motion = dp.structures.two_storey(), dp.ground_motions.el_centro()
-    bare = dp.structures.SimulateOptions(bare=True)
-    with pytest.raises(InputError, match="give one of the two"):
-        dp.structures.simulate(building, motion, dp.studies.raminelli_2020.damper(), bare)
-    with pytest.raises(InputError, match="bare is the building alone"):
-        dp.structures.SimulateOptions(inputs=(1.0,), bare=True)
+    with pytest.raises(InputError, match="no input and no control law is given"):
+        dp.structures.respond(building, motion, dp.studies.raminelli_2020.damper(), voltage=[])
+    with pytest.raises(InputError, match="is of dampers, and none are given"):
+        dp.structures.respond(building, motion, voltage=[1.0])
 
 
 def test_case_1_of_the_benchmark_under_its_el_centro(data_root: Path) -> None:

@@ -21,6 +21,7 @@ from dampyr.console.equivalent_commands import (
 from dampyr.console.identify_schemas import IdentifyRequest, ValidateRequest
 from dampyr.console.record_acceptance import AcceptanceRequest
 from dampyr.identification import AcceptOptions, FitOptions, ScoreOptions
+from dampyr.structures import EnsembleOptions, RespondOptions
 
 KEYS = ["data/uploads/a test.h5", "labcontrol/ensaio.A.1.mat"]
 
@@ -67,11 +68,15 @@ def test_validation_and_acceptance() -> None:
 
 
 def test_buildings() -> None:
-    given = parsed(response_command(ResponseRequest()))
+    given = parsed(response_command(ResponseRequest(after=2.0, accuracy=1e-5, without=["delay"])))
     assert (given["command"], given["voltages"]) == ("simulate", (0.0, 1.98))
+    assert given["options"] == RespondOptions(after=2.0, accuracy=1e-5, without=("delay",))
     given = parsed(ensemble_command(EnsembleRequest(motion=MotionRequest(kind="kanai_tajimi", pga=2.5), seed=7)))
-    assert (given["synthetic"], given["pga"], given["limits"]) == (20, "2.5m/s^2", ("12mm",))
-    assert (given["scales"], given["seed"], given["without_damper"]) == (("0.5,1,1.5,2,2.5,3",), 7, True)
+    assert (given["synthetic"], given["pga"]) == (20, "2.5m/s^2")
+    assert (given["scales"], given["without_damper"]) == (("0.5,1,1.5,2,2.5,3",), True)
+    assert given["options"] == EnsembleOptions(limits=("12mm",), seed=7)
+    given = parsed(ensemble_command(EnsembleRequest(precision=32, limits=["1%", "0.5g"], height=3.0)))
+    assert given["options"] == EnsembleOptions(precision=32, limits=("1%", "0.5g"), height=3.0)
     motion = MotionRequest(kind="file", file="a.at2", unit="g")
     assert str(parsed(response_command(ResponseRequest(motion=motion)))["motion"]) == "motions/a.at2"
     assert "synthetic motion of 20 s, seed 3" in response_command(

@@ -22,7 +22,7 @@ from dampyr.errors import InputError
 from dampyr.export import export, opensees_server
 from dampyr.ground_motions import GroundMotion
 from dampyr.models import Damper, Interpolation
-from dampyr.structures.time_history.simulate import law_of
+from dampyr.structures.control_laws import law_of
 from dampyr.studies import raminelli_2020
 
 SCRIPT = Path(__file__).with_name("opensees_model.py")

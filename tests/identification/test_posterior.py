@@ -93,8 +93,8 @@ def test_its_dampers_are_admissible_and_go_into_an_ensemble() -> None:
         damper.values(0.0)[0] for damper in samples.dampers(3, seed=1)
     ]
     peaks = dp.structures.ensemble(
-        dp.structures.two_storey(), [dp.ground_motions.el_centro().scaled(0.1)], dampers, voltages=[0.0], scales=[1.0]
-    )
+        dp.structures.two_storey(), [dp.ground_motions.el_centro().scaled(0.1)], dampers, voltage=[0.0], scales=[1.0]
+    ).dataset
     assert peaks.sizes["damper"] == 3
     assert samples.to_xarray().dims == ("sample", "parameter")
     assert list(samples.to_dataframe().columns) == list(samples.samples)

@@ -45,7 +45,7 @@ def fields() -> list[tuple[type[Options], Option]]:
 
 TEXTS = {
     "models": "dahl + spring", "add_ons": "spring", "laws": "constant", "units": "mm", "columns": "Load cell",
-    "smoothed": "0.1 periods, trailing", "lowpass": "15 f", "cut": "events",
+    "limits": "12mm", "smoothed": "0.1 periods, trailing", "lowpass": "15 f", "cut": "events",
 }  # fmt: skip
 
 
@@ -62,7 +62,7 @@ def another(option: Option) -> Any:
         single = next(choice for choice in option.choices if choice != option.default)
     elif option.kind in (int, float):
         low = option.quantity.low if option.quantity and option.quantity.low > -1e9 else 0.0
-        single = option.kind((option.default or 0) + 3) if option.kind is int else low + 0.3125
+        single = max(int(low), option.default or 0) + 3 if option.kind is int else low + 0.3125
     named = {"force" if option.name in ("units", "columns") else "dahl.kx": single}
     return named if option.pairs else (single,) if option.several else single
 

@@ -102,7 +102,7 @@ def test_a_damper_of_numbers_holds_at_every_input(tmp_path: Path) -> None:
     assert np.array_equal(force, passive.force(t, x, current=np.linspace(0.0, 1.0, t.size)))
     alone = S.respond(BUILDING, MOTION, passive)
     assert np.array_equal(alone.peak_displacement, S.respond(BUILDING, MOTION, passive, voltage=3.0).peak_displacement)
-    peaks = S.ensemble(BUILDING, MOTION, passive).displacement.values.ravel()
+    peaks = S.ensemble(BUILDING, MOTION, passive).dataset.displacement.values.ravel()
     np.testing.assert_allclose(peaks, alone.peak_displacement, rtol=1e-3)
     again = dp.models.Damper.load(passive.save(tmp_path / "card.toml"))
     assert not again.needs_input

@@ -22,6 +22,7 @@ import pytest
 import dampyr as dp
 from dampyr import hybrid
 from dampyr.errors import DampyrWarning, InputError
+from dampyr.ground_motions import synthetic_motions
 from dampyr.identification import FitOptions
 from dampyr.identification.fits.residuals import motion
 from dampyr.identification.scoring.validation import cross_validate
@@ -37,7 +38,6 @@ from dampyr.show.plots import Plots
 from dampyr.show.table import Table
 from dampyr.show.text import MAX_LETTERS, MAX_LINES, rows_as_text
 from dampyr.shown import Shown
-from dampyr.structures.ensembles.ensemble_run import synthetic_motions
 from dampyr.studies.raminelli_2020.study import Study
 from dampyr.studies.raminelli_2020.study_part import Part
 from tests.identification.synthetic import sine
@@ -224,14 +224,13 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "structures.Condensed": lambda made: made.condensed,
     "structures.Curve": lambda made: made.ensemble.curves[0].curves[0],
     "structures.Energy": lambda made: made.response.energy,
-    "structures.EnsembleOptions": lambda made: dp.structures.EnsembleOptions(inputs=(0.0, 1.98)),
+    "structures.EnsembleOptions": lambda made: dp.structures.EnsembleOptions(limits="12mm"),
     "structures.EnsembleResult": lambda made: made.ensemble,
     "structures.Fragility": lambda made: made.ensemble.curves[0],
     "structures.Incremental": lambda made: made.incremental,
-    "structures.Limit": lambda made: dp.structures.Limit(),
     "structures.Response": lambda made: made.response,
-    "structures.SimulateOptions": lambda made: dp.structures.SimulateOptions(inputs=(1.98,)),
-    "structures.Simulated": lambda made: made.simulated,
+    "structures.RespondOptions": lambda made: dp.structures.RespondOptions(after=2.0),
+    "structures.Responses": lambda made: made.responses,
     "structures.StateSpace": lambda made: dp.structures.state_space(made.building),
     "structures.Sweep": lambda made: made.incremental.sweeps[0],
     "studies.ComparedValue": lambda made: made.study.compared[0],
@@ -289,11 +288,12 @@ def _identify(made: SimpleNamespace) -> None:
 def _build(made: SimpleNamespace) -> None:
     S = dp.structures
     made.motion, made.building = dp.ground_motions.el_centro(), S.two_storey()
-    made.simulated = S.simulate(made.building, made.motion, made.damper, S.SimulateOptions(inputs=(0.0, 1.98)))
+    made.responses = S.respond(made.building, made.motion, made.damper, voltage=[0.0, 1.98])
     made.condensed = made.building.condensed([2])
-    made.response = made.simulated.cases["1.98 V"]
-    options = S.EnsembleOptions(inputs=(0.0, 1.98), bare=True, scales=(0.5, 1.0), limits=(S.Limit(value=0.015),))
-    made.ensemble = S.run_ensemble(made.building, synthetic_motions(4, duration=8.0), made.damper, options)
+    made.response = made.responses.cases["1.98 V"]
+    made.ensemble = S.ensemble(
+        made.building, synthetic_motions(4, duration=8.0), [None, made.damper], [0.0, 1.98], (0.5, 1.0), limits="15mm"
+    )
     made.incremental = S.incremental(made.ensemble.dataset)
     made.hybrid = hybrid.HybridSetup(dp.studies.vrths_2020.structure(1))
     made.compensator, made.shake = hybrid.KalmanCompensator.designed(made.hybrid), synthetic_motions(1, duration=4.0)[0]
@@ -433,7 +433,7 @@ def test_a_table_without_pandas_says_what_to_install(made: SimpleNamespace, monk
         (lambda m: m.ensemble.plot.fragility(7), "number = 7 is not allowed; there are 1 limits"),
         (lambda m: m.ensemble.curves[0].plot(["no such"]), "there is no curve 'no such'; choose from no damper"),
         (lambda m: m.ensemble.curves[0].plot([]), "names has 0 curves; a figure shows 1 to 6"),
-        (lambda m: m.simulated.plot.history("9"), "'9' is no floor of .*; choose from 1, 2"),
+        (lambda m: m.responses.plot.history("9"), "'9' is no floor of .*; choose from 1, 2"),
         (
             lambda m: dp.ground_motions.spectrum(m.motion).plot("force"),
             "'force' is no quantity of a spectrum; choose from displacement",

@@ -75,9 +75,9 @@ def test_a_motion_and_a_building_take_quantities() -> None:
         BUILDING,
         MOTION,
         damper(),
-        voltages=UNITS.Quantity([0.0, 1980.0], "mV"),
+        voltage=UNITS.Quantity([0.0, 1980.0], "mV"),
         scales=UNITS.Quantity(100.0, "percent"),
-    )
+    ).dataset
     np.testing.assert_allclose(peaks.input.values, [0.0, 1.98])
     np.testing.assert_allclose(peaks.scale.values, [1.0])
 
@@ -145,7 +145,7 @@ def test_a_building_that_moves_far_is_a_note_with_the_share_of_cases(tmp_path: P
     with pytest.warns(DampyrWarning, match="calibrated up to 0.001 m"):
         response = dp.structures.respond(BUILDING, MOTION, near)
     assert response.doubts
-    peaks = dp.structures.ensemble(BUILDING, MOTION, near, scales=[0.01, 0.5, 1.0])
+    peaks = dp.structures.ensemble(BUILDING, MOTION, near, scales=[0.01, 0.5, 1.0]).dataset
     strokes = peaks.stroke.values.ravel()
     beyond = int(np.sum(strokes > 1.01e-3))
     assert 0 < beyond < 3
@@ -154,7 +154,7 @@ def test_a_building_that_moves_far_is_a_note_with_the_share_of_cases(tmp_path: P
     )
     assert f"by up to {strokes.max() / 1e-3:.1f} times" in peaks.attrs["outside"]
     dp.structures.ensemble(BUILDING, MOTION, near, scales=[0.01, 0.5, 1.0], out=tmp_path / "peaks.h5")
-    assert dp.structures.read_ensemble(tmp_path / "peaks.h5").attrs["outside"] == peaks.attrs["outside"]
+    assert dp.structures.read_ensemble(tmp_path / "peaks.h5").dataset.attrs["outside"] == peaks.attrs["outside"]
 
 
 def test_a_motion_over_5_g_asks_about_its_unit() -> None:

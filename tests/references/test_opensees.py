@@ -35,7 +35,7 @@ def test_its_peaks_go_to_ours_at_first_order(volts: float) -> None:
 @pytest.mark.parametrize(("accuracy", "allowed"), [("fast", 1e-3), ("strict", 2e-4)])
 def test_ensembles_meet_them(accuracy: str, allowed: float) -> None:
     volts = list(PEAKS_MM)
-    dataset = ensemble(two_storey(), el_centro(), raminelli_2020.damper(), volts, accuracy=accuracy)
+    dataset = ensemble(two_storey(), el_centro(), raminelli_2020.damper(), volts, accuracy=accuracy).dataset
     ours = 1e3 * np.stack([dataset.displacement.isel(floor=0), dataset.drift.isel(storey=1)], axis=-1).reshape(
         len(volts), 2
     )

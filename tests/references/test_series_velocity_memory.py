@@ -190,7 +190,7 @@ def test_the_building_of_a_march_of_the_documented_equations() -> None:
     assert strict.converged, strict.reason
     np.testing.assert_allclose(strict.peak_displacement, exact, rtol=4e-4)
     for accuracy in ("fast", "strict"):
-        many = ensemble(building, [weak], on_chapter_5(), 0.0, accuracy=accuracy)
+        many = ensemble(building, [weak], on_chapter_5(), 0.0, accuracy=accuracy).dataset
         errors = np.abs(many["displacement"].values.ravel() / exact - 1.0)
         assert errors.max() < 2e-3
         assert errors.max() / 3 < many.attrs["error_estimate"] < 3 * errors.max()

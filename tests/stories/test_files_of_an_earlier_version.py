@@ -224,9 +224,9 @@ def ensemble_arguments(folder: Path) -> tuple[tuple[Any, ...], dict[str, Any], d
     ground = dp.ground_motions.read(folder / "campaigns/motion.txt")
     card = dp.models.Damper.load(folder / "cards/dahl_cubic_laws.toml")
     law = dp.structures.control_law("on_off", high=3.0, period=0.02)
-    complete = {"dampers": [None, card, {2: card}], "voltages": [0.0, 1.98, law], "scales": [0.5, 1.0, 2.0]}
+    complete = {"dampers": [None, card, {2: card}], "voltage": [0.0, 1.98, law], "scales": [0.5, 1.0, 2.0]}
     inputs, scales = [0.4 * k for k in range(8)], [k / 128 for k in range(1, 257)]
-    interrupted = {"dampers": card, "voltages": inputs, "scales": scales, "quantities": ("displacement",)}
+    interrupted = {"dampers": card, "voltage": inputs, "scales": scales, "quantities": ("displacement",)}
     first = (dp.structures.two_storey(), [ground, ground.scaled(-0.5)])
     return first, complete, interrupted
 
@@ -241,7 +241,7 @@ def check_labels(data: Any, expected: dict[str, Any]) -> None:
 @pytest.mark.parametrize("name", ["complete.h5", "parts"])
 def test_an_ensemble_reads_identically(commit: str, name: str, files: Path) -> None:
     path, expected = files / "ensembles" / name, EXPECTED[commit]["ensembles"][name]
-    data = dp.structures.read_ensemble(path) if path.is_file() else dp.structures.collect(path)
+    data = dp.structures.read_ensemble(path).dataset if path.is_file() else dp.structures.collect(path).dataset
     check_labels(data, expected)
     assert dict(data.attrs) == expected["attributes"] | {"damper_origin": "not stated"}
     assert list(data.data_vars) == list(expected["peaks"])
@@ -260,8 +260,8 @@ def test_what_is_complete_of_an_ensemble_is_not_computed_again(files: Path) -> N
     path, parts = files / "ensembles/complete.h5", files / "ensembles/parts"
     before = content(parts) | content(path.parent)
     steps: list[tuple[int, int]] = []
-    data = dp.structures.ensemble(*first, **complete, out=path, progress=lambda *done: steps.append(done))
-    assert without_origin(data).identical(without_origin(dp.structures.read_ensemble(path)))
+    data = dp.structures.ensemble(*first, **complete, out=path, progress=lambda *done: steps.append(done)).dataset
+    assert without_origin(data).identical(without_origin(dp.structures.read_ensemble(path).dataset))
     for part in (1, 2):
         dp.structures.write_part(
             dp.structures.ensemble_cases(*first, **complete), part, 2, parts, progress=lambda *done: steps.append(done)
@@ -274,9 +274,9 @@ def test_an_interrupted_ensemble_is_taken_up(commit: str, files: Path) -> None:
     """One shard of two is in the file; the result is that of the whole."""
     first, _, interrupted = ensemble_arguments(files)
     path, steps = files / "ensembles/interrupted.h5", []
-    data = dp.structures.ensemble(*first, **interrupted, out=path, progress=lambda *done: steps.append(done))
+    data = dp.structures.ensemble(*first, **interrupted, out=path, progress=lambda *done: steps.append(done)).dataset
     assert steps == [(4096, 4096)]
-    assert without_origin(data).identical(without_origin(dp.structures.read_ensemble(path)))
+    assert without_origin(data).identical(without_origin(dp.structures.read_ensemble(path).dataset))
     expected = EXPECTED[commit]["ensembles"]["interrupted.h5"]
     check_labels(data, expected)
     [(quantity, old)] = expected["peaks"].items()

@@ -19,9 +19,8 @@ from dampyr import records as dampyr_records
 from dampyr.cli import cli
 from dampyr.console import app, worker
 from dampyr.console.job_processes import Jobs
-from dampyr.ground_motions import el_centro
+from dampyr.ground_motions import el_centro, synthetic_motions
 from dampyr.models import Damper, Interpolation
-from dampyr.structures.ensembles.ensemble_run import synthetic_motions
 from dampyr.to_json import plain
 from tests.identification.synthetic import sine
 
@@ -228,9 +227,9 @@ def test_accept(data: Path, client: TestClient, reference: str) -> None:
 
 def test_simulate(data: Path, client: TestClient, done: Any) -> None:
     damper = Damper.load(data / "cards" / "mine.toml")
-    options = structures.SimulateOptions(inputs=(0.0, 1.5), laws=("on_off:period=10ms",), place=2)
+    inputs = [0.0, 1.5, structures.control_law("on_off", high=2.0, period=0.01)]
     motion = el_centro().scaled_to_pga(2.0)
-    ours = structures.simulate(structures.two_storey(), motion, damper, options)
+    ours = structures.respond(structures.two_storey(), motion, {2: damper}, voltage=inputs)
     with show.made_by("a script", [data / "cards" / "mine.toml"]):
         show.write_response_page(ours, data / "ours.html")
     said = command(
@@ -250,10 +249,10 @@ def test_simulate(data: Path, client: TestClient, done: Any) -> None:
 
 def test_ensemble(data: Path, client: TestClient, done: Any) -> None:
     damper = Damper.load(data / "cards" / "mine.toml")
-    limits = (structures.Limit("drift", 0.01),)
-    options = structures.EnsembleOptions(inputs=(0.0, 1.5), bare=True, seed=3, scales=(0.5, 1.0, 2.0), limits=limits)
-    motions = synthetic_motions(3, 3, 4.0)
-    ours = structures.run_ensemble(structures.two_storey(), motions, damper, options)
+    ours = structures.ensemble(
+        structures.two_storey(), synthetic_motions(3, 3, 4.0), [None, damper], voltage=[0.0, 1.5], scales=(0.5, 1.0, 2.0),
+        limits="10mm", seed=3,
+    )  # fmt: skip
     with show.made_by("a script", [data / "cards" / "mine.toml"]):
         show.write_ensemble_page(ours, data / "ours.html")
     said = command(
@@ -263,7 +262,7 @@ def test_ensemble(data: Path, client: TestClient, done: Any) -> None:
     )  # fmt: skip
     request = {
         "motion": {"kind": "kanai_tajimi", "seed": 3, "duration": 4.0}, "motions": 3, "seed": 3, "scales": [0.5, 1.0, 2.0],
-        "limit": 0.01, "damper": {"name": "cards/mine.toml", "inputs": [0.0, 1.5]},
+        "limits": ["10mm"], "damper": {"name": "cards/mine.toml", "inputs": [0.0, 1.5]},
     }  # fmt: skip
     id, request = done("building/ensembles", request)
     assert said == request == plain(ours.as_dict())
@@ -281,11 +280,12 @@ def test_ensemble(data: Path, client: TestClient, done: Any) -> None:
         (lambda: identification.FitOptions(starts=0), "starts = 0 is not allowed; it must be at least 1"),
         (lambda: identification.ScoreOptions(settling=-1.0), "settling = -1 s is not allowed"),
         (lambda: identification.AcceptOptions(quantities=("colour",)), "extension, compression, energy"),
-        (lambda: structures.SimulateOptions(), "no input and no control law"),
-        (lambda: structures.SimulateOptions((0.0,), accuracy="vague"), "strict, fast"),
-        (lambda: structures.EnsembleOptions((0.0,), intensity="loudness"), "pga, sa, scale"),
-        (lambda: structures.EnsembleOptions((0.0,), precision=16), "64, 32"),
-        (lambda: structures.Limit("colour"), "drift"),
+        (lambda: structures.RespondOptions(accuracy="vague"), "strict, fast"),
+        (lambda: structures.RespondOptions(draws=3), "draws = 3 is not allowed; it must be at least 20"),
+        (lambda: structures.EnsembleOptions(intensity="loudness"), "pga, sa, scale"),
+        (lambda: structures.EnsembleOptions(precision=16), "64, 32"),
+        (lambda: structures.EnsembleOptions(limits=("colour=3mm",)), "drift"),
+        (lambda: structures.EnsembleOptions(limits="12"), "'12' has no unit"),
     ],
 )
 def test_a_wrong_option_is_a_sentence(make: Callable[[], Any], words: str) -> None:

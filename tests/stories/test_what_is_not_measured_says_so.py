@@ -211,9 +211,8 @@ def _objects(made: Made) -> dict[str, Any]:
     result = fit(made.records, "dahl")
     assert result.damper is not None
     building, motion = dp.structures.two_storey(), dp.ground_motions.el_centro()
-    options = dp.structures.SimulateOptions(inputs=(1.98,), allow_extrapolation=True)
     with pytest.warns(DampyrWarning, match="calibrated up to"):
-        simulated = dp.structures.simulate(building, motion, result.damper, options)
+        simulated = dp.structures.respond(building, motion, result.damper, voltage=[1.98], allow_extrapolation=True)
     return {
         "record": made.records[0], "fit": result, "residuals": result.residuals, "damper": result.damper,
         "validated": dp.identification.validate(result.damper, made.records),
@@ -288,7 +287,7 @@ def test_the_console_says_it_in_its_lists_and_results(made: Made, tmp_path: Path
     keys = [f"data/records/one/{record.name}.h5" for record in made.records]
     tell = lambda stage, done: None  # noqa: E731
     identified = identify.run({"records": keys, "model": "dahl"}, job, tell)
-    request = {"damper": {"name": "cards/mine.toml", "inputs": [1.98], "allow_extrapolation": True}}
+    request = {"damper": {"name": "cards/mine.toml", "inputs": [1.98]}, "allow_extrapolation": True}
     with pytest.warns(DampyrWarning, match="calibrated up to"):
         responded = respond.run(request, job, tell)
     assert (identified["notice"], responded["notice"]) == (NOTICE, NOTICE)

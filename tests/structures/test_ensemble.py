@@ -17,7 +17,7 @@ from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.ground_motions import GroundMotion, el_centro, kanai_tajimi
 from dampyr.models import Damper
 from dampyr.models.codegen.composition import compose
-from dampyr.show.structures.ensemble_run import trust
+from dampyr.show.structures.ensemble_result import trust
 from dampyr.structures import (
     Building,
     collect,
@@ -51,7 +51,7 @@ def motions() -> list[GroundMotion]:
 
 
 def test_the_peaks_are_those_of_single_responses(cubics: Damper, motions: list[GroundMotion]) -> None:
-    dataset = ensemble(two_storey(), motions, cubics, [0.0, 2.25], [0.5, 2.0], accuracy="strict")
+    dataset = ensemble(two_storey(), motions, cubics, [0.0, 2.25], [0.5, 2.0], accuracy="strict").dataset
     assert dataset.attrs["error_estimate"] < 5e-4
     for u in (0.0, 2.25):
         for k, motion in enumerate(motions):
@@ -70,42 +70,42 @@ def test_cases_go_on_after_their_records(cubics: Damper, tmp_path: Path) -> None
     """As `respond` does; the file, its parts and the page say for how long, and a file without it is another ensemble."""
     short = GroundMotion(el_centro().acceleration[:110], 0.02, "start of El Centro")
     given = (two_storey(), short, [None, cubics], 1.0)
-    data = ensemble(*given, accuracy="strict", after=2.5, out=tmp_path / "peaks.h5")
+    data = ensemble(*given, accuracy="strict", after=2.5, out=tmp_path / "peaks.h5").dataset
     for k, dampers in enumerate(({}, {1: cubics})):
         one = respond(two_storey(), short, dampers, voltage=1.0 if dampers else None, after=2.5)
         np.testing.assert_allclose(data.drift.values[0, k].ravel(), one.peak_drift, rtol=1e-3)
-    assert data.drift.values[0, 0].ravel()[1] > 1.05 * ensemble(*given).drift.values[0, 0].ravel()[1]
-    assert read_ensemble(tmp_path / "peaks.h5").identical(data)
+    assert data.drift.values[0, 0].ravel()[1] > 1.05 * ensemble(*given).dataset.drift.values[0, 0].ravel()[1]
+    assert read_ensemble(tmp_path / "peaks.h5").dataset.identical(data)
     assert data.attrs["after_s"] == 2.5
     assert "Each case ends 2.5 s after the record." in trust(data)
     with pytest.raises(FileError, match="holds another ensemble"):
         ensemble(*given, accuracy="strict", out=tmp_path / "peaks.h5")
     write_part(cases(*given, accuracy="strict", after=2.5), 1, 1, tmp_path / "parts")
-    assert collect(tmp_path / "parts").attrs["after_s"] == 2.5
+    assert collect(tmp_path / "parts").dataset.attrs["after_s"] == 2.5
     with pytest.raises(InputError, match="after = -1 s is not allowed"):
         ensemble(*given, after=-1)
 
 
 @pytest.mark.parametrize("precision", [64, 32])
 def test_a_bare_building(precision: int) -> None:
-    dataset = ensemble(two_storey(), el_centro(), scales=[1.0, -1.0], precision=precision)
+    dataset = ensemble(two_storey(), el_centro(), scales=[1.0, -1.0], precision=precision).dataset
     np.testing.assert_allclose(dataset.displacement[0, 0, 0, 0, 0, 0], 45.5340e-3, rtol=1e-4)  # FACTS, finding 13
     np.testing.assert_array_equal(dataset.displacement[..., 0, :], dataset.displacement[..., 1, :])
     assert "force" not in dataset or dataset.sizes["site"] == 0
 
 
 def test_single_precision_is_good_for_four_digits(cubics: Damper) -> None:
-    double, single = (ensemble(two_storey(), el_centro(), cubics, [1.0], precision=p) for p in (64, 32))
+    double, single = (ensemble(two_storey(), el_centro(), cubics, [1.0], precision=p).dataset for p in (64, 32))
     np.testing.assert_allclose(single.drift, double.drift, rtol=2e-4)
     assert not np.array_equal(single.drift, double.drift)
 
 
 def test_bit_identical_whoever_runs_it(cubics: Damper, motions: list[GroundMotion]) -> None:
     given = (two_storey(), motions, cubics, [0.0, 1.0], np.linspace(0.2, 2.0, 23))
-    alone = ensemble(*given)
+    alone = ensemble(*given).dataset
     with ThreadPoolExecutor(1) as one, ProcessPoolExecutor(2, mp_context=get_context("spawn")) as processes:
         for executor in (one, processes):
-            assert ensemble(*given, executor).identical(alone)
+            assert ensemble(*given, executor).dataset.identical(alone)
 
 
 def test_bit_identical_however_it_is_cut(cubics: Damper, motions: list[GroundMotion]) -> None:
@@ -142,9 +142,9 @@ def test_modal_and_dense_agree(monkeypatch: pytest.MonkeyPatch, cubics: Damper, 
     building = Building(classical.M, classical.C + dashpot * np.outer(row, row), classical.K)
     assert (classical_modes(building) is None) == bool(dashpot)
     given = (building, el_centro(), {1: cubics, 3: cubics}, [1.0], [1.0, 2.0])
-    modal = ensemble(*given)
+    modal = ensemble(*given).dataset
     monkeypatch.setattr("dampyr.structures.batch.engine.basis_of", lambda _: None)
-    dense = ensemble(*given)
+    dense = ensemble(*given).dataset
     for quantity in modal.data_vars:
         np.testing.assert_allclose(modal[quantity], dense[quantity], rtol=1e-10)
 
@@ -167,12 +167,12 @@ def test_a_killed_run_goes_on(cubics: Damper, tmp_path: Path, monkeypatch: pytes
         monkeypatch.setattr(
             "dampyr.structures.ensembles.ensemble_grid.CASES_PER_SHARD", 16
         )  # the file goes on as it was begun
-        dataset = ensemble(*given, pool, out=tmp_path / "e.h5", progress=lambda *now: again.append(now))
+        dataset = ensemble(*given, pool, out=tmp_path / "e.h5", progress=lambda *now: again.append(now)).dataset
     assert again == [(24, 32), (32, 32)]
     monkeypatch.setattr(
         "dampyr.structures.ensembles.ensemble_grid.CASES_PER_SHARD", 8
     )  # the error is measured in every shard
-    assert dataset.identical(ensemble(*given))
+    assert dataset.identical(ensemble(*given).dataset)
     with pytest.raises(FileError, match="holds another ensemble"):
         ensemble(*given[:3], [0.0], out=tmp_path / "e.h5")
 
@@ -218,9 +218,9 @@ def test_large_results_stay_in_their_file(
     cubics: Damper, motions: list[GroundMotion], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     given = (two_storey(), motions, [cubics, None], [0.0, 1.0], [0.5, 2.0])
-    small = ensemble(*given, out=tmp_path / "small.h5")
+    small = ensemble(*given, out=tmp_path / "small.h5").dataset
     monkeypatch.setattr("dampyr.structures.ensembles.store.MAPPED", 0)
-    large, again = ensemble(*given, out=tmp_path / "large.h5"), read_ensemble(tmp_path / "small.h5")
+    large, again = ensemble(*given, out=tmp_path / "large.h5").dataset, read_ensemble(tmp_path / "small.h5").dataset
     for dataset in (large, again):
         assert dataset.identical(small)
         assert all(isinstance(dataset[q].variable._data.base, np.memmap | mmap) for q in dataset.data_vars)
@@ -259,7 +259,7 @@ def test_every_kind_of_damper(name: str, one_by_one: int) -> None:
     motion = GroundMotion(el_centro().acceleration[:400], 0.02)
     dataset = ensemble(
         two_storey(), motion, of(name), [0.0], quantities=("drift", "force", "energy"), accuracy="strict"
-    )
+    ).dataset
     assert dataset.attrs["one_by_one"] == one_by_one
     one = respond(two_storey(), motion, {1: of(name)}, voltage=0.0, accuracy=5e-5)
     np.testing.assert_allclose(dataset.drift[0, 0, 0, 0, 0], one.peak_drift, rtol=1.5e-3)
@@ -269,7 +269,7 @@ def test_every_kind_of_damper(name: str, one_by_one: int) -> None:
 
 def test_a_delay_of_nothing_is_no_delay() -> None:
     given = dict(zip(compose("dahl + delay").parameters, (1400.0, 227.0, 18800.0, 0.0)))
-    dataset = ensemble(two_storey(), el_centro(), [Damper("dahl + delay", given), of("dahl")], [0.0])
+    dataset = ensemble(two_storey(), el_centro(), [Damper("dahl + delay", given), of("dahl")], [0.0]).dataset
     assert dataset.attrs["one_by_one"] == 0
     np.testing.assert_array_equal(dataset.drift[:, 0], dataset.drift[:, 1])
 
@@ -278,7 +278,7 @@ def test_a_delay_of_nothing_is_no_delay() -> None:
 def test_several_dampers_of_different_kinds() -> None:
     placement = {1: [of("dahl"), of("hyperbolic_tangent")], 2: of("dahl + delay")}
     motion = GroundMotion(el_centro().acceleration[:400], 0.02)
-    dataset = ensemble(two_storey(), motion, placement, [0.0], accuracy="strict")
+    dataset = ensemble(two_storey(), motion, placement, [0.0], accuracy="strict").dataset
     one = respond(two_storey(), motion, placement, voltage=0.0, accuracy=5e-5)
     np.testing.assert_allclose(dataset.drift[0, 0, 0, 0, 0], one.peak_drift, rtol=1e-3)
     np.testing.assert_allclose(dataset.force[0, 0, 0, 0, 0], one.peak_force, rtol=2e-3)
@@ -288,26 +288,26 @@ def test_several_dampers_of_different_kinds() -> None:
 def test_unbounded_cases_are_counted(motions: list[GroundMotion]) -> None:
     feeding = Damper("spring + dahl", {"spring.k0": -3e5, "dahl.kx": 1.0, "dahl.kw": 1.0, "dahl.rho": 10.0})
     with pytest.warns(DampyrWarning, match="1 cases grew without bound"):
-        dataset = ensemble(two_storey(), motions[0].scaled(1e6), feeding, [0.0], [1e300])
+        dataset = ensemble(two_storey(), motions[0].scaled(1e6), feeding, [0.0], [1e300]).dataset
     assert np.isnan(dataset.drift).all()
 
 
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"voltages": [1.0], "currents": [1.0]}, "both voltages= and currents="),
-        ({"voltages": ["a"]}, "could not convert|must be finite numbers"),
-        ({"accuracy": "rough"}, "write 'fast' or 'strict'"),
-        ({"precision": 16}, "write 64 or 32"),
+        ({"voltage": [1.0], "current": [1.0]}, "both voltage= and current="),
+        ({"voltage": ["a"]}, "could not convert|must be finite numbers"),
+        ({"accuracy": "rough"}, "choose from fast, strict"),
+        ({"precision": 16}, "choose from 64, 32"),
         ({"quantities": ["shear"]}, "choose from displacement"),
         ({"scales": []}, "must be finite numbers"),
         ({"dampers": []}, "dampers is empty"),
-        ({"voltages": None}, "has no voltage"),
-        ({"voltages": [9.0]}, "range"),
+        ({"voltage": None}, "has no voltage"),
+        ({"voltage": [9.0]}, "range"),
     ],
 )
 def test_what_is_wrong_is_said_before_anything_runs(cubics: Damper, given: dict, message: str) -> None:
-    arguments = {"dampers": cubics, "voltages": [0.0]} | given
+    arguments = {"dampers": cubics, "voltage": [0.0]} | given
     with pytest.raises(ValueError, match=message):
         ensemble(two_storey(), el_centro(), **arguments)
 
@@ -326,10 +326,10 @@ def test_one_engine_serves_dampers_of_the_same_parts(cubics: Damper) -> None:
             for v in ((800.0, 60.0, 3e4), (3e3, 400.0, 1e4))
         ),
     ]
-    together = ensemble(two_storey(), el_centro(), others, [0.0])
+    together = ensemble(two_storey(), el_centro(), others, [0.0]).dataset
     for k, damper in enumerate(others):
         np.testing.assert_array_equal(
-            together.drift[:, k], ensemble(two_storey(), el_centro(), damper, [0.0]).drift[:, 0]
+            together.drift[:, k], ensemble(two_storey(), el_centro(), damper, [0.0]).dataset.drift[:, 0]
         )
 
 

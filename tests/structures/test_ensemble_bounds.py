@@ -14,7 +14,7 @@ from dampyr.models import Damper
 from dampyr.structures import Building, ensemble, respond, shear_building, two_storey
 from dampyr.structures.ensembles.ensemble_accuracy import BOUNDS
 from dampyr.structures.ensembles.ensemble_grid import STEPS
-from dampyr.structures.ensembles.ensemble_run import EnsembleResult
+from dampyr.structures.ensembles.ensemble_result import EnsembleResult
 from dampyr.studies import raminelli_2020
 
 Array = np.ndarray
@@ -73,7 +73,9 @@ def test_the_stated_bounds_hold(endurance: Endurance) -> None:
         scales = [float(10 ** rng.uniform(-1.5, -0.5)), 1.0]
         peaks = {}
         for name in BOUNDS:
-            data = ensemble(building, motion, {place: damper}, 0.0, scales, accuracy=name, quantities=QUANTITIES)
+            data = ensemble(
+                building, motion, {place: damper}, 0.0, scales, accuracy=name, quantities=QUANTITIES
+            ).dataset
             peaks[name] = np.concatenate([data[q].values.reshape(2, -1) for q in QUANTITIES], axis=1)
         for s, scale in enumerate(scales):
             sizes, moving = exact(building, motion.scaled(scale), place, damper)
@@ -112,14 +114,14 @@ def test_the_hardest_cases_are_among_those_that_are_judged(monkeypatch: pytest.M
     )
     monkeypatch.setitem(BOUNDS, "fast", 2e-4)
     with pytest.warns(DampyrWarning, match="more than the 0.02 % of accuracy 'fast'"):
-        data = ensemble(*given, quantities=QUANTITIES)
+        data = ensemble(*given, quantities=QUANTITIES).dataset
     monkeypatch.setitem(STEPS, "strict", 0.05)
-    fine = ensemble(*given, quantities=QUANTITIES, accuracy="strict")
+    fine = ensemble(*given, quantities=QUANTITIES, accuracy="strict").dataset
     truth = max(float(np.abs(data[q] / fine[q] - 1.0).max()) for q in QUANTITIES)
     assert truth / 3 < data.attrs["error_estimate"] < 3 * truth
     assert (data.attrs["judged"], data.attrs["cases"]) == (64, 41 * 25)
     monkeypatch.setitem(BOUNDS, "fast", 1.0)
-    assert ensemble(*given, quantities=QUANTITIES).identical(data)
+    assert ensemble(*given, quantities=QUANTITIES).dataset.identical(data)
 
 
 @pytest.mark.prove  # its kernels take long to compile
@@ -131,12 +133,12 @@ def test_the_error_of_a_mixed_block_is_the_true_one(accuracy: str, strong_first:
     motions = motions if strong_first else motions[::-1]
     given = (building, motions, damper, 0.0)
     with pytest.warns(DampyrWarning, match="on halving the step, and by .* among peaks above 0.1 mm"):
-        data = ensemble(*given, accuracy=accuracy, quantities=QUANTITIES)
+        data = ensemble(*given, accuracy=accuracy, quantities=QUANTITIES).dataset
     peaks = np.concatenate([data[q].values.reshape(128, -1) for q in QUANTITIES], axis=1)
     with warnings.catch_warnings(), pytest.MonkeyPatch.context() as patch:
         warnings.simplefilter("ignore", DampyrWarning)
         patch.setitem(STEPS, "strict", 0.05)
-        fine = ensemble(*given, accuracy="strict", quantities=QUANTITIES)
+        fine = ensemble(*given, accuracy="strict", quantities=QUANTITIES).dataset
     finer = np.concatenate([fine[q].values.reshape(128, -1) for q in QUANTITIES], axis=1)
     hardest = np.argsort(np.abs(peaks / finer - 1.0).max(axis=1))[-4:]
     truth = max(np.abs(peaks[k] / exact(building, motions[k], 1, damper)[0] - 1.0).max() for k in hardest)

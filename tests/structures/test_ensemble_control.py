@@ -44,7 +44,7 @@ def law() -> object:
 def test_the_peaks_are_those_of_single_responses(cubics: Damper, motions: list, law: object) -> None:
     optimal = control_law("clipped_optimal", high=HIGH, lag=0.01)
     inputs = [0.0, law, HIGH, optimal]
-    dataset = ensemble(two_storey(), motions, [None, cubics], inputs, [0.5, 2.0], accuracy="strict")
+    dataset = ensemble(two_storey(), motions, [None, cubics], inputs, [0.5, 2.0], accuracy="strict").dataset
     assert dataset.attrs["one_by_one"] == 2 * 2 * 2
     assert dataset.attrs["error_estimate"] < 1e-3
     for u, name in ((1, law), (3, optimal)):
@@ -55,7 +55,7 @@ def test_the_peaks_are_those_of_single_responses(cubics: Damper, motions: list, 
                 np.testing.assert_allclose(here.drift, one.peak_drift, rtol=1e-3)
                 np.testing.assert_allclose(here.displacement, one.peak_displacement, rtol=1e-3)
                 np.testing.assert_allclose(here.energy, one.energy.dampers[:, -1], rtol=2e-3)
-    alone = ensemble(two_storey(), motions, cubics, [0.0, HIGH], [0.5, 2.0], accuracy="strict")
+    alone = ensemble(two_storey(), motions, cubics, [0.0, HIGH], [0.5, 2.0], accuracy="strict").dataset
     np.testing.assert_array_equal(
         dataset.drift[:, 1, [0, 2]], alone.drift[:, 0]
     )  # numbers beside laws are as without them
@@ -65,7 +65,7 @@ def test_no_case_under_a_law_is_off_by_a_decision_that_fell_the_other_way(cubics
     """At the step of the rule some of these are: by 35 % the worst of them."""
     law = control_law("lyapunov", high=HIGH)
     motions = [kanai_tajimi(10.0, 0.01, seed=(7, k), pga=3.0) for k in range(1, 6)]
-    dataset = ensemble(two_storey(), motions, cubics, law, [0.5, 2.0])
+    dataset = ensemble(two_storey(), motions, cubics, law, [0.5, 2.0]).dataset
     assert dataset.attrs["judged"] == dataset.attrs["one_by_one"] == 10
     for k, motion in enumerate(motions):
         for s, scale in enumerate((0.5, 2.0)):
@@ -75,7 +75,7 @@ def test_no_case_under_a_law_is_off_by_a_decision_that_fell_the_other_way(cubics
 
 def test_laws_are_named_on_their_axis(cubics: Damper, motions: list, law: object) -> None:
     lagging = control_law("on_off", high=HIGH, lag=0.01)
-    dataset = ensemble(two_storey(), motions[1], cubics, [1.0, law, lagging], [1.0, 2.0])
+    dataset = ensemble(two_storey(), motions[1], cubics, [1.0, law, lagging], [1.0, 2.0]).dataset
     names = ["1 V", "on_off 0 to 3.212 V", "on_off 0 to 3.212 V, lag 0.01 s"]
     assert dataset.input_name.values.tolist() == names
     assert np.array_equal(dataset.input, [1.0, np.nan, np.nan], equal_nan=True)
@@ -85,7 +85,7 @@ def test_laws_are_named_on_their_axis(cubics: Damper, motions: list, law: object
 
 
 def test_one_law_need_not_be_a_list(cubics: Damper, motions: list, law: object) -> None:
-    assert ensemble(two_storey(), motions[1], cubics, law).sizes["input"] == 1
+    assert ensemble(two_storey(), motions[1], cubics, law).dataset.sizes["input"] == 1
 
 
 def test_bit_identical_whoever_runs_it(
@@ -94,7 +94,7 @@ def test_bit_identical_whoever_runs_it(
     monkeypatch.setattr("dampyr.structures.ensembles.ensemble_grid.CASES_PER_SHARD", 4)
     given = (two_storey(), motions, cubics, [law, 0.5], [0.5, 1.0, 1.5])
     with ThreadPoolExecutor(1) as one, ProcessPoolExecutor(2, mp_context=get_context("spawn")) as processes:
-        assert ensemble(*given, processes).identical(ensemble(*given, one))
+        assert ensemble(*given, processes).dataset.identical(ensemble(*given, one).dataset)
 
 
 def test_a_killed_run_goes_on(
@@ -111,10 +111,10 @@ def test_a_killed_run_goes_on(
         with pytest.raises(KeyboardInterrupt):
             ensemble(*given, pool, out=path, progress=killed)
         again: list[int] = []
-        dataset = ensemble(*given, pool, out=path, progress=lambda done, size: again.append(done))
+        dataset = ensemble(*given, pool, out=path, progress=lambda done, size: again.append(done)).dataset
         assert again == [4, 6, 8]
-        assert dataset.identical(ensemble(*given, pool))
-    assert read_ensemble(path).identical(dataset)
+        assert dataset.identical(ensemble(*given, pool).dataset)
+    assert read_ensemble(path).dataset.identical(dataset)
     other = control_law("on_off", high=HIGH, period=0.01)
     with pytest.raises(FileError, match="holds another ensemble"):
         ensemble(*given[:3], [other, 0.5], given[4], out=path)
@@ -124,7 +124,7 @@ def test_parts_put_together_are_the_whole(cubics: Damper, motions: list, law: ob
     given = (two_storey(), motions, cubics, [law, 0.5], [0.5, 1.0])
     for part in (1, 2):
         write_part(ensemble_cases(*given), part, 2, tmp_path)
-    np.testing.assert_array_equal(collect(tmp_path).drift, ensemble(*given).drift)
+    np.testing.assert_array_equal(collect(tmp_path).dataset.drift, ensemble(*given).dataset.drift)
 
 
 def test_the_digest_is_that_of_every_setting(cubics: Damper, motions: list) -> None:
@@ -165,7 +165,7 @@ def test_what_is_wrong_is_said_before_anything_runs(
 
 def test_a_law_of_current_is_refused_where_the_damper_takes_a_voltage(cubics: Damper, motions: list) -> None:
     with pytest.raises(InputError, match="takes a voltage"):
-        ensemble(two_storey(), motions, cubics, currents=[control_law("on_off", high=1.0)])
+        ensemble(two_storey(), motions, cubics, current=[control_law("on_off", high=1.0)])
 
 
 def test_cases_that_do_not_converge_are_counted_and_said(
@@ -174,6 +174,6 @@ def test_cases_that_do_not_converge_are_counted_and_said(
     monkeypatch.setattr("dampyr.structures.time_history.step_size.MAX_STEP_COUNT", 1000)
     motion = kanai_tajimi(3.0, dt=0.02, seed=3, pga=3.0)
     with pytest.warns(DampyrWarning, match="2 cases under control laws are not to their accuracy"):
-        dataset = ensemble(two_storey(), motion, cubics, [law, 1.0], [0.5, 1.0], out=tmp_path / "e.h5")
+        dataset = ensemble(two_storey(), motion, cubics, [law, 1.0], [0.5, 1.0], out=tmp_path / "e.h5").dataset
     assert dataset.attrs["unconverged"] == 2
-    assert read_ensemble(tmp_path / "e.h5").identical(dataset)
+    assert read_ensemble(tmp_path / "e.h5").dataset.identical(dataset)

@@ -36,22 +36,22 @@ def folder(cubics: Damper, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_parts_are_the_whole(cubics: Damper, folder: Path, tmp_path: Path) -> None:
     motions = list(what(cubics).motions)
-    whole = ensemble(two_storey(), motions, [None, cubics], [0.0, 0.5, 1.0], SCALES)
-    collected = collect(folder, tmp_path / "all.h5")
+    whole = ensemble(two_storey(), motions, [None, cubics], [0.0, 0.5, 1.0], SCALES).dataset
+    collected = collect(folder, tmp_path / "all.h5").dataset
     assert collected.drop_attrs().identical(whole.drop_attrs())
     assert collected.attrs["cases"] == whole.attrs["cases"]
     assert collected.attrs["judged"] >= whole.attrs["judged"]
-    assert read_ensemble(tmp_path / "all.h5").identical(collected)
+    assert read_ensemble(tmp_path / "all.h5").dataset.identical(collected)
 
 
 def test_parts_say_how_many_cases_leave_the_calibrated_displacement(cubics: Damper, tmp_path: Path) -> None:
     near = replace(cubics, ranges={"displacement": (0.0, 5e-3)})
     given = two_storey(), [el_centro()], [None, near], (0.0, 1.0), SCALES
-    whole = ensemble(*given[:3], voltages=given[3], scales=given[4])
+    whole = ensemble(*given[:3], voltage=given[3], scales=given[4]).dataset
     assert "of 10 cases" in whole.attrs["outside"]
     for part in (1, 2, 3):
         write_part(cases(*given), part, 3, tmp_path)
-    assert collect(tmp_path).attrs["outside"] == whole.attrs["outside"]
+    assert collect(tmp_path).dataset.attrs["outside"] == whole.attrs["outside"]
 
 
 def test_small_shards_in_a_part_are_the_same(
@@ -103,8 +103,10 @@ def test_a_damaged_part_is_named(tmp_path: Path) -> None:
 def test_a_finished_file_reads_as_it_was(cubics: Damper, tmp_path: Path) -> None:
     path = tmp_path / "e.h5"
     buildings = [two_storey(), shear_building([1e3] * 3, [2e6] * 3, damping_ratio=0.03)]
-    dataset = ensemble(buildings, el_centro(), [cubics, None], [0.0, 1.0], quantities=["drift", "force"], out=path)
-    assert read_ensemble(path).identical(dataset)
+    dataset = ensemble(
+        buildings, el_centro(), [cubics, None], [0.0, 1.0], quantities=["drift", "force"], out=path
+    ).dataset
+    assert read_ensemble(path).dataset.identical(dataset)
     assert dataset.damper_name.values.tolist() == ["damper", "no damper"]
     assert dataset.pga.values == pytest.approx([el_centro().pga])
     assert progress_of(path) == (1, 1)

@@ -29,7 +29,7 @@ def test_a_response_and_an_ensemble_warn() -> None:
     with pytest.warns(DampyrWarning, match=WORDS):
         respond(two_storey(), MOTION, SIGMOID, voltage=0.0)
     with pytest.warns(DampyrWarning, match=WORDS):
-        ensemble(two_storey(), MOTION, SIGMOID, voltages=0.0)
+        ensemble(two_storey(), MOTION, SIGMOID, voltage=0.0)
 
 
 def test_the_fit_the_damper_and_its_card_say_so(tmp_path: Path) -> None:

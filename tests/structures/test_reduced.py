@@ -19,7 +19,7 @@ import dampyr as dp
 from dampyr import structures
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning
-from dampyr.show.structures.ensemble_run import trust
+from dampyr.show.structures.ensemble_result import trust
 from dampyr.structures import Building
 from dampyr.structures.control_laws import gains
 from dampyr.structures.time_history.modal_coordinates import modal_condensation, refinements
@@ -161,7 +161,7 @@ def test_weights_of_a_law_are_those_of_the_floors() -> None:
 def test_an_ensemble_takes_the_structure_that_a_response_takes() -> None:
     whole = structures.shear_building([1e5] * 2, [1.5e8] * 2, damping_ratio=0.02)
     made, damper, wanted = by_modes(whole, [2]), dashpot(1e6), ("displacement", "acceleration")
-    peaks_of_all = structures.ensemble(made, MOTION, damper, [0.0], accuracy="strict", quantities=wanted)
+    peaks_of_all = structures.ensemble(made, MOTION, damper, [0.0], accuracy="strict", quantities=wanted).dataset
     single = structures.respond(made, MOTION, {1: damper}, voltage=0.0)
     other = structures.respond(whole, MOTION, {(0, 2): damper}, voltage=0.0)
     for name in wanted:
@@ -169,7 +169,7 @@ def test_an_ensemble_takes_the_structure_that_a_response_takes() -> None:
         np.testing.assert_allclose(values, peaks, rtol=2e-3)
         np.testing.assert_allclose(peaks, getattr(other, f"peak_{name}")[1:], rtol=1e-9)
     assert peaks_of_all.attrs["truncation_error"] == peaks_of_all.attrs["truncation_error_acceleration"] == 0.0
-    plain = structures.ensemble(whole, MOTION, {(0, 2): damper}, [0.0], accuracy="strict", quantities=wanted)
+    plain = structures.ensemble(whole, MOTION, {(0, 2): damper}, [0.0], accuracy="strict", quantities=wanted).dataset
     assert "truncation_error" not in plain.attrs
 
 
@@ -178,7 +178,7 @@ def test_an_ensemble_tells_what_it_leaves_out(tmp_path: Path) -> None:
     keep, damper = [10, 20, 30, 40], dashpot(4e7)
     peaks_of_all = structures.ensemble(
         by_modes(FORTY, keep), MOTION, damper, [0.0], accuracy="strict", out=tmp_path / "e.h5"
-    )
+    ).dataset
     reference = peaks_of_whole(FORTY, keep, {(0, 10): 4e7})
     attributes = {
         "displacement": "truncation_error",
@@ -188,7 +188,7 @@ def test_an_ensemble_tells_what_it_leaves_out(tmp_path: Path) -> None:
     for name, attribute in attributes.items():
         off = np.max(np.abs(peaks_of_all[name].values[0, 0, 0, 0, 0] / reference[name] - 1.0))
         assert off < peaks_of_all.attrs[attribute] + 2e-3, name
-    assert structures.read_ensemble(tmp_path / "e.h5").attrs == peaks_of_all.attrs
+    assert structures.read_ensemble(tmp_path / "e.h5").dataset.attrs == peaks_of_all.attrs
     assert "half as many coordinates" in "\n".join(trust(peaks_of_all))
 
 

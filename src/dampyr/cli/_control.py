@@ -51,6 +51,17 @@ def inputs_for(
     return numbers
 
 
+def inputs_by_kind(
+    damper: Damper, voltages: tuple[float, ...], currents: tuple[float, ...], controls: tuple[str, ...]
+) -> dict[str, Any]:
+    """The argument ``voltage`` or ``current`` of a response: the numbers, then the control laws."""
+    from dampyr.structures import law_of
+
+    numbers = inputs_for(damper, voltages, currents, controls)
+    laws = [law_of(text, damper) for text in controls]
+    return {"voltage" if damper.input == "V" else "current": [*numbers, *laws]}
+
+
 def damper_of(card: Path | None, temperature: float | None = None, allow_extrapolation: bool = False) -> Damper:
     """The damper of a card, a published one by its name, or that of Raminelli (2020) without either.
 

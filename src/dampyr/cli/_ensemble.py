@@ -1,4 +1,4 @@
-"""Options of an ensemble on the command line: its cases, its limits, its progress."""
+"""Options of an ensemble on the command line: its cases, its progress."""
 
 from __future__ import annotations
 
@@ -16,26 +16,26 @@ import click
 from dampyr.cli._control import (
     control_option,
     damper_of,
-    inputs_for,
+    inputs_by_kind,
     place_of,
     structure_of,
     structure_option,
     temperature_option,
 )
-from dampyr.cli._motion import acceleration, after_option
+from dampyr.cli._motion import acceleration
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
     from dampyr.ground_motions import GroundMotion
-    from dampyr.models import Damper
-    from dampyr.structures import Building, EnsembleOptions, Limit
+    from dampyr.structures import EnsembleOptions
 
+OF_THE_RESULT = {"limits", "height", "intensity", "seed"}  # options of what is made of the peaks
 MAX_SCALES = 10_000  # more is a mistyped step, such as 0.1:3:1e-9
 
 
 @dataclass(frozen=True)
 class EnsembleRequest:
-    """The command line's options of the cases."""
+    """The command line's options of the cases, besides those of their class."""
 
     card: Path | None
     structure: str | None
@@ -44,108 +44,82 @@ class EnsembleRequest:
     controls: tuple[str, ...]
     storey: int | None
     between: tuple[str, str] | None
-    brace: float | None
     without_damper: bool
-    draws: int
     motions: tuple[Path, ...]
     motion_unit: str | None
     dt: float | None
-    synthetic: int
+    synthetic: int | None
     duration: float
     pga: str
-    seed: int
     scales: tuple[str, ...]
-    after: float
     temperature: float | None
-    accuracy: str
-    precision: str
-    allow_extrapolation: bool
 
-    def models(self) -> tuple[Building, list[GroundMotion], Damper]:
-        """The building, the motions and the damper."""
-        building = structure_of(self.structure)
-        damper = damper_of(self.card, self.temperature, self.allow_extrapolation)
-        inputs_for(damper, self.voltages, self.currents, self.controls)
-        return building, self._motions(), damper
+    def cases(self, options: EnsembleOptions) -> dict[str, Any]:
+        """The arguments of `dampyr.structures.ensemble` that say which cases there are."""
+        damper = damper_of(self.card, self.temperature, options.allow_extrapolation)
+        placed = {place_of(self.storey, self.between): damper}
+        return {
+            "buildings": structure_of(self.structure),
+            "motions": self._motions(options.seed),
+            "dampers": [*([None] if self.without_damper else []), placed],
+            "scales": scales(self.scales),
+            "options": options,
+            **inputs_by_kind(damper, self.voltages, self.currents, self.controls),
+        }
 
-    def options(self, limits: tuple[Limit, ...] = (), intensity: str = "pga") -> EnsembleOptions:
-        """The options of the job."""
-        from dampyr.structures import EnsembleOptions
-
-        return EnsembleOptions(
-            inputs=self.voltages or self.currents,
-            laws=self.controls,
-            place=place_of(self.storey, self.between),
-            brace=self.brace,
-            bare=self.without_damper,
-            draws=self.draws,
-            seed=self.seed,
-            scales=tuple(scales(self.scales)),
-            after=self.after,
-            limits=limits,
-            intensity=intensity,
-            accuracy=self.accuracy,
-            precision=int(self.precision),
-            allow_extrapolation=self.allow_extrapolation,
-        )
-
-    def _motions(self) -> list[GroundMotion]:
+    def _motions(self, seed: int) -> list[GroundMotion]:
         from dampyr import ground_motions
-        from dampyr.structures.ensembles.ensemble_run import synthetic_motions
 
         if not self.motions and (self.motion_unit is not None or self.dt is not None):
             raise InputError("--motion-unit and --dt belong to files that are given with --motion")
         motions = [ground_motions.read(path, units=self.motion_unit, dt=self.dt) for path in self.motions]
         if self.synthetic:
-            motions += synthetic_motions(self.synthetic, self.seed, self.duration, acceleration(self.pga))
+            motions += ground_motions.synthetic_motions(self.synthetic, seed, self.duration, acceleration(self.pga))
         return motions or [ground_motions.el_centro()]
+
+
+CASE_OPTIONS = (
+    click.argument("card", required=False, type=click.Path(path_type=Path)),
+    structure_option,
+    click.option("--voltage", "voltages", multiple=True, type=float, help="V at the coil; may be repeated."),
+    click.option("--current", "currents", multiple=True, type=float, help="A, for a card over the current."),
+    control_option,
+    click.option("--storey", type=int, help="Where the damper stands.  [default: 1]"),
+    click.option("--between", nargs=2, metavar="I J", help="Two floors that the damper joins instead."),
+    click.option("--without-damper", is_flag=True, help="Run the building without damper, too."),
+    click.option("--motion", "motions", multiple=True, type=click.Path(path_type=Path), help="May be repeated."),
+    click.option("--motion-unit", metavar="UNIT", help="Of the acceleration in plain files, such as g."),
+    click.option("--dt", type=float, help="s between samples, for plain files with one column."),
+    click.option("--synthetic", type=click.IntRange(1), default=None, metavar="N", help="Make N motions by seed."),
+    click.option("--duration", type=float, default=20.0, help="s, of synthetic motions.  [default: 20]"),
+    click.option("--pga", default="0.3g", metavar="A", help="Of synthetic motions.  [default: 0.3g]"),
+    click.option("--scale", "scales", multiple=True, metavar="LIST", help="Such as 0.5,1,2 or 0.1:3:0.1."),
+    temperature_option,
+)
 
 
 def case_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """The options that say which cases there are; they come as ``request``, an `EnsembleRequest`."""
-    options = [
-        click.argument("card", required=False, type=click.Path(path_type=Path)),
-        structure_option,
-        click.option("--voltage", "voltages", multiple=True, type=float, help="V at the coil; may be repeated."),
-        click.option("--current", "currents", multiple=True, type=float, help="A, for a card over the current."),
-        control_option,
-        click.option("--storey", type=int, help="Where the damper stands.  [default: 1]"),
-        click.option("--between", nargs=2, metavar="I J", help="Two floors that the damper joins instead."),
-        click.option("--brace", type=float, metavar="N/M", help="Stiffness of a brace in series with the damper."),
-        click.option("--without-damper", is_flag=True, help="Run the building without damper, too."),
-        click.option("--draws", type=click.IntRange(1), default=None, help="Dampers drawn from the card's covariance."),
-        click.option("--motion", "motions", multiple=True, type=click.Path(path_type=Path), help="May be repeated."),
-        click.option("--motion-unit", metavar="UNIT", help="Of the acceleration in plain files, such as g."),
-        click.option("--dt", type=float, help="s between samples, for plain files with one column."),
-        click.option("--synthetic", type=click.IntRange(1), default=None, metavar="N", help="Make N motions by seed."),
-        click.option("--duration", type=float, default=20.0, help="s, of synthetic motions.  [default: 20]"),
-        click.option("--pga", default="0.3g", metavar="A", help="Of synthetic motions.  [default: 0.3g]"),
-        click.option("--seed", type=int, default=1, help="Of motions, draws and bands.  [default: 1]"),
-        click.option("--scale", "scales", multiple=True, metavar="LIST", help="Such as 0.5,1,2 or 0.1:3:0.1."),
-        after_option,
-        temperature_option,
-        click.option("--accuracy", type=click.Choice(["fast", "strict"]), default="fast", help="[default: fast]"),
-        click.option("--precision", type=click.Choice(["64", "32"]), default="64", help="Bits.  [default: 64]"),
-        click.option("--allow-extrapolation", is_flag=True, help="Take inputs outside the calibrated range."),
-    ]
 
     @wraps(command)
     def wrapped(**given: Any) -> Any:
         own = {field.name: given.pop(field.name) for field in fields(EnsembleRequest)}
-        own["draws"], own["synthetic"] = own["draws"] or 0, own["synthetic"] or 0
         return command(request=EnsembleRequest(**own), **given)
 
-    for option in reversed(options):
+    for option in reversed(CASE_OPTIONS):
         wrapped = option(wrapped)
     return wrapped
 
 
 def refuse_cases(context: click.Context, what: str) -> None:
     """Refuse options that choose cases where the cases were computed already."""
-    names = {field.name for field in fields(EnsembleRequest)} - {"seed"}
+    from dampyr.options import options_of
+    from dampyr.structures import EnsembleOptions
+
+    names = {field.name for field in fields(EnsembleRequest)} | {option.name for option in options_of(EnsembleOptions)}
     for parameter in context.command.params:
         source = context.get_parameter_source(str(parameter.name))
-        if parameter.name in names and source is not click.core.ParameterSource.DEFAULT:
+        if parameter.name in names - OF_THE_RESULT and source is not click.core.ParameterSource.DEFAULT:
             name = parameter.opts[0] if isinstance(parameter, click.Option) else "CARD"
             raise InputError(f"{name} says what to compute, and {what} takes what was computed; leave it out")
 
@@ -175,36 +149,6 @@ def _span(text: str) -> list[float]:
     if count > MAX_SCALES:
         raise InputError(f"--scale {text!r} has {count} scales; at most {MAX_SCALES} are allowed")
     return [float(f"{first + k * step:.12g}") for k in range(count)]
-
-
-def limit(text: str, height: str | None) -> Limit:
-    """``12mm`` a drift, ``1%`` a drift of the ``height``, ``0.3g`` an acceleration."""
-    from dampyr import units
-    from dampyr.structures import Limit
-
-    if text.strip().endswith("%"):
-        if height is None:
-            raise InputError(
-                f"--limit {text} is a ratio of the storey height; give it too, as in --height 3m, or a limit in mm"
-            )
-        return Limit("drift", _percent(text), units.parse(height, "m"))
-    for quantity, unit in (("drift", "m"), ("acceleration", "m/s^2")):
-        try:
-            float(text)
-        except ValueError:
-            try:
-                value = units.parse(text, unit)
-            except InputError:
-                continue
-            return Limit(quantity, value)
-    raise InputError(f"--limit {text!r} has no unit of a drift or an acceleration; write it as in 12mm, 1% or 0.5g")
-
-
-def _percent(text: str) -> float:
-    try:
-        return float(text.strip().removesuffix("%")) / 100
-    except ValueError:
-        raise InputError(f"--limit {text!r} is not a ratio; write it as in 1%") from None
 
 
 def shard(text: str) -> tuple[int, int]:

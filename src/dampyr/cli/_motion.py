@@ -71,17 +71,6 @@ def motion_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return wrapped
 
 
-def _seconds(context: click.Context, parameter: click.Parameter, text: str | None) -> float:
-    from dampyr import units
-
-    return 0.0 if text is None else units.parse(text, "s")
-
-
-after_option = click.option(
-    "--after", metavar="T", callback=_seconds, help="Go on for this long after the record, such as 10s."
-)
-
-
 def acceleration(text: str) -> float:
     """Such as ``0.3g`` or ``3 m/s^2`` in m/s2; a unit is required, since a bare 0.3 may mean either."""
     from dampyr import units

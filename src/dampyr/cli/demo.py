@@ -55,5 +55,5 @@ def command(out: Path, as_json: bool) -> None:
             f"records {done.folder / 'records'}",
             f"report  {out / 'report.html'}",
         ],
-        findings=done.simulated.findings,
+        findings=done.of_building.findings,
     )

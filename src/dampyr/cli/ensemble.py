@@ -8,23 +8,24 @@ from typing import TYPE_CHECKING
 
 import click
 
-from dampyr.cli._ensemble import EnsembleRequest, case_options, counting, limit, refuse_cases, shard
+from dampyr.cli._ensemble import CASE_OPTIONS, EnsembleRequest, case_options, counting, refuse_cases, shard
 from dampyr.cli._examples import examples
+from dampyr.cli._options import OptionsCommand
 from dampyr.cli._output import as_json_option, findings_below, print_json, print_result, state_origin
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.structures import EnsembleResult, Limit
+    from dampyr.structures import EnsembleOptions, EnsembleResult
 
 
 @click.command(
-    epilog=examples("dampyr ensemble damper.toml --voltage 0 --voltage 1.98 --scale 0.5:1.5:0.5 --limit 12mm")
+    cls=OptionsCommand,
+    options={"options": "dampyr.structures:EnsembleOptions"},
+    first=len(CASE_OPTIONS) - 1,  # the first of them is an argument
+    epilog=examples("dampyr ensemble damper.toml --voltage 0 --voltage 1.98 --scale 0.5:1.5:0.5 --limit 12mm"),
 )
 @case_options
-@click.option("--limit", "limits", multiple=True, metavar="L", help="12mm or 1% of drift, 0.5g; may be repeated.")
-@click.option("--height", metavar="H", help="Of the storeys, such as 3m, for a limit in per cent.")
-@click.option("--intensity", type=click.Choice(["pga", "sa", "scale"]), default="pga", help="[default: pga]")
 @click.option(
     "--out", type=click.Path(path_type=Path), help="An .h5 file, taken up where it stopped; with --shard a folder."
 )
@@ -40,9 +41,7 @@ if TYPE_CHECKING:
 def command(
     context: click.Context,
     request: EnsembleRequest,
-    limits: tuple[str, ...],
-    height: str | None,
-    intensity: str,
+    options: EnsembleOptions,
     out: Path | None,
     part: str | None,
     collect: Path | None,
@@ -58,20 +57,18 @@ def command(
     CARD is a damper's card or the name of a published damper; without it that of Raminelli (2020) is taken.
     Every damper runs at every input under every motion at every scale.
     """
-    wanted = tuple(limit(text, height) for text in limits)
-    if height is not None and all(one.height is None for one in wanted):
-        raise InputError("--height belongs to a limit in per cent; give --limit 1%, or leave --height out")
+    options.checked_limits()
     if sum(each is not None for each in (part, collect, read)) > 1:
         raise InputError("--shard, --collect and --read exclude each other; give one of them")
     if part is not None:
-        if wanted or report:
+        if options.limits or report:
             raise InputError("a part alone has no results yet; give --limit and --report with --collect")
-        _write_part(request, part, out, workers, as_json)
+        _write_part(request, options, part, out, workers, as_json)
         return
     if collect is None and read is None:
-        result = _run(request, wanted, intensity, out, workers)
+        result = _run(request, options, out, workers)
     else:
-        result = _read(context, wanted, intensity, request.seed, out, collect, read)
+        result = _read(context, options, out, collect, read)
     if report:
         from dampyr.show.pages.ensemble_page import write_ensemble_page
 
@@ -83,13 +80,14 @@ def command(
         print_result(result)
 
 
-def _write_part(request: EnsembleRequest, text: str, out: Path | None, workers: int | None, as_json: bool) -> None:
-    from dampyr.structures import write_part
-    from dampyr.structures.ensembles.ensemble_run import requested_cases
+def _write_part(
+    request: EnsembleRequest, options: EnsembleOptions, text: str, out: Path | None, workers: int | None, as_json: bool
+) -> None:
+    from dampyr.structures import ensemble_cases, write_part
 
     if out is None:
         raise InputError("--shard writes its part into a folder; name it with --out")
-    what = requested_cases(*request.models(), request.options())
+    what = ensemble_cases(**request.cases(options))
     with counting() as progress, ThreadPoolExecutor(workers) as pool:
         path = write_part(what, *shard(text), out, pool, progress)
     if as_json:
@@ -99,40 +97,31 @@ def _write_part(request: EnsembleRequest, text: str, out: Path | None, workers: 
 
 
 def _read(
-    context: click.Context,
-    limits: tuple[Limit, ...],
-    intensity: str,
-    seed: int,
-    out: Path | None,
-    collect: Path | None,
-    read: Path | None,
+    context: click.Context, options: EnsembleOptions, out: Path | None, collect: Path | None, read: Path | None
 ) -> EnsembleResult:
     from dampyr import structures
 
     if collect is not None:
         refuse_cases(context, "--collect")
-        dataset = structures.collect(collect, out)
+        result = structures.collect(collect, out)
     else:
         assert read is not None
         refuse_cases(context, "--read")
         if out is not None:
             raise InputError("--read takes a finished file and --out writes one; give one of the two")
-        dataset = structures.read_ensemble(read)
-    return structures.evaluate_ensemble(dataset, limits, intensity, seed)
+        result = structures.read_ensemble(read)
+    return result.evaluated(options.limits, options.height, options.intensity, options.seed)
 
 
-def _run(
-    request: EnsembleRequest, limits: tuple[Limit, ...], intensity: str, out: Path | None, workers: int | None
-) -> EnsembleResult:
-    from dampyr.structures import run_ensemble
-    from dampyr.structures.ensembles.ensemble_run import requested_cases
+def _run(request: EnsembleRequest, options: EnsembleOptions, out: Path | None, workers: int | None) -> EnsembleResult:
+    from dampyr.structures import ensemble, ensemble_cases
     from dampyr.structures.ensembles.store import progress_of
 
-    models, options = request.models(), request.options(limits, intensity)
+    given = request.cases(options)
     done, shards = progress_of(out) if out is not None else (0, 0)
     before = 0
     if done:
         click.echo(f"{out}: {done} of {shards} shards are there; going on with the others", err=True)
-        before = requested_cases(*models, options).size * done // shards
-    with counting(before) as progress, findings_below():
-        return run_ensemble(*models, options, progress, out, workers)
+        before = ensemble_cases(**given).size * done // shards
+    with counting(before) as progress, findings_below(), ThreadPoolExecutor(workers) as pool:
+        return ensemble(**given, executor=pool, out=out, progress=progress)

@@ -3,34 +3,39 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from dampyr.cli._control import (
     control_option,
     damper_of,
-    inputs_for,
+    inputs_by_kind,
     place_of,
     structure_of,
     structure_option,
     temperature_option,
 )
 from dampyr.cli._examples import examples
-from dampyr.cli._motion import Ground, after_option, motion_options
+from dampyr.cli._motion import Ground, motion_options
+from dampyr.cli._options import OptionsCommand
 from dampyr.cli._output import as_json_option, details_option, findings_below, print_json, print_result, state_origin
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
     from dampyr.models import Damper
+    from dampyr.structures import RespondOptions
 
 
 @click.command(
+    cls=OptionsCommand,
+    options={"options": "dampyr.structures:RespondOptions"},
+    first=7,
     epilog=examples(
         "dampyr simulate damper.toml --voltage 0 --voltage 1.98 --report building.html",
         "dampyr simulate --control on_off:low=0,high=1.98",
-    )
+    ),
 )
 @click.argument("card", required=False, type=click.Path(path_type=Path))
 @structure_option
@@ -40,21 +45,9 @@ if TYPE_CHECKING:
 @control_option
 @click.option("--storey", type=int, help="Where the damper stands; i joins floors i-1 and i.  [default: 1]")
 @click.option("--between", nargs=2, metavar="I J", help="Two floors that the damper joins instead; 0 is the ground.")
-@click.option("--brace", type=float, metavar="N/M", help="Stiffness of a brace in series with the damper.")
-@click.option(
-    "--draws",
-    type=int,
-    default=0,
-    metavar="N",
-    help="90 % intervals of the peaks, from N dampers of the card's covariance.",
-)
-@click.option("--seed", default=1, show_default=True, help="Of the drawn dampers.")
 @click.option("--motion", type=click.Path(path_type=Path), help="A ground motion file; without it El Centro 1940.")
 @motion_options
-@after_option
 @temperature_option
-@click.option("--without", multiple=True, metavar="PART", help="Leave out a part, such as delay where it is the rig's.")
-@click.option("--allow-extrapolation", is_flag=True, help="Take inputs outside the calibrated range.")
 @report_options()
 @details_option
 @as_json_option
@@ -69,15 +62,10 @@ def command(
     controls: tuple[str, ...],
     storey: int | None,
     between: tuple[str, str] | None,
-    brace: float | None,
-    draws: int,
-    seed: int,
+    options: RespondOptions,
     motion: Path | None,
     ground: Ground,
-    after: float,
     temperature: float | None,
-    without: tuple[str, ...],
-    allow_extrapolation: bool,
     report: Path | None,
     details: bool,
     as_json: bool,
@@ -89,26 +77,16 @@ def command(
     CARD is a damper's card or the name of a published damper; without it that of Raminelli (2020) is taken.
     The case without damper always comes first, then one case per --voltage (or --current).
     """
-    from dampyr import structures
+    from dampyr.structures import respond
 
     building = structure_of(structure)
     if without_damper:
         _refuse_damper(context)
-    damper = None if without_damper else damper_of(card, temperature, allow_extrapolation)
-    options = structures.SimulateOptions(
-        inputs=() if damper is None else inputs_for(damper, voltages, currents, controls),
-        laws=controls,
-        place=place_of(storey, between),
-        brace=brace,
-        without=without,
-        allow_extrapolation=allow_extrapolation,
-        after=after,
-        bare=without_damper,
-        draws=draws,
-        seed=seed,
-    )
+    damper = None if without_damper else damper_of(card, temperature, options.allow_extrapolation)
+    dampers = None if damper is None else {place_of(storey, between): damper}
+    inputs: dict[str, Any] = {"voltage": []} if damper is None else inputs_by_kind(damper, voltages, currents, controls)
     with findings_below():
-        result = structures.simulate(building, ground.motion(motion), damper, options)
+        result = respond(building, ground.motion(motion), dampers, **inputs, options=options)
     if report:
         from dampyr.show.pages.response_page import write_response_page
 

@@ -10,11 +10,13 @@ from pydantic import BaseModel, ConfigDict, Field
 from dampyr import ground_motions, registry, structures
 from dampyr.console import safe_paths
 from dampyr.console.dampers import CARDS
+from dampyr.console.option_schemas import request_of
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.ground_motions.motion_files import REGISTRY as FORMATS
-from dampyr.structures import EnsembleOptions, Limit, SimulateOptions
-from dampyr.structures.ensembles.ensemble_run import SYNTHETIC_DURATION, SYNTHETIC_PGA, synthetic_motions
+from dampyr.ground_motions.synthetic import SYNTHETIC_DURATION, SYNTHETIC_PGA, synthetic_motions
+from dampyr.models import Damper
+from dampyr.structures import EnsembleOptions, RespondOptions
 from dampyr.studies import THESIS, available_structures, load_structure
 
 MOTIONS, STRUCTURES = "motions", "structures"
@@ -22,8 +24,10 @@ MOTION_SUFFIXES = tuple(suffix for _, module in registry.members(FORMATS) for su
 
 Positive = Annotated[float, Field(ge=1e-6, le=1e15, allow_inf_nan=False)]  # beyond, sums of squares overflow
 
-# Longer than the free vibration of any building: 60 s at a period of 2 s and 2 % of damping leave 1/40 of it.
-Rest = Annotated[float, Field(ge=0, le=120, allow_inf_nan=False, description="s of rest after the record.")]
+# Of rest after the record, longer than the free vibration of any building: 60 s at a period of 2 s and 2 % of damping leave
+# 1/40 of it; of drawn dampers, as each computes all cases again.
+HIGHEST = {"after": 120, "draws": 100, "seed": 2**31}
+LIMITS = {"limits": ("12mm",)}  # the page shows a fragility curve in any case
 
 
 class Strict(BaseModel):
@@ -104,54 +108,35 @@ class DamperRequest(Strict):
     storey: int = Field(default=1, ge=1, le=40)
     inputs: list[Annotated[float, Field(allow_inf_nan=False)]] = Field(default=[], max_length=6)
     laws: list[Annotated[str, Field(max_length=40)]] = Field(default=[], max_length=5)
-    allow_extrapolation: bool = False
 
-    def fields(self) -> dict[str, Any]:
-        """The fields that the options of both jobs share."""
-        return {
-            "inputs": tuple(self.inputs),
-            "laws": tuple(self.laws),
-            "place": self.storey,
-            "allow_extrapolation": self.allow_extrapolation,
-        }
+    def inputs_by_kind(self, damper: Damper) -> dict[str, Any]:
+        """The argument ``voltage`` or ``current`` of a response: the numbers, then the control laws."""
+        if not self.inputs and not self.laws:
+            raise InputError("no input and no control law is given; give one or more")
+        laws = [structures.law_of(text, damper) for text in self.laws]
+        return {"voltage" if damper.input == "V" else "current": [*self.inputs, *laws]}
 
 
-class ResponseRequest(Strict):
+class ResponseRequest(request_of(RespondOptions, highest=HIGHEST), Strict):  # type: ignore[misc]
     """A building in an earthquake: without damper, and with one at each input."""
 
     building: BuildingRequest = BuildingRequest()
     motion: MotionRequest = MotionRequest()
     damper: DamperRequest = DamperRequest(inputs=[0.0, 1.98])
-    after: Rest = 0.0
-
-    def options(self) -> SimulateOptions:
-        """The options of `dampyr.structures.simulate`."""
-        return SimulateOptions(**self.damper.fields(), after=self.after)
 
 
-class EnsembleRequest(Strict):
-    """Many motions at many scales, and how likely a limit is exceeded."""
+class EnsembleRequest(request_of(EnsembleOptions, usual=LIMITS, highest=HIGHEST), Strict):  # type: ignore[misc]
+    """Many motions at many scales, without damper and with one at each input, and how likely limits are exceeded."""
 
     building: BuildingRequest = BuildingRequest()
     motion: MotionRequest = MotionRequest(kind="kanai_tajimi")
     damper: DamperRequest = DamperRequest(inputs=[0.0, 1.98])
     motions: int = Field(default=20, ge=1, le=400, description="How many synthetic motions; other kinds are one.")
     scales: list[Positive] = Field(default=[0.5, 1.0, 1.5, 2.0, 2.5, 3.0], min_length=1, max_length=40)
-    quantity: Literal["drift", "acceleration"] = "drift"
-    limit: Positive = Field(default=0.012, description="m of drift, or m/s2.")
-    after: Rest = 0.0
-    seed: int = Field(default=1, ge=0, le=2**31)
 
-    def options(self) -> EnsembleOptions:
-        """The options of `dampyr.structures.run_ensemble`."""
-        return EnsembleOptions(
-            **self.damper.fields(),
-            bare=True,
-            seed=self.seed,
-            scales=tuple(self.scales),
-            limits=(Limit(self.quantity, self.limit),),
-            after=self.after,
-        )
+    def synthetic_or_one(self, data: Path) -> list[GroundMotion]:
+        """The motions, synthetic ones by the seed of the ensemble."""
+        return self.motion.model_copy(update={"seed": self.seed}).motions(data, self.motions)
 
 
 def files_read(data: Path, request: ResponseRequest | EnsembleRequest) -> list[Path]:

@@ -82,25 +82,22 @@ def accept_command(request: Any) -> str:
 def response_command(request: ResponseRequest) -> str:
     """As ``dampyr simulate``."""
     words = [*_damper(request.damper), *_structure(request.building), *_motion(request.motion)]
-    words += _options(request, after="--after")
+    words += command_words(request.options())
     return _command("simulate", *words, note=_only_here(request))
 
 
 def ensemble_command(request: EnsembleRequest) -> str:
     """As ``dampyr ensemble``."""
     scales = ["--scale", ",".join(f"{scale:g}" for scale in request.scales)]
-    limit = f"{1e3 * request.limit:g}mm" if request.quantity == "drift" else f"{request.limit:g}m/s^2"
     words = [*_damper(request.damper), *_structure(request.building), *_motions(request.motion, request.motions)]
-    words += [*scales, "--limit", limit, "--without-damper", *_options(request, after="--after", seed="--seed")]
+    words += [*scales, "--without-damper", *command_words(request.options())]
     return _command("ensemble", *words, note=_building(request.building))
 
 
 def _damper(request: DamperRequest) -> list[str]:
     inputs = [word for value in request.inputs for word in ("--voltage", f"{value:g}")]
     laws = [word for law in request.laws for word in ("--control", law)]
-    return [
-        request.name, *inputs, *laws, *_options(request, storey="--storey", allow_extrapolation="--allow-extrapolation")
-    ]  # fmt: skip
+    return [request.name, *inputs, *laws, *_options(request, storey="--storey")]
 
 
 def _structure(request: BuildingRequest) -> Sequence[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from functools import partial
 from typing import Annotated, Any, ClassVar
 
@@ -26,10 +27,22 @@ class OptionsRequest(BaseModel):
         return self.OPTIONS(**{name: getattr(self, name) for name in names}, **others)
 
 
-def request_of(cls: type[Options], leave_out: tuple[str, ...] = ()) -> Any:
-    """The class of requests that hold a value for each option of ``cls``: a base for those that hold records, too."""
+def request_of(
+    cls: type[Options],
+    leave_out: tuple[str, ...] = (),
+    usual: Mapping[str, Any] | None = None,
+    highest: Mapping[str, float] | None = None,
+) -> Any:
+    """The class of requests that hold a value for each option of ``cls``: a base for those that hold records, too.
+
+    ``usual`` values stand in the place of those of ``cls``, and ``highest`` ones limit what a server computes.
+    """
+    defaults, limits = usual or {}, highest or {}
     fields = {
-        option.name: (_type(option), Field(default=_plain(option.default), description=_description(option)))
+        option.name: (
+            _type(option, limits.get(option.name, math.inf)),
+            Field(default=_plain(defaults.get(option.name, option.default)), description=_description(option)),
+        )
         for option in options_of(cls)
         if option.name not in leave_out
     }
@@ -47,17 +60,19 @@ def _number(option: Option, value: Any) -> Any:
     return in_si(value, option.unit, option.name) if isinstance(value, str) and value[-1:].isalpha() else value
 
 
-def _type(option: Option) -> Any:
+def _type(option: Option, limit: float = math.inf) -> Any:
     single: Any = option.kind
     if option.kind is str:
         single = Annotated[str, Field(max_length=MAX_TEXT)]
     elif option.quantity is not None:
-        low, high = option.quantity.low, option.quantity.high
+        low, high = option.quantity.low, min(option.quantity.high, limit)
         bounds: dict[str, Any] = {"le": high} if math.isfinite(high) else {}
         bounds |= {"gt" if option.quantity.open_low else "ge": low} if math.isfinite(low) else {}
         bounds |= {"allow_inf_nan": False} if option.kind is float else {}
         with_unit = [BeforeValidator(partial(_number, option))] if option.kind is float else []
         single = Annotated[option.kind, Field(**bounds), *with_unit]
+        if option.choices and option.kind is float:
+            single = single | Annotated[str, Field(max_length=MAX_TEXT)]
     if option.several:
         single = Annotated[list[single], Field(max_length=MAX_ITEMS)]
     elif option.pairs:
@@ -70,8 +85,14 @@ def _description(option: Option) -> str:
     return f"{option.words}: {option.values(si=True)}."
 
 
-def form_of(cls: type[Options], leave_out: tuple[str, ...] = ()) -> list[dict[str, Any]]:
-    """What the page makes a form of: a control for each option, with its usual value; numbers in SI, and how they are shown."""
+def form_of(
+    cls: type[Options], leave_out: tuple[str, ...] = (), usual: Mapping[str, Any] | None = None
+) -> list[dict[str, Any]]:
+    """What the page makes a form of: a control for each option, with its usual value; numbers in SI, and how they are shown.
+
+    ``usual`` is as that of `request_of`.
+    """
+    defaults = usual or {}
     return [
         {
             "name": option.name,
@@ -83,7 +104,7 @@ def form_of(cls: type[Options], leave_out: tuple[str, ...] = ()) -> list[dict[st
             "for_all": option.for_all,
             "optional": option.optional,
             "choices": None if option.choices is None else list(option.choices.items()),
-            "default": option.default,
+            "default": defaults.get(option.name, option.default),
             "unit": option.shown_in,
             "factor": option.factor,
             "group": option.group,

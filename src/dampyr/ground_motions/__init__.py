@@ -29,7 +29,7 @@ from dampyr.ground_motions.motion_files import available_formats, read
 from dampyr.ground_motions.resampling import resampled
 from dampyr.ground_motions.response_spectrum import STANDARD_PERIODS, Spectrum, spectrum
 from dampyr.ground_motions.soils import FIRM, MEDIUM, SOFT, Soil
-from dampyr.ground_motions.synthetic import kanai_tajimi
+from dampyr.ground_motions.synthetic import kanai_tajimi, synthetic_motions
 
 __all__ = [
     "GroundMotion",
@@ -56,6 +56,7 @@ __all__ = [
     "followed_by_rest",
     "end_in_words",
     "kanai_tajimi",
+    "synthetic_motions",
     "Soil",
     "FIRM",
     "MEDIUM",

@@ -20,6 +20,7 @@ from dampyr.errors import InputError
 from dampyr.ground_motions.envelopes import RisePlateauDecay
 from dampyr.ground_motions.motion import GroundMotion
 from dampyr.ground_motions.soils import FIRM, Soil
+from dampyr.units import STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
 Envelope = Callable[[Array, float], Array]
@@ -27,6 +28,9 @@ Envelope = Callable[[Array, float], Array]
 DECAYED = 1e-4  # of a filter's free motion: too little for a visible jump where the motion is cut
 LEAD = 16  # steps before the shaking, in which what rings ahead of it fits
 DEFAULT_ENVELOPE = RisePlateauDecay()
+SYNTHETIC_DT = 0.01  # s: 100 samples a second, the rate of many accelerographs
+SYNTHETIC_DURATION = 20.0  # s, about the strong part of El Centro 1940
+SYNTHETIC_PGA = 0.3 * STANDARD_GRAVITY  # m/s2, a strong motion
 
 
 def kanai_tajimi(
@@ -75,6 +79,13 @@ def kanai_tajimi(
     made = f"synthetic, Kanai-Tajimi with Clough-Penzien high-pass, {soil}, {_words(envelope)}, {strength}, PCG64 seed {seed}"
     motion = GroundMotion(values, dt, name=f"Kanai-Tajimi {seed}", source=made)
     return motion if pga is None else motion.changed(values * (pga / motion.pga), f"scaled by {pga / motion.pga:.12g}")
+
+
+def synthetic_motions(
+    count: int, seed: int = 1, duration: float = SYNTHETIC_DURATION, pga: float = SYNTHETIC_PGA
+) -> list[GroundMotion]:
+    """``count`` synthetic motions [s, m/s2] by Kanai and Tajimi, each by its own seed (``seed``, k), k from 1."""
+    return [kanai_tajimi(duration, SYNTHETIC_DT, (seed, k), pga=pga) for k in range(1, count + 1)]
 
 
 def _generator(seed: int | Sequence[int]) -> np.random.Generator:

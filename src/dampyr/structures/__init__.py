@@ -4,26 +4,20 @@
 damper stands in a storey or between any two floors, ``{(0, 2): damper}``, and one alone in storey 1. ``two_storey()``
 is the building of chapter 5, ``Building(M, C, K)``, ``shear_building``, ``single_mass``, ``quarter_car`` and
 ``condense`` make others, ``load`` reads one from a TOML file, ``state_space`` writes one as matrices. ``control_law``
-makes a law that sets an input in the place of a number. ``ensemble`` runs the outer product of buildings, dampers,
-inputs, motions and scales, and returns the peaks; ``fragility`` and ``incremental`` evaluate them, ``write_part`` and
-``collect`` divide the work for a batch system.
+makes a law that sets an input in the place of a number; a list of inputs gives `Responses`, a case for each.
+``ensemble`` runs the outer product of buildings, dampers, inputs, motions and scales, and returns the peaks;
+``fragility`` and ``incremental`` evaluate them, ``write_part`` and ``collect`` divide the work for a batch system.
 """
 
 from dampyr.structures.building import Building, Condensed, condense
-from dampyr.structures.control_laws import available_control_laws, control_law
+from dampyr.structures.building_options import EnsembleOptions, RespondOptions
+from dampyr.structures.control_laws import available_control_laws, control_law, law_of
 from dampyr.structures.ensembles.ensemble import ensemble
 from dampyr.structures.ensembles.ensemble_grid import cases as ensemble_cases
-from dampyr.structures.ensembles.ensemble_run import (
-    EnsembleOptions,
-    EnsembleResult,
-    Limit,
-    evaluate_ensemble,
-    run_ensemble,
-)
+from dampyr.structures.ensembles.ensemble_result import EnsembleResult, read_ensemble
 from dampyr.structures.ensembles.fragility import Curve, Fragility, fragility
 from dampyr.structures.ensembles.incremental import Incremental, Sweep, incremental
 from dampyr.structures.ensembles.job_array import collect, write_part
-from dampyr.structures.ensembles.store import read_ensemble
 from dampyr.structures.ensembles.summary import summary
 from dampyr.structures.raminelli_2020_building import two_storey, two_storey_model
 from dampyr.structures.shear import shear_building, single_mass
@@ -31,7 +25,7 @@ from dampyr.structures.structure_file import load
 from dampyr.structures.time_history.modal_coordinates import refined
 from dampyr.structures.time_history.respond import respond
 from dampyr.structures.time_history.response import Energy, Response
-from dampyr.structures.time_history.simulate import Simulated, SimulateOptions, simulate
+from dampyr.structures.time_history.responses import Responses
 from dampyr.structures.time_history.state_space import StateSpace, state_space
 from dampyr.structures.vehicle import quarter_car, road
 
@@ -50,15 +44,12 @@ __all__ = [
     "respond",
     "control_law",
     "available_control_laws",
-    "simulate",
-    "SimulateOptions",
-    "Simulated",
-    "run_ensemble",
-    "evaluate_ensemble",
+    "law_of",
+    "RespondOptions",
+    "Responses",
+    "ensemble",
     "EnsembleOptions",
     "EnsembleResult",
-    "Limit",
-    "ensemble",
     "ensemble_cases",
     "read_ensemble",
     "summary",

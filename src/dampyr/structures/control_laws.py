@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr import registry
+from dampyr import registry, units
 from dampyr.errors import InputError
 from dampyr.models.codegen.formula import read
 from dampyr.models.part import quantities
@@ -61,6 +61,32 @@ def control_law(name: str, **settings: Any) -> Any:
     law = cls(**{key: _number(name, allowed[key], value) for key, value in settings.items()})
     _check_order(law)
     return law
+
+
+def law_of(text: str, damper: Any) -> Any:
+    """The control law written as ``on_off:lag=10ms,high=3``, over the damper's calibrated range unless it gives low and high.
+
+    Several weights are parted by slashes, ``lyapunov:weights=1/2/3/4``.
+    """
+    name, _, rest = text.partition(":")
+    low, high = damper.range
+    settings: dict[str, Any] = {"low": low, "high": high}
+    for part in rest.split(",") if rest else []:
+        key, equals, value = (word.strip() for word in part.partition("="))
+        if not equals:
+            raise InputError(
+                f"control law {text!r}: {part!r} is not a setting; write it as in on_off:period=0.01,lag=0.005"
+            )
+        settings[key] = value.split("/") if key == "weights" else _value_of_text(key, value)
+    return control_law(name, **settings)
+
+
+def _value_of_text(key: str, value: str) -> Any:
+    """A number in SI units, or for a time one with its unit, ``5ms``; what is neither is left to the law to refuse."""
+    try:
+        return float(value)
+    except ValueError:
+        return units.parse(value, "s") if key in ("period", "lag") else value
 
 
 def _class(module: ModuleType) -> type:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from typing import Any
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError
 from dampyr.models.damper import INPUTS
 from dampyr.structures.building import Building
+from dampyr.structures.building_options import InstallationOptions
 from dampyr.structures.control_laws import is_control_law, values_at
 from dampyr.units import in_si
 
@@ -53,11 +54,11 @@ class Site:
             return np.asarray(self.damper.values(u, static=False, allow_extrapolation=True))
 
 
-def warn_of_parts(sites: Iterable[Site]) -> None:
+def warn_of_parts(sites: Iterable[Site], stacklevel: int = 3) -> None:
     """Warn of dampers with parts that are not for a building."""
     for note in dict.fromkeys(site.composition.not_for_buildings for site in sites):
         if note:
-            warnings.warn(note, DampyrWarning, stacklevel=3)
+            warnings.warn(note, DampyrWarning, stacklevel=stacklevel)
 
 
 def make_sites(
@@ -98,6 +99,39 @@ def placement(dampers: Any) -> Mapping[Any, Any]:
             "to damper, such as {1: damper}"
         )
     return {1: dampers}
+
+
+def installed(placed: Mapping[Any, Any], options: InstallationOptions) -> Mapping[Any, Any]:
+    """The dampers of a placement without the parts that are left out, on the brace where there is one."""
+
+    def change(damper: Any) -> Any:
+        rest = damper.without(*options.without)
+        return rest if options.brace is None else rest.on_brace(options.brace)
+
+    return with_each(placed, change) if options.without or options.brace is not None else placed
+
+
+def drawn_placements(placed: Mapping[Any, Any], count: int, seed: int) -> list[Mapping[Any, Any]]:
+    """``count`` placements of dampers that are drawn by the seed; a damper that stands in several places is the same in all."""
+    different = {id(damper): damper for _, damper in places_and_dampers(placed)}
+    draws = [damper.draws(count, seed + k) for k, damper in enumerate(different.values())]
+    drawn = [dict(zip(different, dampers, strict=True)) for dampers in zip(*draws, strict=True)]
+
+    def with_draws(by_damper: Mapping[int, Any]) -> Mapping[Any, Any]:
+        return with_each(placed, lambda damper: by_damper[id(damper)])
+
+    return [with_draws(by_damper) for by_damper in drawn]
+
+
+def with_each(placed: Mapping[Any, Any], change: Callable[[Any], Any]) -> Mapping[Any, Any]:
+    """A placement with what ``change`` makes of each damper."""
+    wrong = next((each for _, each in places_and_dampers(placed) if not _is_damper(each)), None)
+    if wrong is not None:
+        raise InputError(f"a place holds a {type(wrong).__name__}; put a dampyr.models.Damper there")
+    return {
+        where: [change(damper) for damper in entry] if isinstance(entry, list | tuple) else change(entry)
+        for where, entry in placed.items()
+    }
 
 
 def places_and_dampers(placed: Mapping[Any, Any]) -> list[tuple[Any, Any]]:
@@ -199,7 +233,7 @@ def _input(there: Any, damper: Any, voltage: Any, current: Any) -> Any:
     if not isinstance(value, int | float | np.number) or not math.isfinite(value):
         raise InputError(
             f"{INPUTS[kind]} = {value!r} {describe_place(there)} is not a finite number; write a constant in {kind}, or a "
-            'control law, such as control_law("on_off", high=...)'
+            'control law, such as control_law("on_off", high=...); several, to compare them, in a list'
         )
     return float(value)
 

@@ -35,7 +35,7 @@ from dampyr.show.pages.blocks import FigureBlock, Section, Text, to_look_at
 from dampyr.show.pages.fit_sections import fit_blocks
 from dampyr.show.pages.html_page import page, write_page
 from dampyr.show.table import Table
-from dampyr.structures import Simulated
+from dampyr.structures import Responses
 
 Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]
@@ -95,9 +95,9 @@ class Demo:
         return self.fit.origin
 
     @property
-    def simulated(self) -> Simulated:
-        """The responses as `dampyr.structures.simulate` gives them."""
-        return Simulated("two-storey building", "El Centro", "V", self.responses)
+    def of_building(self) -> Responses:
+        """The responses as `dampyr.structures.respond` gives those of several inputs."""
+        return Responses("two-storey building", "El Centro", "V", self.responses)
 
     @property
     def card(self) -> Path:
@@ -111,7 +111,7 @@ class Demo:
             "origin": self.origin.as_dict(),
             "converged": self.fit.converged,
             "reason": self.fit.reason,
-            "findings": as_dicts(worst_first(self.fit.findings, self.simulated.findings)),
+            "findings": as_dicts(worst_first(self.fit.findings, self.of_building.findings)),
             "parameters": self.fit.parameters,
             "stderr": self.fit.stderr,
             "within_records_only": list(self.fit.within_records),
@@ -302,7 +302,7 @@ def _building(demo: Demo) -> Section:
                 "The static offset is left out. The motion exceeds the calibrated stroke and speed, so these are "
                 "extrapolations of the tests."
             ),
-            *to_look_at(demo.simulated.findings),
+            *to_look_at(demo.of_building.findings),
             Table(
                 (
                     "case",

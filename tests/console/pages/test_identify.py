@@ -115,13 +115,13 @@ def test_an_ensemble_gives_fragility(client, finished):
     request_body = {
         "motions": 6,
         "scales": [0.1 * k for k in range(1, 11)],
-        "limit": 0.012,
+        "limits": ["12mm"],
         "damper": {"inputs": [1.98]},
     }
     done = finished(client.post("/api/building/ensembles", json=request_body).json()["id"])
     assert done["state"] == "done", done["reason"]
     result = done["result"]
     assert result["cases"] == 6 * 10 * 2
-    medians = {row[0]: row[1] or row[5] for row in result["table"]["rows"]}
+    medians = {row[0]: row[1] or row[5] for row in result["fragilities"][0]["table"]["rows"]}
     assert list(medians) == ["no damper", "1.98 V"]
     assert medians["1.98 V"] is None or medians["1.98 V"] > medians["no damper"]

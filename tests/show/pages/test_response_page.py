@@ -12,15 +12,16 @@ from dampyr.show.figures.style import case_colours
 from dampyr.show.pages import response_page
 from dampyr.show.pages.blocks import FigureBlock
 from dampyr.show.pages.response_page import FINE, between_samples, write_response_page
-from dampyr.show.structures.simulate import floor_name
+from dampyr.show.structures.responses import floor_name
 
 
 @pytest.fixture(scope="module")
 def simulated():
     t = np.arange(0.0, 2.0, 0.02)
     motion = GroundMotion(2.0 * np.sin(2 * np.pi * 2.0 * t) * np.exp(-t), 0.02)
-    options = structures.SimulateOptions(inputs=(0.0, 1.98), laws=("on_off",))
-    return structures.simulate(structures.two_storey(), motion, studies.raminelli_2020.damper(), options)
+    damper = studies.raminelli_2020.damper()
+    inputs = [0.0, 1.98, structures.law_of("on_off", damper)]
+    return structures.respond(structures.two_storey(), motion, damper, voltage=inputs)
 
 
 @pytest.fixture

@@ -83,7 +83,9 @@ def test_it_is_what_a_stiff_integration_finds(walk, y, xi, n, c):
 def test_peaks_are_those_of_the_exact_state(n, sigma):
     def peaks():
         with ThreadPoolExecutor(1) as one:
-            return ensemble(two_storey(), el_centro(), damper(n, sigma), [0.0], [0.05, 1.0], one, quantities=("drift",))
+            return ensemble(
+                two_storey(), el_centro(), damper(n, sigma), [0.0], [0.05, 1.0], one, quantities=("drift",)
+            ).dataset
 
     dataset = peaks()
     with patch("dampyr.structures.ensembles.ensemble_batches.bouc_wen_branchless.is_vectorisable", lambda _: False):
@@ -95,7 +97,7 @@ def test_peaks_are_those_of_the_exact_state(n, sigma):
 @pytest.mark.prove  # its kernels take long to compile
 def test_strict_is_respond():
     motion, one = el_centro(), damper(1.5, 0.7)
-    dataset = ensemble(two_storey(), motion, one, [0.0], 1.0, accuracy="strict", quantities=("drift",))
+    dataset = ensemble(two_storey(), motion, one, [0.0], 1.0, accuracy="strict", quantities=("drift",)).dataset
     single = respond(two_storey(), motion, {1: one}, 0.0, accuracy="strict")
     np.testing.assert_allclose(dataset.drift.squeeze(), single.peak_drift, rtol=1e-3)
 

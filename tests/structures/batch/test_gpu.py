@@ -34,7 +34,7 @@ from dampyr.structures import ensemble, two_storey
 given = json.load(sys.stdin)
 motions = [GroundMotion(el_centro().acceleration[:n], 0.02) for n in (60, 40)]
 quantities = ("drift", "force", "energy")
-found = ensemble(two_storey(), motions, Damper(*given), [0.0], [1.0, 3.0], device="gpu", quantities=quantities)
+found = ensemble(two_storey(), motions, Damper(*given), [0.0], [1.0, 3.0], device="gpu", quantities=quantities).dataset
 print(json.dumps({q: found[q].values.tolist() for q in quantities}))
 """
 
@@ -49,7 +49,7 @@ def test_the_simulated_card_gives_what_the_processor_gives(name: str) -> None:
     )
     assert done.returncode == 0, done.stderr[-2000:]
     motions = [GroundMotion(el_centro().acceleration[:n], 0.02) for n in (60, 40)]
-    here = ensemble(two_storey(), motions, Damper(name, CARDS[name]), [0.0], [1.0, 3.0])
+    here = ensemble(two_storey(), motions, Damper(name, CARDS[name]), [0.0], [1.0, 3.0]).dataset
     for quantity, values in json.loads(done.stdout).items():
         np.testing.assert_allclose(
             values, here[quantity], rtol=5e-4
@@ -72,8 +72,8 @@ def test_a_card_gives_what_the_processor_gives(name: str) -> None:
     motions = [GroundMotion(el_centro().acceleration[:n], 0.02) for n in (300, 200)]
     quantities = ("drift", "displacement", "acceleration", "force", "energy")
     case = (two_storey(), motions, of(name), [0.0], [1.0, 3.0])
-    card = ensemble(*case, device="gpu", quantities=quantities)
-    processor = ensemble(*case, quantities=quantities)
+    card = ensemble(*case, device="gpu", quantities=quantities).dataset
+    processor = ensemble(*case, quantities=quantities).dataset
     for quantity in quantities:
         largest = float(np.max(processor[quantity]))
         np.testing.assert_allclose(card[quantity], processor[quantity], rtol=0, atol=2e-5 * largest)
@@ -95,5 +95,5 @@ def test_without_a_card_it_says_so() -> None:
 
 
 def test_a_device_that_there_is_not() -> None:
-    with pytest.raises(InputError, match="write 'cpu' or 'gpu'"):
+    with pytest.raises(InputError, match="choose from cpu, gpu"):
         ensemble(two_storey(), el_centro(), device="tpu")

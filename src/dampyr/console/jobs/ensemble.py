@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +15,14 @@ from dampyr.console.dampers import damper_of
 from dampyr.console.equivalent_commands import ensemble_command
 from dampyr.console.jobs import DATA, PAGE
 from dampyr.console.safe_paths import data_of
+from dampyr.show.figures.fragility import axis_of
 from dampyr.show.pages.ensemble_page import write_ensemble_page
 from dampyr.show.pages.how_made import made_by
-from dampyr.show.structures.ensemble_run import peak_table, trust
+from dampyr.show.structures.ensemble_result import peak_table, trust
 from dampyr.show.structures.fragility import comparisons, curve_table, limit_in_words
 from dampyr.show.table import Table
-from dampyr.structures import EnsembleResult, run_ensemble
+from dampyr.structures import EnsembleResult, Fragility
+from dampyr.structures import ensemble as run_ensemble
 from dampyr.to_json import plain
 
 BAND = 0.9  # of the bootstrap's curves, as on the page of ``dampyr ensemble --report``
@@ -28,14 +31,18 @@ BAND = 0.9  # of the bootstrap's curves, as on the page of ``dampyr ensemble --r
 def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], None]) -> dict[str, Any]:
     """``request`` is an `EnsembleRequest`."""
     parsed, data = EnsembleRequest(**request), data_of(folder)
-    result = run_ensemble(
-        parsed.building.building(data),
-        parsed.motion.motions(data, parsed.motions),
-        damper_of(data, parsed.damper.name),
-        parsed.options(),
-        lambda done, size: progress(f"{done} of {size} cases", 0.95 * done / size),
-        workers=max(1, (os.cpu_count() or 2) - 1),  # one core is left to the console and the rig
-    )
+    damper = damper_of(data, parsed.damper.name)
+    with ThreadPoolExecutor(max(1, (os.cpu_count() or 2) - 1)) as pool:  # one core is left to the console and the rig
+        result = run_ensemble(
+            parsed.building.building(data),
+            parsed.synthetic_or_one(data),
+            [None, {parsed.damper.storey: damper}],
+            **parsed.damper.inputs_by_kind(damper),
+            scales=parsed.scales,
+            executor=pool,
+            options=parsed.options(),
+            progress=lambda done, size: progress(f"{done} of {size} cases", 0.95 * done / size),
+        )
     progress("writing the page", 0.97)
     with made_by(ensemble_command(parsed), files_read(data, parsed)):
         write_ensemble_page(result, folder / PAGE)
@@ -44,19 +51,28 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
 
 def _summarise(result: EnsembleResult) -> dict[str, Any]:
     """What the page shows in its own form, besides the data."""
-    dataset, curves = result.dataset, result.curves[0]
+    dataset = result.dataset
     summary = {
         "notice": result.origin.notice,
         "cases": dataset.attrs["cases"],
-        "limit": limit_in_words(curves),
-        "motions": curves.motions,
+        "motions": dataset.sizes["motion"],
         "peaks": _as_columns(peak_table(dataset)),
-        "table": _as_columns(curve_table(curves)),
-        "remarks": comparisons(curves),
         "trust": [*(finding.sentence for finding in result.findings), *trust(dataset)],
-        "curves": [_curve(one) for one in curves.curves],
+        "fragilities": [_fragility(curves) for curves in result.curves],
     }
     return dict(plain(summary))
+
+
+def _fragility(curves: Fragility) -> dict[str, Any]:
+    """The curves of one limit."""
+    axis = axis_of(curves.intensity)
+    return {
+        "limit": limit_in_words(curves),
+        "axis": {"words": axis.words, "unit": axis.unit, "factor": axis.per_si},
+        "table": _as_columns(curve_table(curves)),
+        "remarks": comparisons(curves),
+        "curves": [_curve(one) for one in curves.curves],
+    }
 
 
 def _as_columns(table: Table) -> dict[str, Any]:
@@ -64,7 +80,7 @@ def _as_columns(table: Table) -> dict[str, Any]:
 
 
 def _curve(one: Any) -> dict[str, Any]:
-    """A curve over the peak ground acceleration, m/s2, with its band and what was counted."""
+    """A curve over the intensity, SI, with its band and what was counted."""
     x = np.linspace(0.0, float(one.levels.max()), 121)[1:]
     at, share, _ = one.shares()
     low, high = one.band(x, BAND) if one.exists else (None, None)

@@ -19,9 +19,10 @@ from dampyr.console.safe_paths import data_of
 from dampyr.ground_motions import end_in_words
 from dampyr.show.pages.how_made import made_by
 from dampyr.show.pages.response_page import write_response_page
-from dampyr.show.structures.simulate import truncation_note
-from dampyr.structures import Response, simulate
-from dampyr.structures.time_history.simulate import BARE
+from dampyr.show.structures.responses import truncation_note
+from dampyr.structures import Response
+from dampyr.structures import respond as respond_to
+from dampyr.structures.ensembles.store import BARE
 from dampyr.to_json import plain
 
 FRAMES = 900  # of the animation: 30 a second for half a minute
@@ -32,7 +33,14 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
     """``request`` is a `ResponseRequest`."""
     parsed, data = ResponseRequest(**request), data_of(folder)
     damper = damper_of(data, parsed.damper.name)
-    result = simulate(parsed.building.building(data), parsed.motion.motion(data), damper, parsed.options(), progress)
+    result = respond_to(
+        parsed.building.building(data),
+        parsed.motion.motion(data),
+        {parsed.damper.storey: damper},
+        **parsed.damper.inputs_by_kind(damper),
+        options=parsed.options(),
+        progress=progress,
+    )
     progress("writing the page", 0.95)
     with made_by(response_command(parsed), files_read(data, parsed)):
         write_response_page(result, folder / PAGE)

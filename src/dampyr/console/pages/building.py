@@ -11,14 +11,23 @@ from pydantic import BaseModel, Field
 
 from dampyr import structures
 from dampyr.console import safe_paths
-from dampyr.console.building_schemas import MOTION_SUFFIXES, MOTIONS, STRUCTURES, EnsembleRequest, ResponseRequest
+from dampyr.console.building_schemas import (
+    LIMITS,
+    MOTION_SUFFIXES,
+    MOTIONS,
+    STRUCTURES,
+    EnsembleRequest,
+    ResponseRequest,
+)
 from dampyr.console.dampers import CARDS, DamperLink, damper_of, list_dampers
 from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import CURVES, PAGE
 from dampyr.console.limits import READING
+from dampyr.console.option_schemas import form_of
 from dampyr.console.state import Here
 from dampyr.errors import MissingData
-from dampyr.structures.time_history.simulate import all_inputs
+from dampyr.options import options_of
+from dampyr.structures.building_options import InstallationOptions
 from dampyr.studies import THESIS, available_structures
 
 TITLE, ORDER = "Building", 50
@@ -34,6 +43,9 @@ class Choices(BaseModel):
     laws: list[str]
     motions: list[str]
     structures: list[str] = Field(description="Published ones by name; files by their path, structures/NAME.toml.")
+    shared_options: list[dict[str, Any]] = Field(description="Those of a response and of an ensemble.")
+    response_options: list[dict[str, Any]]
+    ensemble_options: list[dict[str, Any]]
 
 
 @router.get("/choices")
@@ -43,8 +55,15 @@ async def list_choices(here: Here, request: Request) -> Choices:
     motions = safe_paths.files(here.data / MOTIONS, MOTION_SUFFIXES)
     files = [f"{STRUCTURES}/{name}" for name in safe_paths.files(here.data / STRUCTURES, (".toml",))]
     offered = [name for name in available_structures() if name != THESIS]
+    shared = tuple(option.name for option in options_of(InstallationOptions))
     return Choices(
-        dampers=links, laws=structures.available_control_laws(), motions=motions, structures=[*offered, *files]
+        dampers=links,
+        laws=structures.available_control_laws(),
+        motions=motions,
+        structures=[*offered, *files],
+        shared_options=form_of(InstallationOptions),
+        response_options=form_of(structures.RespondOptions, shared),
+        ensemble_options=form_of(structures.EnsembleOptions, shared, LIMITS),
     )
 
 
@@ -89,8 +108,10 @@ def _check(data: Any, request: ResponseRequest | EnsembleRequest) -> None:
     request.building.building(data)
     if request.motion.kind == "file":
         request.motion.motion(data)
-    options, damper = request.options(), damper_of(data, request.damper.name)
-    all_inputs(damper, options.inputs, options.laws)
+    options = request.options()
+    if isinstance(request, EnsembleRequest):
+        options.checked_limits()
+    request.damper.inputs_by_kind(damper_of(data, request.damper.name))
 
 
 def _inputs(request: ResponseRequest | EnsembleRequest) -> str:

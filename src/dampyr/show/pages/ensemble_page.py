@@ -14,9 +14,9 @@ from dampyr.show.figures.style import case_colours
 from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text, to_look_at
 from dampyr.show.pages.fragility_section import fragility_section
 from dampyr.show.pages.html_page import page, write_page
-from dampyr.show.structures.ensemble_run import peak_table, trust
+from dampyr.show.structures.ensemble_result import peak_table, trust
 from dampyr.structures import EnsembleResult, Fragility, Incremental, incremental
-from dampyr.structures.time_history.simulate import BARE
+from dampyr.structures.ensembles.store import BARE
 
 FRACTIONS = (0.16, 0.5, 0.84)  # the median, and one standard deviation of a normal distribution to each side
 MARGIN = 1.2  # how far a figure reaches, in the largest 84 % fractile of all of them
@@ -25,10 +25,9 @@ MARGIN = 1.2  # how far a figure reaches, in the largest 84 % fractile of all of
 def write_ensemble_page(
     dataset: Any, path: str | Path, fragilities: Sequence[Fragility] = (), intensity: str = "pga", title: str = ""
 ) -> Path:
-    """Write the page of the result of `dampyr.structures.run_ensemble`.
+    """Write the page of the result of `dampyr.structures.ensemble`.
 
-    In place of a result, a dataset of `ensemble` or `read_ensemble` with its ``fragilities``, in the order of their figures,
-    will do.
+    In place of a result, its dataset with its ``fragilities``, in the order of their figures, will do.
     """
     if isinstance(dataset, EnsembleResult):
         dataset, fragilities, intensity = dataset.dataset, dataset.curves, dataset.intensity

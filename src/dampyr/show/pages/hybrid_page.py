@@ -18,7 +18,7 @@ from dampyr.show.figures.style import DISPLACEMENT
 from dampyr.show.hybrid.hybrid_result import outcome, peaks_table
 from dampyr.show.pages.blocks import FigureBlock, Section, Text, to_look_at
 from dampyr.show.pages.html_page import page, write_page
-from dampyr.show.structures.simulate import floor_name
+from dampyr.show.structures.responses import floor_name
 
 FORCES: Mapping[OriginKind, str] = {
     "measured": "The building was computed and its damper measured",

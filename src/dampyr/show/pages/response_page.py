@@ -17,7 +17,7 @@ from dampyr.show.figures.style import CURRENT, VOLTAGE, Axis, case_colours
 from dampyr.show.pages.blocks import FigureBlock, Section, Text, to_look_at
 from dampyr.show.pages.html_page import page, write_page
 from dampyr.show.structures.response import errors_in_words
-from dampyr.show.structures.simulate import (
+from dampyr.show.structures.responses import (
     WIDE,
     case_table,
     energy_table,
@@ -26,29 +26,29 @@ from dampyr.show.structures.simulate import (
     interval_table,
     outcome,
 )
-from dampyr.structures import Response, Simulated
-from dampyr.structures.time_history.simulate import BARE
+from dampyr.structures import Response, Responses
+from dampyr.structures.ensembles.store import BARE
 
 Array = NDArray[np.float64]
 STROKE = Axis("stroke", "mm", 1e3)
 FINE = 6  # points of a loop for each sample: some hundred in a turn of a stiff frame, which is smooth on paper
 
 
-def write_response_page(cases: Simulated | Mapping[str, Response], path: str | Path) -> Path:
-    """Write the page of the result of `dampyr.structures.simulate`, or of cases by name.
+def write_response_page(cases: Responses | Mapping[str, Response], path: str | Path) -> Path:
+    """Write the page of the responses of `dampyr.structures.respond` at several inputs, or of cases by name.
 
     It shows peaks, energies, the displacement of each floor and the damper's loops. All cases share one ground motion.
     """
-    simulated = cases if isinstance(cases, Simulated) else Simulated("", "", "", cases)
-    cases = simulated.cases
+    responses = cases if isinstance(cases, Responses) else Responses("", "", "", cases)
+    cases = responses.cases
     first = next(iter(cases.values()))
     colours = case_colours(cases, BARE if BARE in cases else None)
-    intervals = [interval_table(simulated)] if simulated.intervals else []
-    peaks = [case_table(simulated), *intervals, floor_table(simulated), energy_table(simulated)]
+    intervals = [interval_table(responses)] if responses.intervals else []
+    peaks = [case_table(responses), *intervals, floor_table(responses), energy_table(responses)]
     html = page(
         f"Response: {first.title}",
         [
-            Section("Peaks", [*to_look_at(simulated.findings), *peaks, Text("\n\n".join(outcome(simulated)))]),
+            Section("Peaks", [*to_look_at(responses.findings), *peaks, Text("\n\n".join(outcome(responses)))]),
             Section(
                 "The ground motion",
                 [FigureBlock(ground_motion(first.time, first.ground_acceleration), "As applied.")],
@@ -60,7 +60,7 @@ def write_response_page(cases: Simulated | Mapping[str, Response], path: str | P
         subtitle="; ".join(cases),
         provenance={name: _accuracy(r) for name, r in cases.items()},
         call=f"dampyr.show.pages.write_response_page(result, {Path(path).name!r})",
-        origin=simulated.origin,
+        origin=responses.origin,
     )
     return write_page(path, html)
 

@@ -17,11 +17,13 @@ from numpy.typing import ArrayLike
 
 from dampyr.errors import FindingWarning
 from dampyr.ground_motions import GroundMotion
-from dampyr.structures.batch.assemble import QUANTITIES
+from dampyr.options import takes
 from dampyr.structures.building import Building
+from dampyr.structures.building_options import EnsembleOptions
 from dampyr.structures.ensembles.ensemble_accuracy import doubts
 from dampyr.structures.ensembles.ensemble_batches import Shard, run_shard
 from dampyr.structures.ensembles.ensemble_grid import Cases, cases
+from dampyr.structures.ensembles.ensemble_result import EnsembleResult
 from dampyr.structures.ensembles.store import Store
 from dampyr.structures.sites import warn_of_parts
 
@@ -29,58 +31,67 @@ IN_FLIGHT = 4  # shards per worker that wait or run at a time: bounds the memory
 Progress = Callable[[int, int], None]
 
 
+@takes(EnsembleOptions)
 def ensemble(
     buildings: Building | Sequence[Building],
     motions: GroundMotion | Sequence[GroundMotion],
     dampers: Any = None,
-    voltages: Any = None,
+    voltage: Any = None,
     scales: ArrayLike = 1.0,
     executor: Executor | None = None,
+    options: EnsembleOptions | None = None,
     *,
-    currents: Any = None,
-    accuracy: str = "fast",
-    quantities: Sequence[str] = QUANTITIES,
-    precision: int = 64,
-    allow_extrapolation: bool = False,
-    device: str = "cpu",
-    after: float = 0.0,
+    current: Any = None,
     out: str | Path | None = None,
     progress: Progress | None = None,
-) -> Any:
-    """Peaks of the outer product, an ``xarray.Dataset`` with dims (building, damper, input, motion, scale, ...).
+    **keywords: Any,
+) -> EnsembleResult:
+    """Peaks of every building with every damper at every input under every motion at every scale, and fragility curves.
 
     Parameters
     ----------
-    buildings, motions : one or a list.
-    dampers : a damper (it stands in storey 1), a placement ``{storey: damper or list}``, None for the bare building, or a
-        list of these; ``damper.draws(n, seed)`` is such a list.
-    voltages, currents : the inputs, one or a list: numbers [V], [A], which are constant, and control laws
+    buildings, motions
+        one or a list.
+    dampers
+        a damper (it stands in storey 1), a placement ``{storey: damper or list}``, None for the bare building, or a list of
+        these; ``damper.draws(n, seed)`` is such a list, and ``draws`` makes one of each damper.
+    voltage, current
+        the inputs, one or several in a list or an array: numbers [V], [A], which are constant, and control laws
         (:func:`~dampyr.structures.control_laws.control_law`), whose cases run one by one. ``input_name`` tells them apart.
-    scales : factors of the motions, one or a list.
-    executor : anything with ``submit`` of :class:`concurrent.futures.Executor`; default: one thread per core (the kernels
-        need no lock). The numbers are the same to the last bit, on any executor.
-    accuracy : "fast" or "strict" (2.5 times as long; 10 times for dampers that stretch in series). Peak displacements and
-        drifts above 0.1 mm and 1 % of the largest of their case are good to 2 % with fast (0.1 % in the standard suite) and to
-        0.1 % with strict. Smaller ones have no bound: of a floor that a stuck damper locks to micrometres fast missed 9 %,
-        strict 0.7 %. Peak accelerations are less sharp. Under control laws the step of each case is halved until no decision
-        that hangs on it changes its peaks, as `respond` does for the same accuracy; ``attrs["unconverged"]`` counts the cases
-        that did not get there, where there are any.
-    quantities : which of displacement, drift [m], acceleration [m/s2] (absolute), force [N], stroke [m] and energy [J] (what
-        a damper took) are returned. Fewer are faster.
-    precision : 64 or 32 bits; 32 runs twice as fast and is good for about four digits.
-    device : "cpu", or "gpu" for a graphics card with CUDA (extra ``gpu``; buildings of up to two floors).
-    after : s of rest of the ground after every motion. Cases end with the record otherwise: a building that still swings
-        then may reach its peak later. Sa in the labels is of the motions with their rest.
-    out : write to this HDF5 file as shards are done; a run that was interrupted resumes where it stopped. Where a quantity has
+    scales
+        factors of the motions, one or a list.
+    executor
+        anything with ``submit`` of :class:`concurrent.futures.Executor`; default: one thread per core (the kernels need no
+        lock). The numbers are the same to the last bit, on any executor.
+    options
+        the further arguments as one object; those that are given by name take their places.
+    out
+        write to this HDF5 file as shards are done; a run that was interrupted resumes where it stopped. Where a quantity has
         more than 256 MB its values stay in the file and are read on access.
-    progress : called with the number of cases that are done and of all.
+    progress
+        called with the number of cases that are done and of all.
 
-    Peaks are those of the motion itself, between steps too. ``attrs`` hold the measured error, of all peaks
-    (``error_estimate``) and of those above the sizes above (``error_estimate_moving``), on how many cases it was measured
-    (``judged``: the hardest, and others at random), how many grew without bound (their peaks are NaN), and in ``outside`` how
-    many leave the calibrated displacement of a damper. A reduced structure is taken as `respond` takes it, and
-    ``truncation_error``, ``truncation_error_acceleration`` and ``truncation_error_force`` are how far displacements and drifts,
-    accelerations and forces of the judged cases lie from those with half as many coordinates.
+    Returns
+    -------
+    EnsembleResult
+        ``dataset``, an ``xarray.Dataset`` of the peaks with dims (building, damper, input, motion, scale, ...), and a fragility
+        curve for each of ``limits``. Quantities are displacement and drift [m], acceleration [m/s2] (absolute), force [N],
+        stroke [m] and energy [J].
+
+    Peaks are those of the motion itself, between steps too. Peak displacements and drifts above 0.1 mm and 1 % of the largest
+    of their case are good to 2 % with accuracy fast (0.1 % in the standard suite) and to 0.1 % with strict. Smaller ones have
+    no bound: of a floor that a stuck damper locks to micrometres fast missed 9 %, strict 0.7 %. Peak accelerations are less
+    sharp.
+    Under control laws the step of each case is halved until no decision that hangs on it changes its peaks, as `respond` does
+    for the same accuracy; ``attrs["unconverged"]`` counts the cases that did not get there, where there are any. Cases end with
+    the record, or ``after`` seconds later; Sa in the labels is of the motions with their rest.
+
+    ``attrs`` of the dataset hold the measured error, of all peaks (``error_estimate``) and of those above the sizes above
+    (``error_estimate_moving``), on how many cases it was measured (``judged``: the hardest, and others at random), how many
+    grew without bound (their peaks are NaN), and in ``outside`` how many leave the calibrated displacement of a damper. A
+    reduced structure is taken as `respond` takes it, and ``truncation_error``, ``truncation_error_acceleration`` and
+    ``truncation_error_force`` are how far displacements and drifts, accelerations and forces of the judged cases lie from those
+    with half as many coordinates.
 
     Raises :class:`~dampyr.errors.InputError` for a wrong argument before anything runs. Warns
     (:class:`~dampyr.errors.DampyrWarning`) of an error above the bound of the accuracy, and of dampers with a part that is not
@@ -92,32 +103,22 @@ def ensemble(
     >>> motions = [dp.ground_motions.kanai_tajimi(5.0, 0.01, seed=(7, k), pga=3.0) for k in range(1, 4)]
     >>> damper = dp.studies.raminelli_2020.damper()
     >>> building = dp.structures.two_storey()
-    >>> peaks = dp.structures.ensemble(building, motions, damper, voltages=[0.0, 1.98], scales=[0.5, 1.0])
+    >>> peaks = dp.structures.ensemble(building, motions, damper, voltage=[0.0, 1.98], scales=[0.5, 1.0]).dataset
     >>> dict(peaks.drift.sizes)
     {'building': 1, 'damper': 1, 'input': 2, 'motion': 3, 'scale': 2, 'storey': 2}
     """
-    what = cases(
-        buildings,
-        motions,
-        dampers,
-        voltages,
-        scales,
-        currents,
-        accuracy,
-        quantities,
-        precision,
-        allow_extrapolation,
-        device,
-        after,
-    )
+    chosen = EnsembleOptions.of("ensemble", options, keywords)
+    chosen.checked_limits()
+    what = cases(buildings, motions, dampers, voltage, scales, chosen, current=current)
     warn_of_parts(site for d in range(len(what.placements)) for site in what.sites_of(0, d, 0))
-    return run(what, executor, out, progress)
+    result = EnsembleResult(run(what, executor, out, progress))
+    return result.evaluated(chosen.limits, chosen.height, chosen.intensity, chosen.seed)
 
 
 def run(
     what: Cases, executor: Executor | None = None, out: str | Path | None = None, progress: Progress | None = None
 ) -> Any:
-    """The ensemble of checked cases; see `ensemble`."""
+    """The dataset of checked cases; see `ensemble`."""
     store = Store(what, out)
     waiting = store.missing()
     done = what.size - sum(len(what.lines_of(k, store.shards)) for k in waiting) * len(what.scales)

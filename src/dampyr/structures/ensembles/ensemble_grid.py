@@ -19,11 +19,13 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import InputError
 from dampyr.findings import OF_DAMPER, Finding, handed_on
 from dampyr.ground_motions import GroundMotion, followed_by_rest
+from dampyr.options import takes
 from dampyr.structures.batch.assemble import QUANTITIES
 from dampyr.structures.batch.gpu import missing
 from dampyr.structures.building import Building, Condensed
+from dampyr.structures.building_options import EnsembleOptions
 from dampyr.structures.control_laws import gains, is_control_law, parts, spelled
-from dampyr.structures.sites import Site, make_sites, placement, places_and_dampers
+from dampyr.structures.sites import Site, drawn_placements, installed, make_sites, placement, places_and_dampers
 from dampyr.units import in_si
 
 Array = NDArray[np.float64]
@@ -138,55 +140,55 @@ def _plain(placement: Mapping[Any, Any]) -> list[Any]:
     return [(where, damper.input, repr(damper.all_laws)) for where, damper in places_and_dampers(placement)]
 
 
+@takes(EnsembleOptions)
 def cases(
     buildings: Building | Sequence[Building],
     motions: GroundMotion | Sequence[GroundMotion],
     dampers: Any = None,
-    voltages: Any = None,
+    voltage: Any = None,
     scales: ArrayLike = 1.0,
-    currents: Any = None,
-    accuracy: str = "fast",
-    quantities: Sequence[str] = QUANTITIES,
-    precision: int = 64,
-    allow_extrapolation: bool = False,
-    device: str = "cpu",
-    after: float = 0.0,
+    options: EnsembleOptions | None = None,
+    *,
+    current: Any = None,
+    **keywords: Any,
 ) -> Cases:
-    """The cases of an ensemble from its arguments; :class:`~dampyr.errors.InputError` says what is wrong with them."""
-    if voltages is not None and currents is not None:
-        raise InputError("both voltages= and currents= are given; a damper takes one of the two")
-    kind = "voltage" if currents is None else "current"
-    inputs = voltages if currents is None else currents
+    """The cases of an ensemble, for `write_part`; the arguments are those of `dampyr.structures.ensemble`.
+
+    Raises :class:`~dampyr.errors.InputError` for what is wrong with them.
+    """
+    chosen = EnsembleOptions.of("ensemble", options, keywords)
+    if voltage is not None and current is not None:
+        raise InputError("both voltage= and current= are given; a damper takes one of the two")
+    kind = "voltage" if current is None else "current"
+    inputs = voltage if current is None else current
+    placements = [placement(entry) for entry in _list(dampers)]
+    if (draws := chosen.draws) is not None:
+        drawn = (drawn_placements(placed, draws, chosen.seed) if placed else [placed] for placed in placements)
+        placements = [placed for several in drawn for placed in several]
     grid = Cases(
         _several("buildings", buildings, Building),
-        tuple(placement(entry) for entry in _list(dampers)),
-        (None,) if inputs is None else _inputs(kind + "s", inputs),
-        tuple(followed_by_rest(motion, after) for motion in _several("motions", motions, GroundMotion)),
+        tuple(installed(placed, chosen) for placed in placements),
+        (None,) if inputs is None else _inputs(kind, inputs),
+        tuple(followed_by_rest(motion, chosen.after) for motion in _several("motions", motions, GroundMotion)),
         np.array(_numbers("scales", scales)),
         kind,
-        accuracy,
-        _check_quantities(quantities),
-        precision,
-        allow_extrapolation,
-        device,
-        float(after),
+        chosen.accuracy,
+        tuple(quantity for quantity in QUANTITIES if quantity in chosen.quantities),
+        chosen.precision,
+        chosen.allow_extrapolation,
+        chosen.device,
+        chosen.after,
     )
     _check(grid)
     return grid
 
 
 def _check(grid: Cases) -> None:
-    if grid.accuracy not in STEPS:
-        raise InputError(f"accuracy = {grid.accuracy!r} is not allowed; write 'fast' or 'strict'")
-    if grid.device not in ("cpu", "gpu"):
-        raise InputError(f"device = {grid.device!r} is not allowed; write 'cpu' or 'gpu'")
     laws = [u for u in grid.inputs if is_control_law(u)]
     if grid.device == "gpu" and laws:
         raise InputError("device = 'gpu' runs constant inputs only; run control laws with device = 'cpu'")
     if grid.device == "gpu" and (why := missing()):
         raise InputError(f"device = 'gpu': {why}")
-    if grid.precision not in (32, 64):
-        raise InputError(f"precision = {grid.precision!r} bits is not allowed; write 64 or 32")
     for b in range(len(grid.buildings)):
         for d in range(len(grid.placements)):
             for u in range(
@@ -225,7 +227,7 @@ def _several(name: str, given: Any, kind: type) -> tuple[Any, ...]:
 
 def _inputs(name: str, given: Any) -> tuple[Any, ...]:
     """Numbers and control laws, one or a list, in their order."""
-    listed, unit = list(given) if isinstance(given, list | tuple) else [given], {"voltages": "V", "currents": "A"}[name]
+    listed, unit = list(given) if isinstance(given, list | tuple) else [given], {"voltage": "V", "current": "A"}[name]
     if not any(is_control_law(each) for each in listed):
         return _numbers(name, given, unit)
     return tuple(u for each in listed for u in ((each,) if is_control_law(each) else _numbers(name, each, unit)))
@@ -236,11 +238,3 @@ def _numbers(name: str, given: ArrayLike, unit: str = "dimensionless") -> tuple[
     if values.ndim != 1 or not values.size or not np.all(np.isfinite(values)):
         raise InputError(f"{name} = {given!r} must be finite numbers, one or a list")
     return tuple(float(v) for v in values)
-
-
-def _check_quantities(given: Sequence[str]) -> tuple[str, ...]:
-    listed = (given,) if isinstance(given, str) else tuple(given)
-    unknown = [quantity for quantity in listed if quantity not in QUANTITIES]
-    if unknown or not listed:
-        raise InputError(f"quantities = {list(listed)} is not allowed; choose from {', '.join(QUANTITIES)}")
-    return tuple(quantity for quantity in QUANTITIES if quantity in listed)

@@ -32,7 +32,8 @@ from dampyr.errors import InputError
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.shown import Shown
 from dampyr.structures.ensembles.lognormal import Lognormal, by_capacity, fit_binomial, none
-from dampyr.structures.ensembles.store import UNITS
+from dampyr.structures.ensembles.peak_limits import UNITS
+from dampyr.structures.ensembles.store import dataset_of
 from dampyr.structures.time_history.peaks import INTENSITIES, Group, groups
 
 Array = NDArray[np.float64]
@@ -196,7 +197,7 @@ def fragility(
 
     Parameters
     ----------
-    dataset : what `ensemble` or `read_ensemble` gave.
+    dataset : what `ensemble` or `read_ensemble` gave, or its dataset.
     quantity, limit : of the dataset, in SI; ``drift`` in m, or a ratio where ``height`` is given.
     intensity : "pga" [m/s2]; "sa" [m/s2], the pseudo-acceleration at the building's first period and 5 % damping; "scale"; or
         (motions,) your own measure of each unscaled motion, in proportion to its scale.
@@ -221,6 +222,7 @@ def fragility(
     >>> [(curve.name, round(curve.theta, 1)) for curve in curves]
     [('0 V', 2.1), ('1.98 V', 3.9)]
     """
+    dataset = dataset_of(dataset)
     if not (np.isfinite(limit) and limit > 0):
         raise InputError(f"limit = {limit!r} is not allowed; it must be greater than 0")
     if draws < 0:

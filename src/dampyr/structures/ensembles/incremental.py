@@ -20,7 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import InputError
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.shown import Shown
-from dampyr.structures.ensembles.store import UNITS
+from dampyr.structures.ensembles.peak_limits import UNITS
+from dampyr.structures.ensembles.store import dataset_of
 from dampyr.structures.time_history.peaks import INTENSITIES, Group, groups
 
 Array = NDArray[np.float64]
@@ -86,6 +87,7 @@ def incremental(
     levels that all of them reach, each curve linear between its scales. Raises :class:`~dampyr.errors.InputError` for fewer
     than two scales and for wrong arguments.
     """
+    dataset = dataset_of(dataset)
     if dataset.sizes["scale"] < 2:
         raise InputError(
             "this ensemble has one scale; an incremental analysis needs several, such as scales=np.linspace(...)"

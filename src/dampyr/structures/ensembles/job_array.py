@@ -20,6 +20,7 @@ from dampyr.errors import FileError, InputError
 from dampyr.records.files.self_contained import check_contained
 from dampyr.structures.ensembles.ensemble import Progress, completed, warn_of
 from dampyr.structures.ensembles.ensemble_grid import Cases
+from dampyr.structures.ensembles.ensemble_result import EnsembleResult
 from dampyr.structures.ensembles.store import (
     DIAGNOSTICS,
     FORMAT,
@@ -28,7 +29,7 @@ from dampyr.structures.ensembles.store import (
     attributes,
     describe,
     made_with,
-    read_ensemble,
+    read_dataset,
 )
 
 Array = NDArray[np.float64]
@@ -103,8 +104,8 @@ def _check_existing(path: Path, what: Cases) -> None:
             raise FileError(path, "is a part of another ensemble; choose another folder, or remove it")
 
 
-def collect(folder: str | Path, out: str | Path | None = None) -> Any:
-    """Put the parts in ``folder`` together: the dataset of the whole ensemble; with ``out`` written there too.
+def collect(folder: str | Path, out: str | Path | None = None) -> EnsembleResult:
+    """Put the parts in ``folder`` together: the result of the whole ensemble; with ``out`` written there too.
 
     Raises :class:`~dampyr.errors.InputError` where parts are missing (it names them) and
     :class:`~dampyr.errors.FileError` for one that does not belong to the first.
@@ -120,12 +121,12 @@ def collect(folder: str | Path, out: str | Path | None = None) -> Any:
                 raise FileError(path, f"does not belong to {paths[0].name}: its cases are others; compute it again")
     if out is not None:
         _write_whole(Path(out), paths, shapes)
-        dataset = read_ensemble(out)
+        dataset = read_dataset(out)
     else:
         values = {quantity: np.empty(shape) for quantity, shape in shapes.items()}
         dataset = labels.dataset(values, attributes(_joined(paths, values), *made))
     warn_of(dataset)
-    return dataset
+    return EnsembleResult(dataset)
 
 
 def _joined(paths: Sequence[Path], values: Mapping[str, Any]) -> Array:

@@ -22,6 +22,7 @@ from dampyr.structures.control_laws import describe_law, is_control_law
 from dampyr.structures.ensembles.ensemble_accuracy import outside_words
 from dampyr.structures.ensembles.ensemble_batches import Shard
 from dampyr.structures.ensembles.ensemble_grid import AXES, Cases
+from dampyr.structures.ensembles.peak_limits import UNITS
 from dampyr.structures.sites import calibrated_displacements, places_and_dampers
 
 Array = NDArray[np.float64]
@@ -41,7 +42,6 @@ DIAGNOSTICS = (
 BARE = "no damper"
 SA_DAMPING = 0.05  # ratio to critical, that of published spectra
 UNIT_OF = {"voltage": "V", "current": "A"}
-UNITS = {"displacement": "m", "drift": "m", "acceleration": "m/s^2", "force": "N", "stroke": "m", "energy": "J"}
 ALONG = {
     "displacement": "floor",
     "drift": "storey",
@@ -320,8 +320,8 @@ def attributes(
     }
 
 
-def read_ensemble(path: str | Path) -> Any:
-    """The peaks that an ensemble wrote with ``out=``, the same ``xarray.Dataset`` that it gave.
+def read_dataset(path: str | Path) -> Any:
+    """The peaks in the file of an ensemble, the same ``xarray.Dataset`` that it gave; see `read_ensemble`.
 
     Raises :class:`~dampyr.errors.FileError` where the file is not an ensemble, or is not finished.
     """
@@ -354,6 +354,11 @@ def made_with(file: Any, labels: Labels) -> tuple[str, int, int, float, list[Fin
     findings = list(map(finding_of, file["findings"].asstr()[:])) if "findings" in file else []
     after, precision = float(attrs.get("after", 0.0)), int(attrs["precision"])
     return str(attrs["accuracy"]), precision, size, after, findings, labels.calibrated
+
+
+def dataset_of(result: Any) -> Any:
+    """The dataset of the result of an ensemble; a dataset is one already."""
+    return getattr(result, "dataset", result)
 
 
 def finding_of(text: str) -> Finding:

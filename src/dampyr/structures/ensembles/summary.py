@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from dampyr.structures.ensembles.incremental import BEYOND
+from dampyr.structures.ensembles.store import dataset_of
 from dampyr.structures.time_history.peaks import groups
 
 BY = ("building", "input")
@@ -29,6 +30,7 @@ class Row:
 
 def summary(dataset: Any) -> list[Row]:
     """A row for each building and input (and the bare building) at every scale; of more than six, at the one nearest 1."""
+    dataset = dataset_of(dataset)
     scales = np.asarray(dataset.scale.values)
     chosen = range(scales.size) if scales.size <= SHOWN else [int(np.argmin(np.abs(scales - 1.0)))]
     quantities = [str(q) for q in dataset.data_vars if dataset[q].shape[-1]]

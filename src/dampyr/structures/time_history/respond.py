@@ -11,24 +11,42 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.argument_kinds import BUILDING, MOTION, Argument, check_kinds
-from dampyr.errors import FindingWarning
+from dampyr.errors import FindingWarning, InputError
 from dampyr.findings import OF_DAMPER, handed_on
 from dampyr.ground_motions import GroundMotion, followed_by_rest
+from dampyr.options import takes
 from dampyr.origin import combined
 from dampyr.structures.building import Building, Condensed
+from dampyr.structures.building_options import RespondOptions
 from dampyr.structures.control_laws import describe_law
-from dampyr.structures.sites import Site, connections, describe_place, drifts, laws_of, make_sites, warn_of_parts
+from dampyr.structures.ensembles.ensemble import ensemble
+from dampyr.structures.ensembles.store import BARE
+from dampyr.structures.sites import (
+    Site,
+    connections,
+    describe_place,
+    drawn_placements,
+    drifts,
+    installed,
+    laws_of,
+    make_sites,
+    placement,
+    warn_of_parts,
+)
 from dampyr.structures.time_history.kernel_run import runner
 from dampyr.structures.time_history.linear_response import peak_displacement
 from dampyr.structures.time_history.modal_coordinates import ModalBuilding, refinements
 from dampyr.structures.time_history.response import Energy, Output, Response, Run, Truncation
+from dampyr.structures.time_history.responses import INTERVAL, INTERVAL_OF, Responses
 from dampyr.structures.time_history.step_size import (
+    ACCURACIES,
     changes,
     given_steps_per_sample,
     halve_under_laws,
@@ -41,51 +59,102 @@ from dampyr.structures.time_history.step_size import (
 )
 
 Array = NDArray[np.float64]
+Progress = Callable[[str, float], None]
 
 UNJUDGED = "no other: dashpots on what has no mass follow the springs, and what that changes is not known"
 FINAL_LIMIT = 0.5  # of omega h at the final step, which resolves the stuck damper's vibration with 12 steps a period
 
 
+@overload
+def respond(
+    building: Building,
+    motion: GroundMotion,
+    dampers: Any,
+    voltage: list[Any] | tuple[Any, ...],
+    current: None = None,
+    options: RespondOptions | None = None,
+    progress: Progress | None = None,
+    **keywords: Any,
+) -> Responses: ...
+
+
+@overload
+def respond(
+    building: Building,
+    motion: GroundMotion,
+    dampers: Any = None,
+    voltage: None = None,
+    *,
+    current: list[Any] | tuple[Any, ...],
+    options: RespondOptions | None = None,
+    progress: Progress | None = None,
+    **keywords: Any,
+) -> Responses: ...
+
+
+@overload
 def respond(
     building: Building,
     motion: GroundMotion,
     dampers: Any = None,
     voltage: Any = None,
     current: Any = None,
-    accuracy: str | float = "strict",
-    step: float | None = None,
-    allow_extrapolation: bool = False,
-    after: float = 0.0,
-) -> Response:
-    """The response of ``building`` to ``motion``, from rest.
+    options: RespondOptions | None = None,
+    progress: Progress | None = None,
+    **keywords: Any,
+) -> Response: ...
+
+
+@takes(RespondOptions)
+def respond(
+    building: Building,
+    motion: GroundMotion,
+    dampers: Any = None,
+    voltage: Any = None,
+    current: Any = None,
+    options: RespondOptions | None = None,
+    progress: Progress | None = None,
+    **keywords: Any,
+) -> Response | Responses:
+    """The response of ``building`` to ``motion``, from rest: of one input, or beside one another of several.
+
+    One input gives a `Response`. A list or a tuple of inputs, also of a single one, gives `Responses`: the building without
+    dampers first, then a case for each input, with 90 % intervals of their peaks where ``draws`` is given. Without dampers an
+    empty list gives the first of these alone.
 
     Parameters
     ----------
-    dampers : a damper, which stands in storey 1, or a mapping from place to a damper or a list of dampers in parallel. A place
-        is a storey i, which joins the floors i-1 and i (0 is the ground), or any two floors (i, j) by label or count, such as
+    building
+        the building; one that was reduced (``keep`` in its file, a plane frame, `condense`) is taken with more coordinates
+        than floors: the static answer to the force of each damper, and modes with the floors held (see
+        `dampyr.structures.time_history.modal_coordinates`). Few degrees of freedom are whole then. Of more,
+        ``response.truncation`` says how far peaks of displacement, drift, acceleration, base shear and force lie from those
+        with half as many coordinates at the same step, the dampers present; without dampers, from those of all modes, where
+        the building has them. It is another error than ``error_estimate``, which is of the step.
+    motion
+        the motion of the ground; the response ends with it, or ``after`` seconds later.
+    dampers
+        a damper, which stands in storey 1, or a mapping from place to a damper or a list of dampers in parallel. A place is a
+        storey i, which joins the floors i-1 and i (0 is the ground), or any two floors (i, j) by label or count, such as
         (0, 2): the stroke is q_j - q_i, and (1, 2) is storey 2. None for the bare building. The static force of a damper is
-        left out, springs stay; ``damper.on_brace(stiffness)`` puts it on a brace.
-    voltage, current : the input: a number, which is constant, or a control law
-        (:func:`~dampyr.structures.control_laws.control_law`); one for all dampers or a mapping from place to one.
-    accuracy : "strict" (2e-4), "fast" (1e-3) or a number: the largest relative change of a peak
-        displacement or drift when the step is halved. The scheme is of fourth order, so the error of the
-        finer one is well below. Under control laws two halvings must agree, and a run too in which every decision that hangs on
-        the step is taken the other way. ``error_estimates`` has the changes of the other quantities, which may be larger.
-    step : s; run once with this step, which must divide the motion's and the period of every law.
-    allow_extrapolation : take an input outside the range that a damper was calibrated on, with a warning.
-    after : s of rest of the ground after the record. The response ends with the record otherwise: a building that still swings
-        then may reach its peak later (long periods, short pulses).
+        left out, springs stay.
+    voltage, current
+        the input of the dampers, V or A: a number, which is constant, or a control law
+        (:func:`~dampyr.structures.control_laws.control_law`); one for all dampers, or a mapping from place to one. A list or a
+        tuple of these are several inputs, each a case of its own. An array is neither, and is refused: what changes an input
+        over time is a control law.
+    options
+        the further arguments as one object; those that are given by name take their places.
+    progress
+        called, where there are several inputs, with what is being done, and the fraction of all that is done.
 
-    A building that was reduced (``keep`` in its file, a plane frame, `condense`) is taken with more coordinates than floors:
-    the static answer to each damper's force, and modes with the floors held (see
-    `dampyr.structures.time_history.modal_coordinates`). Few degrees of freedom are whole then. Of more,
-    ``response.truncation`` says how far peaks of displacement, drift, acceleration, base shear and force lie from those with
-    half as many coordinates at the same step, the dampers present; without dampers, from those of all modes, where the
-    building has them. It is another error than ``error_estimate``, which is of the step.
+    The scheme is of fourth order, so that the error of the finer one of two steps is well below ``accuracy``, the change from
+    one to the other. Under control laws two halvings must agree, and a run too in which every decision that hangs on the step
+    is taken the other way. ``error_estimates`` has the changes of the other quantities, which may be larger.
 
-    Raises :class:`~dampyr.errors.InputError` for a wrong argument and warns
-    (:class:`~dampyr.errors.DampyrWarning`) where the accuracy was not reached, where a damper, on the
-    whole, fed the building, and where one has a part that is not for buildings.
+    Raises :class:`~dampyr.errors.InputError` for a wrong argument and warns (:class:`~dampyr.errors.DampyrWarning`) where the
+    accuracy was not reached, where a damper, on the whole, fed the building, and where one has a part that is not for
+    buildings.
 
     Examples
     --------
@@ -95,30 +164,142 @@ def respond(
     >>> response = dp.structures.respond(building, motion, dampers={1: damper}, voltage=1.98)
     >>> (1e3 * response.peak_displacement).round(2)
     array([ 7.45, 15.91])
+    >>> list(dp.structures.respond(building, motion, dampers={1: damper}, voltage=[0.0, 1.98]).cases)
+    ['no damper', '0 V', '1.98 V']
     """
     check_kinds(
         "respond",
         Argument("building", building, (Building,), BUILDING),
         Argument("motion", motion, (GroundMotion,), MOTION),
     )
-    sites = make_sites(building, dampers, voltage, current, allow_extrapolation)
-    motion = followed_by_rest(motion, after)
+    chosen = RespondOptions.of("respond", options, keywords)
+    if voltage is not None and current is not None:
+        raise InputError("both voltage= and current= are given; a damper takes one of the two")
+    if isinstance(given := voltage if current is None else current, list | tuple):
+        kind = "voltage" if current is None else "current"
+        return _responses(
+            building, motion, placement(dampers), kind, given, chosen, progress or (lambda stage, done: None)
+        )
+    if chosen.draws is not None:
+        raise InputError(
+            f"draws = {chosen.draws} are for several inputs, and one is given; write it as a list, such as voltage=[1.98]"
+        )
+    return _respond(building, motion, installed(placement(dampers), chosen), voltage, current, chosen)
+
+
+def _responses(
+    building: Building,
+    motion: GroundMotion,
+    placed: Mapping[Any, Any],
+    kind: str,
+    inputs: list[Any] | tuple[Any, ...],
+    options: RespondOptions,
+    tell: Progress,
+) -> Responses:
+    """The case without dampers, then one for each input; an input that is given twice is one case."""
+    if bool(placed) is not bool(inputs):
+        raise InputError(
+            "no input and no control law is given; give one or more"
+            if placed
+            else f"{kind} = {inputs!r} is of dampers, and none are given; give dampers=, or leave the inputs out"
+        )
+    if options.draws is not None and not placed:
+        raise InputError(
+            f"draws = {options.draws} are of dampers, and none are given; give dampers=, or leave draws out"
+        )
+    if options.draws is not None and any(isinstance(each, Mapping) for each in inputs):
+        raise InputError("draws take the same input for all dampers; give numbers or control laws, no mappings")
+    dampers = installed(placed, options)
+    with warnings.catch_warnings():  # what is wrong is said before anything is computed, what is in doubt with the case
+        warnings.simplefilter("ignore")
+        for each in inputs:
+            voltage, current = (each, None) if kind == "voltage" else (None, each)
+            make_sites(building, dampers, voltage, current, options.allow_extrapolation)
+    tell("without damper", 0.0)
+    cases = {BARE: _respond(building, motion, {}, None, None, options)}
+    inputs_by_name = {}
+    for k, each in enumerate(inputs, start=1):
+        tell(f"case {k + 1} of {len(inputs) + 1}", k / (len(inputs) + 1))
+        voltage, current = (each, None) if kind == "voltage" else (None, each)
+        response = _respond(building, motion, dampers, voltage, current, options)
+        cases[_case_name(response)], inputs_by_name[_case_name(response)] = response, each
+    intervals = {}
+    if options.draws is not None:
+        tell(f"{options.draws} drawn dampers", len(inputs) / (len(inputs) + 1))
+        peaks = _peak_intervals(building, motion, placed, kind, list(inputs_by_name.values()), options)
+        intervals = dict(zip(inputs_by_name, peaks, strict=True))
+    unit = next((unit for response in cases.values() for unit in response.input_units), "")
+    return Responses(building.name, motion.name, unit, cases, intervals, options.draws or 0)
+
+
+def _case_name(response: Response) -> str:
+    """The input of a case in words; where dampers have different ones, that of each."""
+    inputs = [
+        law or f"{value:g} {unit}"
+        for law, value, unit in zip(response.laws, response.inputs, response.input_units, strict=True)
+    ]
+    if len(set(inputs)) == 1:
+        return inputs[0]
+    return "; ".join(f"{site}: {words}" for site, words in zip(response.sites, inputs, strict=True))
+
+
+def _peak_intervals(
+    building: Building,
+    motion: GroundMotion,
+    placed: Mapping[Any, Any],
+    kind: str,
+    inputs: list[Any],
+    options: RespondOptions,
+) -> list[dict[str, Any]]:
+    """The 90 % intervals of the peaks at each input, of drawn dampers: a dictionary of (2, ...) arrays for each."""
+    assert options.draws is not None
+    given: dict[str, Any] = {kind: inputs}
+    peaks = ensemble(
+        building,
+        motion,
+        [installed(drawn, options) for drawn in drawn_placements(placed, options.draws, options.seed)],
+        **given,
+        accuracy="strict" if tolerance_of(options.accuracy) <= ACCURACIES["strict"] else "fast",
+        quantities=tuple(INTERVAL_OF),
+        allow_extrapolation=options.allow_extrapolation,
+        after=options.after,
+    ).dataset
+    intervals = []
+    for k in range(len(inputs)):
+        case = peaks.isel(building=0, input=k, motion=0, scale=0)
+        intervals.append(
+            {name: np.quantile(case[quantity].values, INTERVAL, axis=0) for quantity, name in INTERVAL_OF.items()}
+        )
+    return intervals
+
+
+def _respond(
+    building: Building,
+    motion: GroundMotion,
+    dampers: Mapping[Any, Any],
+    voltage: Any,
+    current: Any,
+    options: RespondOptions,
+) -> Response:
+    """The response of one input."""
+    sites = make_sites(building, dampers, voltage, current, options.allow_extrapolation)
+    motion = followed_by_rest(motion, options.after)
     whole, half = refinements(building, connections(building, sites))
     run = runner(whole, motion, sites)
-    if step is None:
-        tolerance = tolerance_of(accuracy)
+    if options.step is None:
+        tolerance = tolerance_of(options.accuracy)
         first = 2 * largest_step(
             whole, sites, kernel_slopes(run, sites), FINAL_LIMIT
         )  # so that the first halving meets it
         halve = halve_under_laws if laws_of(sites) else halve_until_converged
         best = halve(run, motion, tolerance, steps_per_sample(motion.dt, first, sites))
     else:
-        best = run_once(run, given_steps_per_sample(motion, step, sites))
+        best = run_once(run, given_steps_per_sample(motion, options.step, sites))
     truncation = None if whole is building else _truncation(whole, half, motion, sites, best)
-    response = _response(whole, motion, sites, best, after, truncation)
-    warn_of_parts(sites)
+    response = _response(whole, motion, sites, best, options.after, truncation)
+    warn_of_parts(sites, stacklevel=4)
     for doubt in response.doubts:
-        warnings.warn(doubt, FindingWarning, stacklevel=2)
+        warnings.warn(doubt, FindingWarning, stacklevel=3)
     return response
 
 

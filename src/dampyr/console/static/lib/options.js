@@ -36,7 +36,7 @@ export function optionsInAddress(options, query) {
 function control(option, value) {
   if (option.kind === "bool") return ticked(option, value);
   if (option.choices && option.several) return tickedChoices(option, value);
-  if (option.choices) return selected(option, value);
+  if (option.choices && option.kind !== "float") return selected(option, value);
   return typed(option, value);
 }
 
@@ -51,14 +51,14 @@ function tickedChoices({ label, words, choices }, value) {
   return { element, value: () => boxes.filter(([, box]) => box.firstChild.checked).map(([name]) => name) };
 }
 
-function selected({ label, words, choices, optional }, value) {
+function selected({ label, words, kind, choices, optional }, value) {
   const made = choice([...(optional ? [["", "–"]] : []), ...choices.map(([name]) => name)], { value: value ?? "" });
-  return { element: field(label, made, words), value: () => made.value || null };
+  return { element: field(label, made, words), value: () => (kind === "int" && made.value ? Number(made.value) : made.value || null) };
 }
 
 function typed(option, value) {
-  const { label, words, unit } = option;
-  const input = h("input", { type: "text", value: asText(option, value), placeholder: option.placeholder });
+  const { label, words, unit, choices } = option;
+  const input = h("input", { type: "text", value: asText(option, value), placeholder: choices ? [...choices.map(([name]) => name), "number"].join(", ") : option.placeholder });
   return { element: field(unit ? `${label}, ${unit}` : label, input, words), value: () => read(option, input.value.trim()) };
 }
 
@@ -75,6 +75,7 @@ function read(option, text) {
   if (option.pairs) return pairs(option, text);
   if (option.several) return option.kind === "str" ? parts(text) : numberList(text, option.label).map((value) => inSi(option, value));
   if (!text) return option.optional ? null : option.default;
+  if (option.choices?.some(([name]) => name === text)) return text;
   return option.kind === "str" ? text : quantity(option, text, option.label);
 }
 

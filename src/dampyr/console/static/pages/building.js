@@ -7,6 +7,7 @@ import { button, choice, field, h, number, section, tick } from "../lib/dom.js";
 import { watch } from "../lib/jobs.js";
 import { attempt, say } from "../lib/notice.js";
 import { numberList, oneNumber } from "../lib/numbers.js";
+import { optionsForm } from "../lib/options.js";
 import { storeys } from "../lib/storeys.js";
 import { table } from "../lib/table.js";
 
@@ -28,6 +29,7 @@ export async function show(root, query) {
   const form = asking(choices);
   root.append(h("div", { class: "split" },
     h("div", { class: "side" }, form.element,
+      h("details", {}, h("summary", {}, "Options of a simulation"), form.settings),
       h("div", { class: "row" }, button("Simulate", () => start("building/responses", form.response), { class: "main" })),
       h("details", {}, h("summary", {}, "Many earthquakes"), form.many, h("div", { class: "row" }, button("Run the ensemble", () => start("building/ensembles", form.ensemble)))),
       past.element),
@@ -119,17 +121,23 @@ export async function show(root, query) {
   }
 
   function ensemble({ id, result: r }) {
-    const series = r.curves.flatMap((one, k) => {
-      const colour = one.name === "no damper" ? "muted" : COLOURS[(k - 1 + COLOURS.length) % COLOURS.length]; // as in a response
-      const line = (y, more) => (y ? [{ colour, x: one.x.map((v) => v / G), y: y.map((v) => (v === null ? null : 100 * v)), ...more }] : []);
-      return [...line(one.y, { name: one.name, always: true, width: 2.2 }), ...line(one.low, { of: one.name, dash: "dashed", width: 1 }), ...line(one.high, { of: one.name, dash: "dashed", width: 1 }),
-        { name: one.y ? "" : one.name, of: one.name, always: true, colour, points: true, x: one.counted.x.map((v) => v / G), y: one.counted.y.map((v) => 100 * v) }];
-    });
     const shown = (one, digits) => table({ columns: one.columns.map((name, k) => ({ name, unit: one.units[k], digits })), rows: one.rows, caption: one.caption });
-    sheet.replaceChildren(
-      section(`Fragility: ${r.limit}`, r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : null, plot({ label: `Probability of ${r.limit} over peak ground acceleration`, x: { words: "peak ground acceleration", unit: "g", pad: 0.03 }, y: { words: "probability of exceeding", unit: "%" }, height: 380, zero: true, series }),
+    const notice = () => (r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : null);
+    const row = () => h("div", { class: "row" }, page(id));
+    const all = r.fragilities ?? [{ ...r, axis: { words: "peak ground acceleration", unit: "g", factor: 1 / G } }]; // of jobs of before
+    const fragility = ({ limit, axis, curves, table: medians, remarks }) => {
+      const series = curves.flatMap((one, k) => {
+        const colour = one.name === "no damper" ? "muted" : COLOURS[(k - 1 + COLOURS.length) % COLOURS.length]; // as in a response
+        const line = (y, more) => (y ? [{ colour, x: one.x.map((v) => axis.factor * v), y: y.map((v) => (v === null ? null : 100 * v)), ...more }] : []);
+        return [...line(one.y, { name: one.name, always: true, width: 2.2 }), ...line(one.low, { of: one.name, dash: "dashed", width: 1 }), ...line(one.high, { of: one.name, dash: "dashed", width: 1 }),
+          { name: one.y ? "" : one.name, of: one.name, always: true, colour, points: true, x: one.counted.x.map((v) => axis.factor * v), y: one.counted.y.map((v) => 100 * v) }];
+      });
+      return section(`Fragility: ${limit}`, notice(), plot({ label: `Probability of ${limit} over ${axis.words}`, x: { words: axis.words, unit: axis.unit, pad: 0.03 }, y: { words: "probability of exceeding", unit: "%" }, height: 380, zero: true, series }),
         h("p", { class: "soft" }, `${r.cases} cases, ${r.motions} motions; dashed: 90 % bands over the motions; points: the shares that were counted.`),
-        shown({ ...r.table, caption: "Median and spread of each curve" }, 4), r.remarks.map((one) => h("p", {}, one)), h("div", { class: "row" }, page(id))),
+        shown({ ...medians, caption: "Median and spread of each curve" }, 4), remarks.map((one) => h("p", {}, one)), row());
+    };
+    sheet.replaceChildren(
+      ...(all.length ? all.map(fragility) : [section("Ensemble", notice(), row())]),
       section("Peaks", shown({ ...r.peaks, caption: "Across motions, of the worst storey and floor" }, 4)),
       section("Accuracy", r.trust.map((one) => h("p", {}, one))));
   }
@@ -170,8 +178,7 @@ function asking(choices) {
   const pga = text("", { placeholder: "unscaled" });
   const seed = text("1");
   const unit = choice([["", "from the file"], ["g", "g"], ["m/s^2", "m/s²"], ["cm/s^2", "cm/s²"]]);
-  const after = text("0");
-  const seeded = field("Seed", seed);
+  const seeded = field("Seed of the motion", seed);
   const united = field("Unit of the file", unit);
   const shift = () => ((seeded.hidden = motion.value !== "kanai_tajimi"), (united.hidden = !motion.value.startsWith("file:")));
   shift();
@@ -180,7 +187,9 @@ function asking(choices) {
   const inputs = text("0 1.98");
   const range = h("p", { class: "soft" });
   const laws = choices.laws.map((name) => [name, tick(name.replaceAll("_", " "))]);
-  const beyond = tick("extrapolate beyond the calibrated range");
+  const shared = optionsForm(choices.shared_options);
+  const settings = optionsForm(choices.response_options);
+  const manySettings = optionsForm(choices.ensemble_options);
   const describeRange = () => {
     const one = choices.dampers.find(({ name }) => name === damper.value);
     range.textContent = one ? `Calibrated from ${number(one.low)} to ${number(one.high)} ${one.unit}.` : "";
@@ -189,33 +198,32 @@ function asking(choices) {
   describeRange();
   const count = text("30");
   const scales = text("0.1 0.2 0.3 0.4 0.5 0.7 1 1.3 1.6 2 2.5 3");
-  const quantity = choice([["drift", "drift, mm"], ["acceleration", "acceleration, g"]]);
-  const limit = text("12");
   const element = h("div", {},
     h("fieldset", {}, h("legend", {}, "Building"), field("Structure", building), own),
-    h("fieldset", {}, h("legend", {}, "Ground motion"), field("Motion", motion), h("div", { class: "fields" }, field("Peak, g", pga), field("Rest after it, s", after), seeded, united)),
+    h("fieldset", {}, h("legend", {}, "Ground motion"), field("Motion", motion), h("div", { class: "fields" }, field("Peak, g", pga), seeded, united)),
     h("fieldset", {}, h("legend", {}, "Damper"), field("Card or published damper", damper), range, h("div", { class: "fields" }, field("Storey", storey), field("Inputs", inputs, "one case each")),
-      h("div", { class: "row", role: "group", "aria-label": "Control laws" }, laws.map(([, box]) => box)), beyond));
-  const many = h("div", { class: "fields" }, field("Synthetic motions", count), field("Scales", scales), field("Limit of", quantity), field("Limit", limit));
+      h("div", { class: "row", role: "group", "aria-label": "Control laws" }, laws.map(([, box]) => box)),
+      h("details", {}, h("summary", {}, "Options of all cases"), shared.element)));
+  const many = h("div", {}, h("div", { class: "fields" }, field("Synthetic motions", count), field("Scales", scales)), manySettings.element);
 
   const common = () => {
     const file = motion.value.startsWith("file:") ? motion.value.slice(5) : "";
-    const chosen = { kind: file ? "file" : motion.value, file, unit: file ? unit.value : "", seed: one("Seed", seed) };
+    const chosen = { kind: file ? "file" : motion.value, file, unit: file ? unit.value : "", seed: one("Seed of the motion", seed) };
     if (pga.value.trim()) chosen.pga = G * one("Peak", pga);
     return {
       building: building.value.startsWith("named:") ? named(building.value.slice(6)) : building.value === "shear" ? { kind: "shear", masses: several("Masses", masses), stiffnesses: several("Stiffnesses", stiffnesses), damping: one("Damping", damping) / 100 } : {},
       motion: chosen,
-      after: one("Rest after it", after),
-      damper: { name: damper.value, storey: one("Storey", storey), inputs: several("Inputs", inputs), laws: laws.filter(([, box]) => box.firstChild.checked).map(([name]) => name), allow_extrapolation: beyond.firstChild.checked },
+      ...shared.values(),
+      damper: { name: damper.value, storey: one("Storey", storey), inputs: several("Inputs", inputs), laws: laws.filter(([, box]) => box.firstChild.checked).map(([name]) => name) },
     };
   };
   const ensemble = () => {
     const request = common();
     if (request.motion.kind === "el_centro") request.motion.kind = "kanai_tajimi";
-    const factor = quantity.value === "drift" ? 1e-3 : G;
-    return { ...request, motions: one("Synthetic motions", count), scales: several("Scales", scales), quantity: quantity.value, limit: factor * one("Limit", limit), seed: one("Seed", seed) };
+    return { ...request, ...manySettings.values(), motions: one("Synthetic motions", count), scales: several("Scales", scales) };
   };
-  return { element, many, response: common, ensemble };
+  const response = () => ({ ...common(), ...settings.values() });
+  return { element, many, settings: settings.element, response, ensemble };
 }
 
 /** A structure by its name: a file of the folder structures, or a published one. */

@@ -16,10 +16,10 @@ from dampyr.show.plots import Plots, plots
 from dampyr.show.structures.fragility import comparisons, curve_table, first_curves, limit_in_words
 from dampyr.show.table import Cell, Table
 from dampyr.structures.ensembles.ensemble_accuracy import BOUNDS, FLOOR, truncation_in_words
-from dampyr.structures.ensembles.ensemble_run import EnsembleResult
+from dampyr.structures.ensembles.ensemble_result import EnsembleResult
 from dampyr.structures.ensembles.fragility import Curve, Fragility
 from dampyr.structures.ensembles.incremental import incremental
-from dampyr.structures.ensembles.store import UNITS
+from dampyr.structures.ensembles.peak_limits import UNITS
 from dampyr.structures.ensembles.summary import summary
 from dampyr.to_json import plain
 

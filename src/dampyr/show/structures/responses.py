@@ -1,4 +1,4 @@
-"""What a simulation shows."""
+"""What responses at several inputs show."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from dampyr.show.plots import Plots, plots
 from dampyr.show.structures.response import PEAK_AXES, errors_in_words, floor_rows
 from dampyr.show.table import Cell, Table
 from dampyr.structures.time_history.response import Response
-from dampyr.structures.time_history.simulate import Simulated
+from dampyr.structures.time_history.responses import Responses
 from dampyr.to_json import plain
 
 WIDE = 8  # floors that a table has columns for
 
 
 @describe.register
-def describe_simulated(simulated: Simulated) -> Description:
+def describe_responses(responses: Responses) -> Description:
     """The largest peaks of each case; tables of the peaks by floor and by case, of their intervals and of the energies."""
-    cases = simulated.cases
+    cases = responses.cases
     error = errors_in_words(cases.values())
     return Description(
-        f"Simulated {simulated.title!r}",
+        f"Responses {responses.title!r}",
         [
             ("end", end_in_words(next(iter(cases.values())).after)),
             *(
@@ -38,41 +38,41 @@ def describe_simulated(simulated: Simulated) -> Description:
             ),
             *([("error", error)] if error else []),
         ],
-        verdict=outcome(simulated),
+        verdict=outcome(responses),
         tables=[
-            lambda: case_table(simulated),
-            *([lambda: interval_table(simulated)] if simulated.intervals else []),
-            lambda: floor_table(simulated),
-            lambda: energy_table(simulated),
+            lambda: case_table(responses),
+            *([lambda: interval_table(responses)] if responses.intervals else []),
+            lambda: floor_table(responses),
+            lambda: energy_table(responses),
         ],
-        figure=lambda: peaks_by_floor(*simulated.peaks_by_floor(), axes=PEAK_AXES),
-        data=lambda: _numbers(simulated),
-        frame=lambda: _columns(simulated),
+        figure=lambda: peaks_by_floor(*responses.peaks_by_floor(), axes=PEAK_AXES),
+        data=lambda: _numbers(responses),
+        frame=lambda: _columns(responses),
     )
 
 
-def outcome(simulated: Simulated) -> list[str]:
+def outcome(responses: Responses) -> list[str]:
     """Where the responses end, what a reduced structure leaves out, and the error of the peaks, in sentences."""
-    cases = simulated.cases
+    cases = responses.cases
     note, error = truncation_note(cases), errors_in_words(cases.values())
     ends = f"the response {end_in_words(next(iter(cases.values())).after)}"
     return [sentence(each) for each in (ends, note, f"error: {error}" if error else "") if each]
 
 
-def floor_table(simulated: Simulated) -> Table:
+def floor_table(responses: Responses) -> Table:
     """The peaks of every floor and of the storey below it, one row a case and floor."""
     return Table(
         ("case", "floor", "peak displacement", "peak drift of its storey", "peak acceleration"),
-        [[case, *row] for case, r in simulated.cases.items() for row in floor_rows(r)],
+        [[case, *row] for case, r in responses.cases.items() for row in floor_rows(r)],
         ("", "", "mm", "mm", "m/s²"),
         caption="Peaks of each floor.",
         notes=("Peaks inside the step; displacements relative to the ground, accelerations absolute.",),
     )
 
 
-def case_table(simulated: Simulated) -> Table:
+def case_table(responses: Responses) -> Table:
     """The peaks of each case, the mean input of its dampers, and how it was computed; of many floors only the largest."""
-    floors = list(next(iter(simulated.cases.values())).floors)
+    floors = list(next(iter(responses.cases.values())).floors)
     columns = [f"largest of {len(floors)} floors"] if len(floors) > WIDE else [floor_name(floor) for floor in floors]
     rows: list[list[Cell]] = [
         [
@@ -85,22 +85,22 @@ def case_table(simulated: Simulated) -> Table:
             float(r.mean_input.mean()) if r.mean_input.size else None,
             r.scheme,
         ]
-        for name, r in simulated.cases.items()
+        for name, r in responses.cases.items()
     ]
-    unit = next((r.input_units[0] for r in simulated.cases.values() if r.input_units), "")
+    unit = next((r.input_units[0] for r in responses.cases.values() if r.input_units), "")
     return Table(
         ("case", *columns, "drift", "acceleration", "base shear", "damper force", "mean input", "scheme"),
         rows,
         ("", *("mm" for _ in columns), "mm", "m/s²", "N", "N", unit, ""),
-        caption=f"{simulated.title}: peaks." if simulated.building else "Peaks.",
+        caption=f"{responses.title}: peaks." if responses.building else "Peaks.",
     )
 
 
-def energy_table(simulated: Simulated) -> Table:
+def energy_table(responses: Responses) -> Table:
     """Where the energy of each case went."""
     rows: list[list[Cell]] = [
         [name, e.input[-1], e.viscous[-1], e.damper[-1], e.kinetic[-1] + e.strain[-1], e.residual[-1]]
-        for name, e in ((name, r.energy) for name, r in simulated.cases.items())
+        for name, e in ((name, r.energy) for name, r in responses.cases.items())
     ]
     return Table(
         ("case", "input", "viscous", "dampers", "still in motion", "residual"),
@@ -112,12 +112,12 @@ def energy_table(simulated: Simulated) -> Table:
     )
 
 
-def interval_table(simulated: Simulated) -> Table:
+def interval_table(responses: Responses) -> Table:
     """The 90 % intervals of the peaks of the cases with a damper; of many floors only the largest."""
-    floors = next(iter(simulated.cases.values())).floors
+    floors = next(iter(responses.cases.values())).floors
     many = len(floors) > WIDE
     rows: list[list[Cell]] = []
-    for name, each in simulated.intervals.items():
+    for name, each in responses.intervals.items():
         peaks = 1e3 * each["peak_displacement_m"]
         spans = [peaks.max(axis=1)] if many else list(peaks.T)
         spans += [1e3 * each["peak_drift_m"].max(axis=1), each["peak_acceleration_m_s2"].max(axis=1)]
@@ -128,7 +128,7 @@ def interval_table(simulated: Simulated) -> Table:
         ("case", *columns, "drift", "acceleration", "damper force"),
         rows,
         ("", *("mm" for _ in columns), "mm", "m/s²", "N"),
-        caption=f"90 % intervals of the peaks, {simulated.draws} drawn dampers.",
+        caption=f"90 % intervals of the peaks, {responses.draws} drawn dampers.",
         notes=(
             "The dampers are drawn from the covariance of the card, with the levels of records and sessions where the card has "
             "them.",
@@ -147,17 +147,17 @@ def truncation_note(cases: Mapping[str, Response]) -> str:
     return "reduced structure; " + "; ".join(left_out) if left_out else ""
 
 
-def _numbers(simulated: Simulated) -> dict[str, Any]:
+def _numbers(responses: Responses) -> dict[str, Any]:
     """The peaks of each case for JSON, SI units."""
-    cases = {name: response.as_dict() for name, response in simulated.cases.items()}
-    for name, each in simulated.intervals.items():
-        cases[name] |= {"intervals_90": dict(each), "draws": simulated.draws}
+    cases = {name: response.as_dict() for name, response in responses.cases.items()}
+    for name, each in responses.intervals.items():
+        cases[name] |= {"intervals_90": dict(each), "draws": responses.draws}
     return dict(plain(cases))
 
 
-def _columns(simulated: Simulated) -> Frame:
+def _columns(responses: Responses) -> Frame:
     """The peaks of each case and floor, SI units."""
-    rows = [(case, floor, r, k) for case, r in simulated.cases.items() for k, floor in enumerate(r.floors)]
+    rows = [(case, floor, r, k) for case, r in responses.cases.items() for k, floor in enumerate(r.floors)]
     return Frame(
         {
             "case": [case for case, *_ in rows],
@@ -170,10 +170,10 @@ def _columns(simulated: Simulated) -> Frame:
 
 
 @dataclass(frozen=True)
-class SimulatedPlots(Plots):
-    """The figures of all cases: ``simulated.plot.peaks()``, which is what ``simulated.plot()`` draws, and ``.history()``."""
+class ResponsesPlots(Plots):
+    """The figures of all cases: ``responses.plot.peaks()``, which is what ``responses.plot()`` draws, and ``.history()``."""
 
-    result: Simulated
+    result: Responses
 
     def peaks(self) -> Any:
         """Peak displacement, drift and acceleration by floor."""
@@ -181,14 +181,14 @@ class SimulatedPlots(Plots):
 
     def history(self, floor: str | None = None) -> Any:
         """The displacement of one floor over time; without ``floor``, its label, of the highest."""
-        simulated = self.result
-        first = next(iter(simulated.cases.values()))
+        responses = self.result
+        first = next(iter(responses.cases.values()))
         name = first.floors[-1] if floor is None else str(floor)
         if name not in first.floors:
-            raise InputError(f"{floor!r} is no floor of {simulated.building}; choose from {', '.join(first.floors)}")
+            raise InputError(f"{floor!r} is no floor of {responses.building}; choose from {', '.join(first.floors)}")
         k = first.floors.index(name)
-        cases = {case: response.displacement[k] for case, response in simulated.cases.items()}
-        return style.in_pyplot(building_response, first.time, cases, title=f"floor {name}", origin=simulated.origin)
+        cases = {case: response.displacement[k] for case, response in responses.cases.items()}
+        return style.in_pyplot(building_response, first.time, cases, title=f"floor {name}", origin=responses.origin)
 
 
-plots.register(Simulated, SimulatedPlots)
+plots.register(Responses, ResponsesPlots)
