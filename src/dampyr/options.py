@@ -276,10 +276,11 @@ def _option(name: str, hint: Any, default: Any) -> Option:
         get_origin(container) is tuple,
         get_origin(container) is not tuple and get_origin(container) is not None,
     )
-    inner = get_args(container)[-1 if pairs else 0] if several or pairs else float if float in types else container
-    kind = next(iter(get_args(inner)), inner)  # of several plain types the first, in which it is typed
-    quantity = next((note for note in notes if isinstance(note, Quantity)), None)
     choices = next((note.words for note in notes if isinstance(note, Choices)), None)
+    inner = get_args(container)[-1 if pairs else 0] if several or pairs else container
+    kind = next(iter(get_args(inner)), inner)  # of several plain types the first, in which it is typed
+    kind = float if choices is not None and float in types else kind  # a number, or one of the texts
+    quantity = next((note for note in notes if isinstance(note, Quantity)), None)
     terminal = next((note for note in notes if isinstance(note, Terminal)), Terminal())
     shown_in = next((note.unit for note in notes if isinstance(note, ShownIn)), quantity.unit if quantity else "")
     metavar = terminal.metavar or (
