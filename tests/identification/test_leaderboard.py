@@ -604,3 +604,21 @@ def test_a_search_that_ends_between_two_rounds_says_which_limit_ended_it(
     assert done == ["dahl", "dahl + spring", "dahl + compliance", "dahl + delay"][: 3 if np.isfinite(limit) else 4]
     assert {trial.reason for trial in screened.trials} == {"", reason}
     assert unfinished == ["dahl"]
+
+
+def test_a_fit_without_a_model_says_what_starts_and_knows_its_leaderboard(capsys: pytest.CaptureFixture[str]) -> None:
+    options = FitOptions(models=(NAME,), add_ons=(), bandwidth=15.0)
+    chosen = fit(campaign(2), options=options)
+    stated = capsys.readouterr().err
+    assert f"no model is named, so 1 model will be tried, with add-ons, on {len(campaign(2))} records" in stated
+    assert "up to about 8 min of one core. Name a model to fit that one alone, as in fit(records, 'dahl')" in stated
+    assert isinstance(chosen.leaderboard, Leaderboard)
+    assert str(chosen.problem.composition) == chosen.leaderboard.winner.model == NAME
+    assert chosen.damper is not None
+    assert chosen.damper.provenance["chosen"].startswith("the lowest validation error")
+    assert [validation.split for validation in chosen.validations] == ["record", "input"][: len(chosen.validations)]
+    assert chosen.as_dict()["leaderboard"]["chosen"]
+    assert "chosen" in str(chosen)
+    fit(campaign(2), options=options, progress=lambda stage, done: None)
+    assert capsys.readouterr().err == ""
+    assert fit(campaign(2), NAME).leaderboard is None

@@ -143,13 +143,11 @@ def check_records(
 
 def _what_starts(records: Sequence[Record], options: FitOptions) -> str:
     """What a fit without a model is about to do, and how long it takes, for a caller who watches no progress."""
-    models = (
-        f"{counted(len(options.models), 'model')} and their" if options.models else "every model of the catalogue with"
-    )
+    models = counted(len(options.models), "model") if options.models else "every model of the catalogue"
     work = BUDGET if options.budget is None else options.budget
     return (
-        f"dampyr: no model is named, so {models} add-ons are tried on {counted(len(records), 'record')}, to choose the one "
-        f"that predicts best: up to about {work / 60:.0f} min of one core. Name a model to fit that one alone, as in "
+        f"dampyr: no model is named, so {models} will be tried, with add-ons, on {counted(len(records), 'record')}, to choose "
+        f"what predicts best: up to about {work / 60:.0f} min of one core. Name a model to fit that one alone, as in "
         "fit(records, 'dahl'); progress= shows how far the search is, executor= shares it among processes."
     )
 

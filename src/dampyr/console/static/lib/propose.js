@@ -18,8 +18,9 @@ export function proposal(rig, take) {
   element.addEventListener("toggle", () => element.open && !place.children.length && fill());
 
   async function fill() {
+    place.replaceChildren(h("p", { class: "soft" }, "Reading the dampers and the records …"));
     const offered = await attempt(() => get("campaigns/proposing"));
-    if (!offered || place.children.length) return;
+    if (!offered) return place.replaceChildren(); // and once more when it is opened again
     const damper = choice([["", "that of the rig"], ...offered.dampers.map((one) => [one.name, one.title])]);
     const records = await picker([], () => {});
     const structure = choice(offered.structures);
@@ -56,7 +57,7 @@ export function proposal(rig, take) {
       say("The proposed tests are in the text; save them to run them.");
     }
 
-    place.replaceChildren(
+    return place.replaceChildren(
       field("Damper", damper, "what is known of it, in place of records"),
       h("details", {}, h("summary", {}, "From records"), records.element),
       h("details", {}, h("summary", {}, "For the peak of a structure"), h("div", { class: "fields" }, field("Structure", structure, "in El Centro 1940, the damper in storey 1"), field("Voltage in the earthquake, V", voltage), field("Peak of", of))),
