@@ -141,7 +141,8 @@ def test_every_public_name_is_on_the_page_of_its_package(site: Path, pages: dict
 def test_the_pages_of_the_packages_are_those_of_the_public_face() -> None:
     import dampyr
 
-    wanted = {name for name in dir(dampyr) if not name.startswith("_")}
+    short = {"read", "fit", "Damper", "respond"}  # for calls of packages, on whose pages they are
+    wanted = {name for name in dir(dampyr) if not name.startswith("_")} - short
     assert wanted <= set(make_site.FACE)
     assert {"dampyr.studies.raminelli_2020", "dampyr.models.published"} <= set(make_site.pages_of_packages())
 
