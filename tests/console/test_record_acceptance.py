@@ -167,5 +167,5 @@ def test_a_wrong_number_is_told_in_a_sentence(lab, address, client, chromium):
     page.goto(
         f"{address}#/records?source=data&open=data/good.h5&tab=acceptance&reference=cards/mine.toml&force_slack=much"
     )
-    page.get_by_text("force_slack: Input should be a valid number").wait_for()
+    page.get_by_text("force_slack: 'much' is not a quantity").wait_for()
     page.close()

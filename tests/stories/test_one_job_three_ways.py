@@ -151,12 +151,12 @@ def test_identify_the_best_model(data: Path, client: TestClient, done: Any, monk
     monkeypatch.setattr("os.sched_getaffinity", lambda _: {0})
     tried = ("dahl", "bingham")
     # compiling counts in the time that a trial may take
-    identification.fit(own(data, *NAMES), models=tried, budget=None)
+    identification.fit(own(data, *NAMES), models=tried)
     ours = identification.fit(own(data, *NAMES), models=tried)
-    ours.card.save(data / "ours.toml")
+    ours.save(data / "ours.toml")
     words = [word for model in tried for word in ("--try", model)]
     said = command("identify", *(data / f"{name}.h5" for name in NAMES), *words, "--save", data / "said.toml")
-    id, request = done("identify/jobs", {"records": keys(*NAMES), "tried": list(tried)})
+    id, request = done("identify/jobs", {"records": keys(*NAMES), "models": list(tried)})
     assert client.post(f"/api/identify/jobs/{id}/card", json={"name": "request"}).status_code == 201
     assert timeless(said) == timeless(request) == timeless(plain(ours.as_dict()))
     texts = [read(data / name) for name in ("ours.toml", "said.toml", "cards/request.toml")]
@@ -167,10 +167,11 @@ def test_identify_the_best_model(data: Path, client: TestClient, done: Any, monk
 
 def test_every_split_and_loss_is_offered_on_the_page(client: TestClient) -> None:
     offered = client.get("/api/identify/choices").json()
-    assert list(offered["splits"]) == ["record", "input", "frequency", "amplitude", "waveform", "time"]
-    assert list(offered["losses"]) == ["squares", "huber", "l1"]
-    for name in (*offered["splits"], *offered["losses"]):
-        assert {**offered["splits"], **offered["losses"]}[name] != name, f"{name} has no words"
+    choices = {option["name"]: dict(option["choices"] or []) for option in offered["options"]}
+    assert list(choices["predict"]) == ["record", "input", "frequency", "amplitude", "waveform", "time"]
+    assert list(choices["loss"]) == ["squares", "huber", "l1"]
+    for name, words in (choices["predict"] | choices["loss"]).items():
+        assert words != name, f"{name} has no words"
 
 
 def test_validate(data: Path, client: TestClient, done: Any) -> None:
