@@ -88,7 +88,7 @@ def test_they_come_back_within_their_errors_from_noisy_records(monkeypatch: pyte
 def test_a_ridge_ends_as_converged_and_has_infinite_errors(monkeypatch: pytest.MonkeyPatch) -> None:
     """Records of a Bouc-Wen damper have no dashpot in series: vc and r go to 0 together, k1 and kappa are one spring."""
     record = sine(BOUC_WEN, 0.0, noise=5.0)
-    fit_result, count = passes(monkeypatch, MODEL, [record])
+    fit_result, count = passes(monkeypatch, [record], MODEL)
     plain = fit(record, "bouc_wen")
     assert fit_result.converged, fit_result.reason
     assert fit_result.iterations <= 40
@@ -127,7 +127,7 @@ def test_thirty_sines_and_a_random_record_of_another_laboratory(monkeypatch: pyt
     assert fit_result.converged, fit_result.reason
     assert fit_result.iterations <= 25
     assert count < 25
-    fit_result, count = passes(monkeypatch, MODEL, [random_record(laboratory.specimen(), 5, 0.01, current=0.5)])
+    fit_result, count = passes(monkeypatch, [random_record(laboratory.specimen(), 5, 0.01, current=0.5)], MODEL)
     assert fit_result.converged, fit_result.reason
     assert fit_result.iterations <= 30
     assert count < 40
@@ -138,7 +138,7 @@ def test_thirty_sines_and_a_random_record_of_another_laboratory(monkeypatch: pyt
 )
 def test_the_published_campaign(model: str, campaign_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     records = [record for record in read_campaign(campaign_folder) if record.role != "validation"]
-    fit_result, count = passes(monkeypatch, model, records)
+    fit_result, count = passes(monkeypatch, records, model)
     assert len(records) == 38
     assert fit_result.converged, fit_result.reason
     assert fit_result.iterations <= 45
