@@ -20,6 +20,7 @@ import math
 import textwrap
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, dataclass, fields, replace
+from functools import cache
 from types import NoneType, UnionType
 from typing import Annotated, Any, Self, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -81,7 +82,7 @@ class Options:
     @classmethod
     def of(cls, call: str, options: Self | None, keywords: Mapping[str, Any]) -> Self:
         """``options``, or the usual ones, with the keyword arguments that ``call`` was given in their place."""
-        names = [each.name for each in fields(cls)]  # type: ignore[arg-type]
+        names = [field.name for field in fields(cls)]  # type: ignore[arg-type]
         for name in keywords:
             if name not in names:
                 raise InputError(unknown(f"{call}(..., {name}=)", name, names))
@@ -139,7 +140,7 @@ class Option:
             value = value.tolist()
         named = self.choices is not None and isinstance(value, str)
         if self.kind is float and self.quantity and not isinstance(value, Mapping) and not named:
-            value = [in_si(each, self.unit, self.name) for each in value] if _is_list(value) else self._in_si(value)
+            value = list(map(self._in_si, value)) if isinstance(value, list | tuple) else self._in_si(value)
         try:
             return value_of(self.hint, value, self.name)
         except InputError as problem:
@@ -162,10 +163,10 @@ class Option:
         if self.adds:
             without = [text[1:] for text in given or () if text.startswith("-")]
             added = [text for text in given or () if not text.startswith("-") and text not in self.default]
-            return (*(each for each in self.default if each not in without), *added)
+            return (*(name for name in self.default if name not in without), *added)
         if self.several:
-            return tuple(self.number(text) for text in given) if given else self.default
-        return self.default if given is None else self.number(given)
+            return () if given == (NONE,) else tuple(map(self.from_text, given)) if given else self.default
+        return self.default if given is None else self.from_text(given)
 
     def _mapping(self, texts: Iterable[str]) -> Any:
         values: dict[str, Any] = {}
@@ -179,11 +180,11 @@ class Option:
                     f"{self.flag} {name if sign else values[name]} and {self.flag} {text} are both for "
                     f"{name if sign else 'all parameters'}; leave one of them out"
                 )
-            values[name] = self.number(value)
+            values[name] = self.from_text(value)
         return values["*"] if list(values) == ["*"] else values or self.default
 
-    def number(self, text: str) -> Any:
-        """A single value of the option from its text; a text stays one."""
+    def from_text(self, text: str) -> Any:
+        """A single value of the option, of what was typed."""
         if self.optional and text.strip().lower() == NONE:
             return None
         if self.kind is str or self.is_choice(text):
@@ -206,15 +207,19 @@ class Option:
         if self.kind is bool:
             return [self.flag]
         if self.adds:
-            texts = [f"-{each}" for each in self.default if each not in value]
-            texts += [each for each in value if each not in self.default]
+            texts = [f"-{name}" for name in self.default if name not in value]
+            texts += [name for name in value if name not in self.default]
         elif isinstance(value, Mapping):
-            texts = [self.text(v) if self.for_all and k == "*" else f"{k}={self.text(v)}" for k, v in value.items()]
+            texts = [
+                self.to_text(v) if self.for_all and k == "*" else f"{k}={self.to_text(v)}" for k, v in value.items()
+            ]
+        elif self.several:
+            texts = [self.to_text(item) for item in value] or [NONE]
         else:
-            texts = [self.text(each) for each in (value if self.several else (value,))]
+            texts = [self.to_text(value)]
         return [word for text in texts for word in (self.flag, text)]
 
-    def text(self, value: Any) -> str:
+    def to_text(self, value: Any) -> str:
         """A single value as it is typed, a number in the unit that people read."""
         if value is None:
             return NONE
@@ -227,9 +232,9 @@ class Option:
     @property
     def default_text(self) -> str:
         """The default as it is typed; empty where nothing is chosen without the option."""
-        if self.kind is bool or self.default is None or self.several or self.pairs:
-            return " ".join(self.text(each) for each in self.default) if self.several and self.default else ""
-        return self.text(self.default)
+        if self.several:
+            return " ".join(map(self.to_text, self.default or ()))
+        return "" if self.kind is bool or self.pairs or self.default is None else self.to_text(self.default)
 
     def values(self, si: bool = False) -> str:
         """What may be given, in words: the choices, or the type, unit and range; in the unit that people read unless ``si``."""
@@ -250,14 +255,10 @@ class Option:
 
 def options_of(cls: Any) -> tuple[Option, ...]:
     """The options that a dataclass declares, in the order of its fields."""
-    if cls not in _declared:
-        _declared[cls] = _options_of(cls)
-    return _declared[cls]
+    return _options_of(cls)
 
 
-_declared: dict[Any, tuple[Option, ...]] = {}
-
-
+@cache
 def _options_of(cls: Any) -> tuple[Option, ...]:
     hints = get_type_hints(cls, include_extras=True)
     return tuple(
@@ -280,6 +281,8 @@ def _option(name: str, hint: Any, default: Any) -> Option:
     inner = get_args(container)[-1 if pairs else 0] if several or pairs else container
     kind = next(iter(get_args(inner)), inner)  # of several plain types the first, in which it is typed
     kind = float if choices is not None and float in types else kind  # a number, or one of the texts
+    if kind is bool and default:
+        raise TypeError(f"{name}: a flag is False where it is not typed; declare the opposite, with the default False")
     quantity = next((note for note in notes if isinstance(note, Quantity)), None)
     terminal = next((note for note in notes if isinstance(note, Terminal)), Terminal())
     shown_in = next((note.unit for note in notes if isinstance(note, ShownIn)), quantity.unit if quantity else "")
@@ -308,10 +311,6 @@ def _option(name: str, hint: Any, default: Any) -> Option:
         group=next((note.name for note in notes if isinstance(note, Group)), ""),
         shown_in=shown_in,
     )
-
-
-def _is_list(value: Any) -> bool:
-    return isinstance(value, list | tuple)
 
 
 def command_words(options: Options) -> list[str]:

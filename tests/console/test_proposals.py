@@ -37,7 +37,7 @@ def test_a_proposal_from_records_and_for_a_peak(client, finished, data):
     keys = ["data/r0.h5", "data/r1.h5"]
     job = done_with(client, finished, records=keys, model="dahl", goal="peak", voltage=1.98, peak_target=0.02)
     assert job["state"] == "done", job["reason"]
-    assert [name for name, _, _ in job["result"]["halves"]]
+    assert job["result"]["intervals"]["rows"][-1][0] == "the largest drift at 1.98 V"
     assert "--goal peak" in job["result"]["command"]
     assert "--peak-target 2%" in job["result"]["command"]
 

@@ -8,9 +8,10 @@ import shlex
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import click
 import pytest
@@ -167,6 +168,36 @@ def test_wrong_values_are_sentences() -> None:
 def test_numbers_may_be_quantities() -> None:
     options = dp.identification.FitOptions(settling="500 ms", bandwidth="0.02 kHz", session_prior="5 %")
     assert (options.settling, options.bandwidth, options.session_prior) == (0.5, 20.0, 0.05)
+
+
+def test_none_of_several_is_typed_and_read_again() -> None:
+    """Without add-ons is another search than with those that are usual."""
+    [add_ons] = [option for option in options_of(dp.identification.FitOptions) if option.name == "add_ons"]
+    assert command_words(dp.identification.FitOptions(add_ons=())) == ["--add-on", "none"]
+    assert add_ons.from_terminal(("none",)) == ()
+    assert add_ons.from_terminal(()) == add_ons.default != ()
+
+
+def test_a_flag_that_is_usually_set_is_refused_where_it_is_declared() -> None:
+    @dataclass(frozen=True)
+    class Doors(Options):
+        open: Annotated[bool, "Whether they are open"] = True
+
+    with pytest.raises(TypeError, match="open: a flag is False where it is not typed"):
+        options_of(Doors)
+
+
+def test_a_request_takes_quantities() -> None:
+    pytest.importorskip("fastapi")
+    from dampyr.console.option_schemas import request_of
+
+    request = request_of(dp.identification.FitOptions)
+    for typed, si in (("500 ms", 0.5), ("0.5", 0.5), (0.5, 0.5), ("5e-1 s", 0.5)):
+        assert request(settling=typed).options().settling == si
+    assert request(session_prior="5%").options().session_prior == 0.05
+    for wrong in ("5 mm", "soon", "-1 s"):
+        with pytest.raises(ValueError, match="settling"):
+            request(settling=wrong)
 
 
 def test_a_field_that_is_declared_once_is_everywhere(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -31,7 +31,7 @@ METHODS = ("least-squares", "limit-cycle", "plastic-region")
 MAX_WORKERS = 8  # each process compiles the models of its own trials, which more of them would only repeat
 
 if TYPE_CHECKING:
-    from dampyr.identification import Fit, FitOptions, Specimens
+    from dampyr.identification import Fit, FitOptions, MethodComparison, Specimens
     from dampyr.records import ReadOptions, Record
 
 
@@ -96,24 +96,28 @@ def command(
     _check_ways(method, each, by_specimen, model, save, report, options)
     shown = None if details else 1  # tables, and findings
     records = gather(paths, "fit", reading, warn=False)
-    # Files first, as a reader of the first lines alone closes the pipe; what cannot be written is said after what is printed.
-    problem = None
+    result: Any
     if method != METHODS[0]:
-        show = _compared(records, method, options, as_json)
+        result = _compared(records, method, options)
     elif each:
-        show = _fitted_alone(records, model, options, as_json)
+        result = _fitted_alone(records, model, options)
     elif by_specimen:
-        specimens = _specimens(records, str(model), options)
-        problem = _problem_of(lambda: specimens.damper().save(save)) if save else None
-        show = lambda: print_json(specimens.as_dict()) if as_json else print_result(specimens)  # noqa: E731
+        result = _specimens(records, str(model), options)
     else:
         result = _fitted(records, model, options, as_json, shown)
-        problem = _problem_of(lambda: result.save(save)) if save else None
-        if report:
-            problem = problem or _problem_of(lambda: _write_page(result, report))
-        show = lambda: print_json(result.as_dict()) if as_json else _print(result, shown)  # noqa: E731
+    # Files first, as a reader of the first lines alone closes the pipe; what cannot be written is said after what is printed.
+    problem = None
+    if save:
+        problem = _problem_of(lambda: result.damper().save(save) if by_specimen else result.save(save))
+    if report:
+        problem = problem or _problem_of(lambda: _write_page(result, report))
     state_origin(combined(record.origin for record in records))
-    show()
+    if as_json:
+        print_json([fit.as_dict() for fit in result] if each else result.as_dict())
+    elif each:
+        _print_each(result)
+    else:
+        _print(result, None if method != METHODS[0] or by_specimen else shown)
     if problem is not None:
         raise problem
 
@@ -167,7 +171,7 @@ def _specimens(records: list[Record], model: str, options: FitOptions) -> Specim
         return fit_specimens(records, model, options, progress=progress)
 
 
-def _fitted_alone(records: list[Record], model: str | None, options: FitOptions, as_json: bool) -> Callable[[], None]:
+def _fitted_alone(records: list[Record], model: str | None, options: FitOptions) -> list[Fit]:
     from dampyr.identification import fit
 
     fits = []
@@ -175,15 +179,14 @@ def _fitted_alone(records: list[Record], model: str | None, options: FitOptions,
         for k, record in enumerate(records):
             fits.append(fit(record, model, options))
             progress("identifying", (k + 1) / len(records))
-    return lambda: print_json([one.as_dict() for one in fits]) if as_json else _print_each(fits)
+    return fits
 
 
-def _compared(records: list[Record], method: str, options: FitOptions, as_json: bool) -> Callable[[], None]:
+def _compared(records: list[Record], method: str, options: FitOptions) -> MethodComparison:
     from dampyr.identification import compare_method
 
     with stages() as progress:
-        result = compare_method(records, method, options.bandwidth, progress)
-    return lambda: print_json(result.as_dict()) if as_json else print_result(result)
+        return compare_method(records, method, options.bandwidth, progress)
 
 
 def _problem_of(write: Callable[[], object]) -> Exception | None:
@@ -207,9 +210,9 @@ def _cores() -> int:
     return min(available, MAX_WORKERS)
 
 
-def _print(result: Fit, shown: int | None) -> None:
-    if result.leaderboard:
-        print_result(result.leaderboard, shown, shown)
+def _print(result: Any, shown: int | None) -> None:
+    if board := getattr(result, "leaderboard", None):
+        print_result(board, shown, shown)
         click.echo()
     print_result(result, shown, shown)
 

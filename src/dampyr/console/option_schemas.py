@@ -56,8 +56,8 @@ def _plain(default: Any) -> Any:
 
 
 def _number(option: Option, value: Any) -> Any:
-    """A text with a unit, such as ``"10 ms"``, in SI; all else as it is."""
-    return in_si(value, option.unit, option.name) if isinstance(value, str) and value[-1:].isalpha() else value
+    """A text, such as ``"10 ms"`` or ``"2"``, in SI; all else as it is."""
+    return in_si(value, option.unit, option.name) if isinstance(value, str) else value
 
 
 def _type(option: Option, limit: float = math.inf) -> Any:

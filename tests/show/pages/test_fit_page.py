@@ -193,7 +193,8 @@ def test_predictions_say_what_they_were_not_fitted_on_and_sections_come_first(jo
         [2, 2, "no damper: a law fell below 0"],
     ]
     extra = [Section("Which model", [Text("The leader.")]), Section("Another", [Text("More.")])]
-    path = write_fit_page(joint, tmp_path / "page.html", sections=extra, validation=Validation("record", folds))
+    predicted = replace(joint, validations=(Validation("record", folds),))
+    path = write_fit_page(predicted, tmp_path / "page.html", sections=extra)
     html = path.read_text("utf-8")
     titles = Reader(html).inside("h2")
     assert titles[:4] == ["In short", "Which model", "Another", "Findings and search"]

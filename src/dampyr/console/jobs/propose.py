@@ -13,13 +13,14 @@ from dampyr.console.proposals import ProposalRequest
 from dampyr.console.rigs import rig_file
 from dampyr.console.safe_paths import data_of
 from dampyr.planning import propose
-from dampyr.planning.proposal import half_in_percent
+from dampyr.show.planning.proposal import interval_table
 
 
 def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], None]) -> dict[str, Any]:
     """``request`` is a `ProposalRequest`."""
     parsed, data = ProposalRequest(**request), data_of(folder)
     result = propose(parsed.evidence(data), rig_file(data, parsed.rig), parsed.options(), progress, peak=parsed.peak())
+    table = interval_table(result)
     return {
         DATA: result.as_dict(),
         "text": result.text,
@@ -27,8 +28,9 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
         "notice": result.origin.notice,
         "notes": [in_page_words(note) for note in result.notes],
         "findings": [in_page_words(finding.sentence) for finding in result.findings],
-        "halves": [
-            [label, half_in_percent(result.before.get(label)), half_in_percent(half)]
-            for label, half in result.after.items()
-        ],
+        "intervals": {
+            "columns": list(table.columns),
+            "rows": [list(row) for row in table.rows],
+            "caption": table.caption,
+        },
     }

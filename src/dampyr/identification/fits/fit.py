@@ -114,14 +114,14 @@ def fit(
         tell("identifying", 0.0)
         result = fit_model(model, fitted, chosen, lambda step, _: tell("identifying", step / (step + HALF_WAY)))
         tell("identifying", 1.0)
-    result = replace(
+    return replace(
         result,
         leaderboard=board,
         validations=_validations(fitted, model, chosen, board, tell),
+        predicted=_predicted(result.damper, others, chosen.settling) if others else {},
         validation_records=tuple(others),
         beyond=beyond,
     )
-    return replace(result, predicted=_predicted(result.damper, others, chosen.settling)) if others else result
 
 
 def check_records(

@@ -21,7 +21,6 @@ def describe_recorded(campaign: RecordedCampaign) -> Description:
             ("records", counted(len(records), "record")),
             ("duration", f"{sum(record.duration for record in records):.4g} s"),
         ],
-        verdict=[finding.sentence for finding in campaign.findings],
         tables=[lambda: record_table(campaign)],
         data=lambda: {
             "folder": str(campaign.folder),

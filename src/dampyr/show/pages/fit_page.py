@@ -36,17 +36,15 @@ def write_fit_page(
     fit: Fit,
     path: str | Path,
     sections: Sequence[Section] = (),
-    validation: Validation | Sequence[Validation] | None = None,
 ) -> Path:
     """Write the page of a fit, and return its path.
 
     Its first screen holds the verdict, loops and parameters. Then come the leaderboard, if any, and ``sections`` of the
-    caller's; all findings; errors, laws and correlations of the parameters; what the records cannot separate; the calibrated
-    range; how well the fit describes its records; with ``validation`` (one or several), how well it predicts others; the
+    caller's; all findings; errors, laws and correlations of the parameters; what the records cannot separate; the
+    calibrated range; how well the fit describes its records; how well it predicts others where that was asked for; the
     analysis of residuals; the best and the worst record.
     """
-    more = [validation] if isinstance(validation, Validation) else list(validation or ())
-    checks, damper = [*fit.validations, *more], fit.damper
+    checks, damper = fit.validations, fit.damper
     sections = [*([leaderboard_section(fit.leaderboard)] if fit.leaderboard else []), *sections]
     number = len(fit.records)
     records = "One record, fitted" if number == 1 else f"{number} records, fitted together"

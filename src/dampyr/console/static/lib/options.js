@@ -92,7 +92,9 @@ function pairs(option, text) {
 
 const parts = (text) => text.split(";").map((one) => one.trim()).filter(Boolean);
 
-/** A number in SI; one with a unit behind it is sent as it is typed. */
-const quantity = (option, text, name) => (option.unit && /\d\s*[a-zA-Zµ][^\d]*$/.test(text) ? text : inSi(option, oneNumber(text, name)));
+const WITH_UNIT = /^[+-]?[\d.,]+(e[+-]?\d+)?\s*[a-zµ%].*$/i;
+
+/** A number in SI; one with a unit behind it is sent as it is typed, with a point as its decimal mark. */
+const quantity = (option, text, name) => (option.unit && WITH_UNIT.test(text) ? text.replace(",", ".") : inSi(option, oneNumber(text, name)));
 
 const inSi = ({ factor }, value) => Number((value / factor).toPrecision(12));

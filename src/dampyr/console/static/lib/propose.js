@@ -51,7 +51,7 @@ export function proposal(rig, take) {
       result.replaceChildren(
         r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : "",
         ...[...r.notes, ...r.findings].map((words) => h("p", { class: "soft" }, words)),
-        section("Half widths of 95 % intervals", table({ caption: "Now, and as expected after these tests", columns: [{ name: "parameter" }, { name: "now" }, { name: "after the tests" }], rows: r.halves })),
+        section("Half widths of 95 % intervals", table({ caption: r.intervals.caption, columns: r.intervals.columns.map((words) => ({ name: words })), rows: r.intervals.rows })),
         h("p", { class: "soft" }, r.command));
       take(r.text);
       say("The proposed tests are in the text; save them to run them.");
