@@ -34,7 +34,6 @@ python_use_unqualified_type_names = True
 autosummary_generate = False
 autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
-autodoc_preserve_defaults = True
 autodoc_type_aliases = {name: name for name in ("Array", "Bools", "Ints", "Complex")}
 napoleon_numpy_docstring = True
 napoleon_google_docstring = False

@@ -237,10 +237,14 @@ class Option:
         return "" if self.kind is bool or self.pairs or self.default is None else self.to_text(self.default)
 
     def values(self, si: bool = False) -> str:
-        """What may be given, in words: the choices, or the type, unit and range; in the unit that people read unless ``si``."""
+        """What may be given, in words: the choices, or the type, unit and range.
+
+        ``si``: as a program gives it, in SI units and with names in quotes; else as a person types it.
+        """
         kind = TYPES[self.kind]
         if self.choices is not None:
-            kind = ", ".join([*map(str, self.choices), *([kind] if self.kind is float else [])])
+            choices = [f'"{choice}"' if si and isinstance(choice, str) else str(choice) for choice in self.choices]
+            kind = ", ".join([*choices, *([kind] if self.kind is float else [])])
         several = f"several of {kind}" if self.several else f"name: {kind}" if self.pairs else kind
         if self.for_all:
             several = f"{kind}, or {several}"
