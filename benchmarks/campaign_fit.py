@@ -16,7 +16,7 @@ from dampyr.identification.fits.least_squares import prepared
 from dampyr.identification.search.fit_data import Piece, piece
 from dampyr.identification.search.initial_guess import begin
 from dampyr.identification.search.normal_equations import modelled_force
-from dampyr.identification.search.problem import Point, Problem
+from dampyr.identification.search.problem import Problem, SearchPoint
 from dampyr.models import compose
 from dampyr.models.path_integration import along
 from dampyr.records import Record, read_campaign
@@ -82,7 +82,7 @@ def hard(records: list[Record]) -> list[Line]:
     ]
 
 
-def valley(problem: Problem, start: Point) -> tuple[float, int]:
+def valley(problem: Problem, start: SearchPoint) -> tuple[float, int]:
     """The cost that scipy comes to, and its evaluations: all unknowns in their scale at the start, finite differences."""
     nuisances = problem.locals
     theta = np.where(
@@ -93,7 +93,7 @@ def valley(problem: Problem, start: Point) -> tuple[float, int]:
 
     def residual(z: Any) -> Any:
         values = z * scale
-        at = Point(values[nuisances:], values[None, :nuisances])
+        at = SearchPoint(values[nuisances:], values[None, :nuisances])
         one = problem.pieces[0]
         return one.weight * (one.force - modelled_force(problem, at, 0))
 

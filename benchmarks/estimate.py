@@ -13,7 +13,7 @@ from benchmarks._timing import race
 from benchmarks.bouc_wen_force import compiled
 from dampyr.identification import fit
 from dampyr.identification.fits.least_squares import prepared
-from dampyr.identification.search.problem import Point, Problem
+from dampyr.identification.search.problem import Problem, SearchPoint
 from dampyr.identification.search.variable_projection import search
 from dampyr.models import Damper
 from dampyr.records import Record
@@ -62,7 +62,7 @@ def searched(model: str, record: Record) -> Callable[[], Any]:
     local = np.array([[float(np.mean(record.force)), 0.0]])
 
     def estimate() -> Any:
-        return search(fresh(problem), Point(theta, local)).point.theta
+        return search(fresh(problem), SearchPoint(theta, local)).point.theta
 
     return estimate
 

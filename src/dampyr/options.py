@@ -57,7 +57,7 @@ class ShownIn:
 
 
 @dataclass(frozen=True)
-class Group:
+class FormGroup:
     """Note of a field: the part of a form, shown when it is opened, that the option is in; a form begins with those of none."""
 
     name: str
@@ -312,7 +312,7 @@ def _option(name: str, hint: Any, default: Any) -> Option:
         flag=terminal.flag or f"--{name.replace('_', '-')}",
         metavar=metavar,
         adds=terminal.adds,
-        group=next((note.name for note in notes if isinstance(note, Group)), ""),
+        group=next((note.name for note in notes if isinstance(note, FormGroup)), ""),
         shown_in=shown_in,
     )
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from dampyr.campaigns.journal import Entry, Journal, read_journal
+from dampyr.campaigns.journal import Journal, JournalEntry, read_journal
 from dampyr.errors import FileError, InputError
 
 
@@ -47,9 +47,9 @@ def test_another_campaign_in_the_folder_is_refused(tmp_path: Path) -> None:
 def test_a_plan_begins_with_what_is_known_of_its_tests(tmp_path: Path) -> None:
     journal = Journal(tmp_path)
     assert journal.is_empty
-    journal.plan("d1", ["a", "b"], {"name": "first"}, [Entry("b", "complete", 3, "by its file")])
+    journal.plan("d1", ["a", "b"], {"name": "first"}, [JournalEntry("b", "complete", 3, "by its file")])
     assert not journal.is_empty
-    assert journal.tests() == [Entry("a", "planned", 0, ""), Entry("b", "complete", 3, "by its file")]
+    assert journal.tests() == [JournalEntry("a", "planned", 0, ""), JournalEntry("b", "complete", 3, "by its file")]
     assert journal.begin("a", 4) == 5  # four tries have files
     assert journal.begin("b", 1) == 4
 

@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from scipy import signal
 
 from dampyr import campaigns, records
-from dampyr.campaigns import Control, Progress, Stopped, learn_drive, perform, plan, read_journal
+from dampyr.campaigns import Progress, RunControl, Stopped, learn_drive, perform, plan, read_journal
 from dampyr.campaigns.learned_drives import FOLDER, LearnedDrive, drive_key, load_learned, save_learned
 from dampyr.campaigns.learning import (
     CUTOFF,
@@ -380,7 +380,7 @@ def test_a_run_that_was_killed_in_a_try_goes_on_with_the_tries_that_are_complete
 
 
 def test_stop_in_a_try_ends_the_run_in_order_and_a_fault_as_in_any_test(tmp_path: Path) -> None:
-    control = Control()
+    control = RunControl()
 
     def stop(progress: Progress) -> None:
         if progress.phase.startswith("learning, try 1") and progress.fraction > 0.3:
@@ -400,7 +400,7 @@ def test_stop_in_a_try_ends_the_run_in_order_and_a_fault_as_in_any_test(tmp_path
 
 
 def test_tries_on_another_rig_do_not_count(tmp_path: Path) -> None:
-    control = Control()
+    control = RunControl()
 
     def stop(progress: Progress) -> None:
         if progress.phase.startswith("learning, try 2"):

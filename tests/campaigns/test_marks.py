@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from dampyr import records
 from dampyr.campaigns import campaign_of, perform, planned_hybrid, read_journal
 from dampyr.campaigns.marks import (
-    Measured,
+    MeasuredTest,
     created_energy,
     drifting_zero,
     flat_force,
@@ -47,7 +47,7 @@ rest_before = "1 s"
 """
 
 
-def sine(offset: float = 100.0, drift: float = 0.0) -> Measured:
+def sine(offset: float = 100.0, drift: float = 0.0) -> MeasuredTest:
     """A hysteretic loop after a rest and before one, as a converter reads it, with its noise."""
     t = np.arange(12_000) / 1000.0
     moving = (t > 1.0) & (t < 11.0)
@@ -57,7 +57,7 @@ def sine(offset: float = 100.0, drift: float = 0.0) -> Measured:
     return read_by_board(t, x, force + 0.4 * np.random.default_rng(1).standard_normal(t.size))
 
 
-def aperiodic(narrow: bool = False) -> Measured:
+def aperiodic(narrow: bool = False) -> MeasuredTest:
     """Sines of many frequencies after a rest and before one, so that no two turns are alike, on a spring and a friction; or,
     ``narrow``, about one frequency, as a building moves in its first mode."""
     t = np.arange(22_000) / 1000.0
@@ -74,12 +74,12 @@ def aperiodic(narrow: bool = False) -> Measured:
     return read_by_board(t, x, force + 0.4 * draw.standard_normal(t.size))
 
 
-def read_by_board(t: np.ndarray, x: np.ndarray, force: np.ndarray) -> Measured:
+def read_by_board(t: np.ndarray, x: np.ndarray, force: np.ndarray) -> MeasuredTest:
     volts = np.round(force / SCALE / STEP) * STEP
-    return Measured(t, x, SCALE * volts, volts, 0.0, RIG)
+    return MeasuredTest(t, x, SCALE * volts, volts, 0.0, RIG)
 
 
-def with_volts(measured: Measured, volts: np.ndarray) -> Measured:
+def with_volts(measured: MeasuredTest, volts: np.ndarray) -> MeasuredTest:
     return replace(measured, volts=volts, force=SCALE * volts)
 
 
@@ -160,7 +160,7 @@ def test_a_force_may_stand_at_a_slow_reversal_and_leap_after_it() -> None:
         np.arange(x.size) <= turn, 210.0, 210.0 - 430.0 * (1.0 - np.exp(-np.maximum(0.0, x[turn] - x) / 4e-5))
     )
     volts = np.round(force / SCALE / STEP) * STEP
-    good = Measured(t, x, SCALE * volts, volts, 0.0, rig)
+    good = MeasuredTest(t, x, SCALE * volts, volts, 0.0, rig)
     assert not list(flat_force(good))
     # the same leap while the table slides on is the amplifier's
     slides = replace(good, displacement=rig.encoder.count * 5.0 * np.arange(x.size))
@@ -295,7 +295,7 @@ def test_a_fault_in_a_hybrid_test_is_marked(tmp_path: Path, fault: str, words: s
 
 def test_a_test_without_samples_has_no_marks() -> None:
     empty = np.empty(0)
-    assert marks_of(lambda _: Measured(empty, empty, empty, empty, 0.0, RIG), 0) == []
+    assert marks_of(lambda _: MeasuredTest(empty, empty, empty, empty, 0.0, RIG), 0) == []
 
 
 def test_a_long_test_is_looked_at_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -306,10 +306,10 @@ def test_a_long_test_is_looked_at_in_pieces(monkeypatch: pytest.MonkeyPatch) -> 
     volts[8000:9000] = volts[8000]
     spoiled, read = with_volts(drifting, volts), []
 
-    def some(rows: slice) -> Measured:
+    def some(rows: slice) -> MeasuredTest:
         read.append(rows)
         names = ("time", "displacement", "force", "volts")
-        return Measured(*(getattr(spoiled, name)[rows] for name in names), 0.0, RIG)
+        return MeasuredTest(*(getattr(spoiled, name)[rows] for name in names), 0.0, RIG)
 
     flat, drift = marks_of(some, spoiled.time.size)
     assert flat.spoils

@@ -21,7 +21,7 @@ import pytest
 from tests.endurance import Endurance
 
 from dampyr import campaigns, records
-from dampyr.campaigns import Control, Progress, Stopped, perform, read_journal
+from dampyr.campaigns import Progress, RunControl, Stopped, perform, read_journal
 from dampyr.campaigns.record_test import groups_of
 from dampyr.errors import DampyrWarning, FileError, InputError, RigFault
 from dampyr.records.files.recording import Recording
@@ -30,7 +30,7 @@ from dampyr.rig import Rig, RigSettings, load_settings, simulated
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
 from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
-from dampyr.rig.session import Table
+from dampyr.rig.session import ArmedRig
 from dampyr.rig.simulation.faults import FaultSpec
 
 TWO = """
@@ -141,7 +141,7 @@ def test_another_campaign_in_the_folder_is_refused(two: Path, tmp_path: Path) ->
         perform(two, rig(), tmp_path / "out")
 
 
-def pressing(control: Control, button: str, at: int) -> object:
+def pressing(control: RunControl, button: str, at: int) -> object:
     count = 0
 
     def show(progress: Progress) -> None:
@@ -154,7 +154,7 @@ def pressing(control: Control, button: str, at: int) -> object:
 
 
 def test_stop_ends_in_order(two: Path, tmp_path: Path) -> None:
-    control = Control()
+    control = RunControl()
     opened = rig()
     with pytest.raises(Stopped, match="run it again to go on"):
         perform(two, opened, tmp_path / "out", pressing(control, "stop", 30), control)
@@ -165,14 +165,14 @@ def test_stop_ends_in_order(two: Path, tmp_path: Path) -> None:
 
 
 def test_abort_acts_at_once(two: Path, tmp_path: Path) -> None:
-    control = Control()
+    control = RunControl()
     with pytest.raises((RigFault, Stopped)):
         perform(two, rig(), tmp_path / "out", pressing(control, "abort", 30), control)
     assert read_journal(tmp_path / "out")[0][0].state == "stopped"
 
 
 def test_pause_waits_between_tests(two: Path, tmp_path: Path) -> None:
-    control, paused = Control(), 0
+    control, paused = RunControl(), 0
 
     def show(progress: Progress) -> None:
         nonlocal paused
@@ -225,14 +225,14 @@ def test_room_is_reserved_before_anything_moves(
 
 
 def test_a_test_that_never_began_leaves_no_file(two: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    go = Table.go
+    go = ArmedRig.go
 
-    def stuck(self: Table, displacement: float) -> None:
+    def stuck(self: ArmedRig, displacement: float) -> None:
         if next((tmp_path / "out").glob("*.h5"), None):  # its room is reserved before the table moves
             raise RigFault("the table stands", "check")
         go(self, displacement)
 
-    monkeypatch.setattr(Table, "go", stuck)
+    monkeypatch.setattr(ArmedRig, "go", stuck)
     with pytest.raises(RigFault, match="the table stands"):
         perform(two, rig(), tmp_path / "out")
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"journal.sqlite"}

@@ -13,7 +13,7 @@ from dampyr.errors import MissingData
 from dampyr.models import published
 from dampyr.records import write
 from dampyr.rig import RigSettings, diagnosis
-from dampyr.rig.settings import Specimen
+from dampyr.rig.settings import SpecimenSettings
 from dampyr.rig.specimen import specimen_of
 from dampyr.studies import load_damper, raminelli_2020
 
@@ -49,7 +49,7 @@ def test_the_specimen_of_a_rig_takes_a_name(tmp_path: Path) -> None:
     (tmp_path / "rig.toml").write_text('[specimen]\ncard = "spencer_1997"\n', "utf-8")
     done = run("run", EXAMPLES / "quick_campaign.toml", "--dry-run", "--rig", tmp_path / "rig.toml")
     assert "quick: 3 tests" in done.stdout, done.output
-    settings = replace(RigSettings(), specimen=Specimen(card="spencer_1997"))
+    settings = replace(RigSettings(), specimen=SpecimenSettings(card="spencer_1997"))
     assert specimen_of(settings, tmp_path).all_laws == published.damper("spencer_1997").all_laws
 
 

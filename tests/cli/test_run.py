@@ -335,10 +335,10 @@ def test_exit_codes_of_a_rig_that_fails(tmp_path: Path, fault: str, code: int, w
 def test_exit_codes_of_a_run_that_is_ended(
     tmp_path: Path, how: str | int | OSError, code: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from dampyr.campaigns import Control
+    from dampyr.campaigns import RunControl
     from dampyr.campaigns.monitor import Watch
 
-    blocks, check = 0, Control.check
+    blocks, check = 0, RunControl.check
 
     def take(self: Watch, samples: object) -> None:
         nonlocal blocks
@@ -348,13 +348,13 @@ def test_exit_codes_of_a_run_that_is_ended(
         if blocks == 5 and isinstance(how, int):
             os.kill(os.getpid(), how)
 
-    def pressed(self: Control) -> None:
+    def pressed(self: RunControl) -> None:
         if blocks == 5 and isinstance(how, str):
             getattr(self, how)()
         check(self)
 
     monkeypatch.setattr(Watch, "take", take)
-    monkeypatch.setattr(Control, "check", pressed)
+    monkeypatch.setattr(RunControl, "check", pressed)
     exit_code, stderr = ended(tmp_path)
     assert exit_code == code, stderr
     (test, _) = read_journal(tmp_path / "out")[0]

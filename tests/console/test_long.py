@@ -19,7 +19,7 @@ from dampyr.console import app
 from dampyr.console.rigs import Opener
 from dampyr.records import read
 from dampyr.rig import RigSettings, simulated
-from dampyr.rig.settings import Board, Wires
+from dampyr.rig.settings import BoardSettings, Wires
 
 HERE = "http://127.0.0.1:8077"
 RATE = 10_000.0
@@ -37,7 +37,7 @@ voltage = "0.8712 V"
 
 def fast(real_time: bool) -> Opener:
     """Two channels at 10 kHz; in lockstep as quick as this machine is, each second the same work as a real one."""
-    settings = RigSettings(board=Board(rate=RATE), wires=Wires(temperature="ai1"))
+    settings = RigSettings(board=BoardSettings(rate=RATE), wires=Wires(temperature="ai1"))
     return lambda *_: simulated(settings, real_time=real_time)
 
 

@@ -12,7 +12,7 @@ pytest.importorskip("fastapi")
 from fastapi import HTTPException
 from tests.console.memory import resident
 
-from dampyr.console.limits import PLANNING, Limits
+from dampyr.console.limits import PLANNING, RequestLimits
 from dampyr.console.step_texts import step_kinds
 from dampyr.console.workers import Workers
 from dampyr.errors import InputError, MissingData
@@ -76,12 +76,12 @@ def test_more_memory_than_allowed_is_refused(workers):
 
 def test_more_time_than_allowed_is_refused(workers):
     with pytest.raises(InputError, match=r"more than the 0.2 s.*request less"):
-        finished(workers.run(None, Limits(2**30, 0.2), time.sleep, 600.0))
+        finished(workers.run(None, RequestLimits(2**30, 0.2), time.sleep, 600.0))
 
 
 def test_a_process_ends_when_its_client_leaves(workers):
     with pytest.raises(HTTPException, match="withdrawn"):
-        finished(workers.run(Client(0.3), Limits(2**30, 600.0), time.sleep, 600.0))
+        finished(workers.run(Client(0.3), RequestLimits(2**30, 600.0), time.sleep, 600.0))
 
 
 def test_requests_wait_for_one_another_and_are_told_their_place():

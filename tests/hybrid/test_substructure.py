@@ -8,7 +8,7 @@ import pytest
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, el_centro
-from dampyr.hybrid import Lag, Substructure, delayed_result, lag_of, run_delayed
+from dampyr.hybrid import LagEstimator, Substructure, delayed_result, lag_of, run_delayed
 from dampyr.models import Damper
 from dampyr.structures import Building, respond, two_storey
 from dampyr.studies import raminelli_2020
@@ -144,7 +144,7 @@ def test_a_motion_that_stands_still_has_no_lag():
 
 
 def test_a_lag_is_followed_and_where_nothing_moves_it_stays():
-    lag, h = Lag(0.001, 0.01, lag=0.010), 0.001
+    lag, h = LagEstimator(0.001, 0.01, lag=0.010), 0.001
     for k in range(6000):
         u, rate = 0.01 * math.sin(12.0 * k * h), 0.12 * math.cos(12.0 * k * h)
         lag.take(u, rate, u - 0.002 * rate, 0.010)

@@ -13,7 +13,7 @@ from dampyr.hybrid import (
     KalmanCompensator,
     ModelBasedCompensator,
     PhaseLeadCompensator,
-    Specimen,
+    PhysicalSubstructure,
     TransferSystem,
     inverse_coefficients,
     perform_virtual,
@@ -168,7 +168,7 @@ def test_a_planted_error_is_noticed_by_the_comparison_with_scipy(building: Build
         ideal(building, force_delay=0),
         ideal(building, transfer=replace(t, beta1=426.0)),
         ideal(building, transfer=replace(t, pole=3.4)),
-        ideal(building, specimen=Specimen(damping_ratio=0.0098)),
+        ideal(building, specimen=PhysicalSubstructure(damping_ratio=0.0098)),
     ):
         with pytest.raises(AssertionError):
             agree(perform_virtual(planted, PhaseLeadCompensator(), motion).floors, floors)
@@ -249,15 +249,15 @@ class TestManyPlants:
 class TestRefusals:
     def test_a_specimen_that_is_more_than_the_structure(self, building: Building) -> None:
         with pytest.raises(InputError, match=r"without the specimen cannot stand by itself.*less mass"):
-            HybridSetup(building, Specimen(mass=2000.0))
+            HybridSetup(building, PhysicalSubstructure(mass=2000.0))
         with pytest.raises(InputError, match="cannot stand by itself"):
-            HybridSetup(building, Specimen(stiffness=5e7))
+            HybridSetup(building, PhysicalSubstructure(stiffness=5e7))
 
     @pytest.mark.parametrize(
         ("make", "says"),
         [
-            (lambda b: Specimen(mass=-1.0), "mass = -1.0 kg is not allowed"),
-            (lambda b: Specimen(stiffness=float("nan")), "stiffness = nan N/m"),
+            (lambda b: PhysicalSubstructure(mass=-1.0), "mass = -1.0 kg is not allowed"),
+            (lambda b: PhysicalSubstructure(stiffness=float("nan")), "stiffness = nan N/m"),
             (lambda b: TransferSystem(gain=0.0), "gain = 0.0"),
             (lambda b: HybridSetup(b, rate=0.0), "rate = 0.0 Hz"),
             (lambda b: HybridSetup(b, force_delay=-1), "force_delay = -1"),
@@ -275,10 +275,12 @@ class TestRefusals:
     def test_a_specimen_between_two_floors_has_no_floor_to_compare(
         self, building: Building, motion: GroundMotion
     ) -> None:
-        run = perform_virtual(ideal(building, place=2, specimen=Specimen(stiffness=1e5)), _matched(building), motion)
+        run = perform_virtual(
+            ideal(building, place=2, specimen=PhysicalSubstructure(stiffness=1e5)), _matched(building), motion
+        )
         with pytest.raises(InputError, match="storey 2 is not held to the ground"):
             run.criteria()
 
 
 def _matched(building: Building) -> KalmanCompensator:
-    return KalmanCompensator.designed(ideal(building, place=2, specimen=Specimen(stiffness=1e5)))
+    return KalmanCompensator.designed(ideal(building, place=2, specimen=PhysicalSubstructure(stiffness=1e5)))

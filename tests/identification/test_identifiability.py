@@ -9,7 +9,7 @@ from tests.identification.test_profile_likelihood import DAMPER, noisy_records
 
 import dampyr as dp
 from dampyr.identification import Fit, Inseparable, fit, identifiability
-from dampyr.identification.parameter_uncertainty.candidate_motions import Envelope, candidate_motions, envelope_of
+from dampyr.identification.parameter_uncertainty.candidate_motions import MotionReach, candidate_motions, envelope_of
 from dampyr.identification.search.fit_data import piece
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
@@ -135,7 +135,7 @@ def test_numbers_at_a_limit_and_of_few_records() -> None:
 
 
 def test_candidates_stay_inside_the_envelope() -> None:
-    envelope = Envelope(0.010, 0.05, 0.4)
+    envelope = MotionReach(0.010, 0.05, 0.4)
     kinds = set()
     for one in candidate_motions(envelope):
         kinds.add(one.kind)

@@ -17,11 +17,11 @@ import pytest
 from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
-from dampyr.identification import Entry, FitOptions, Fold, Leaderboard, Score, Validation, fit
+from dampyr.identification import Finalist, FitOptions, Fold, Leaderboard, Score, Validation, fit
 from dampyr.identification.fits.result import reasons_of_choice
 from dampyr.identification.model_choice import parallel, screening
 from dampyr.identification.model_choice.leaderboard import (
-    Cut,
+    SearchTimedOut,
     enough_records,
     leaderboard,
     optimism,
@@ -292,10 +292,10 @@ def validated(table: list[dict[str, float]], split: str = "record") -> Validatio
     return Validation(split, tuple(folds), {name: float(name.partition("V")[0]) for name in names}, "V")
 
 
-def entry(model: str, parameters: int, error: float, spread: float = 0.004, table: list | None = None) -> Entry:
+def entry(model: str, parameters: int, error: float, spread: float = 0.004, table: list | None = None) -> Finalist:
     checks = (validated(table or [{"1V-a": error}]),)
     why = compose(model).not_for_buildings
-    return Entry(model, error, spread, error, error, error, 0.0, error, parameters, 1.0, True, "", checks, None, why)
+    return Finalist(model, error, spread, error, error, error, 0.0, error, parameters, 1.0, True, "", checks, None, why)
 
 
 def test_of_models_that_the_records_cannot_part_the_one_with_the_fewest_numbers_is_chosen() -> None:
@@ -561,10 +561,10 @@ def test_a_limit_in_seconds_ends_the_search_and_chooses_nothing() -> None:
     assert plain(board.as_dict())["chosen"] is None
     assert "nothing: the search was cut" in str(board)
     for choose in (lambda: board.winner, lambda: board.for_building):
-        with pytest.raises(Cut, match="no model is chosen") as refused:
+        with pytest.raises(SearchTimedOut, match="no model is chosen") as refused:
             choose()
         assert refused.value.board is board
-    with pytest.raises(Cut, match="no model is chosen"):
+    with pytest.raises(SearchTimedOut, match="no model is chosen"):
         fit(campaign(2), models=(NAME,), seconds=1e-9, bandwidth=15.0)
     with pytest.raises(InputError, match="seconds = -1 s is not allowed"):
         leaderboard(campaign(2), FitOptions(models=(NAME,), seconds=-1.0))
@@ -582,7 +582,7 @@ def test_finalists_that_were_finished_in_time_are_shown(monkeypatch: pytest.Monk
     board = leaderboard(campaign(2), FitOptions(models=("dahl", NAME), add_ons=(), seconds=1e6, bandwidth=15.0))
     assert len(board.entries) == 1
     assert "1 finalist not validated" in board.cut
-    with pytest.raises(Cut):
+    with pytest.raises(SearchTimedOut):
         _ = board.winner
 
 

@@ -12,14 +12,14 @@ from dampyr.identification.fits.least_squares import prepared
 from dampyr.identification.search.initial_guess import begin
 from dampyr.identification.search.normal_equations import (
     NormalEquations,
-    Step,
+    SearchStep,
     eliminated,
     linearise,
     modelled_force,
     products,
     step_point,
 )
-from dampyr.identification.search.problem import Point, Problem, independent_blocks
+from dampyr.identification.search.problem import Problem, SearchPoint, independent_blocks
 from dampyr.identification.search.variable_projection import levenberg_marquardt, search
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
@@ -40,7 +40,7 @@ def records(noise: float = 2.0) -> list[Record]:
     ]
 
 
-def somewhere(problem: Problem) -> Point:
+def somewhere(problem: Problem) -> SearchPoint:
     """A point inside the limits, all of its unknowns away from zero."""
     rng = np.random.default_rng(0)
     low, high = problem.limits
@@ -51,10 +51,10 @@ def somewhere(problem: Problem) -> Point:
         [np.full(len(problem.pieces), {"offset": 90.0}.get(name, 0.1)) for name in problem.common]
         + [np.full(len(problem.pieces), 0.3)] * len(problem.states)
     )
-    return Point(np.minimum(theta * rng.uniform(0.8, 1.2, theta.size), reach + np.abs(theta)), local)
+    return SearchPoint(np.minimum(theta * rng.uniform(0.8, 1.2, theta.size), reach + np.abs(theta)), local)
 
 
-def numeric(problem: Problem, point: Point, r: int) -> np.ndarray:
+def numeric(problem: Problem, point: SearchPoint, r: int) -> np.ndarray:
     """[nuisances, coefficients, residual] of one record by central differences of the modelled force."""
     one, columns = problem.pieces[r], []
     for j in range(problem.locals):
@@ -164,7 +164,7 @@ def test_the_search_ends_where_scipy_ends(model: str) -> None:
     scale = np.concatenate((np.maximum(np.abs(ours.point.theta), 1.0), [100.0, 1.0]))
 
     def residual(z: np.ndarray) -> np.ndarray:
-        at = Point((z * scale)[:-2], (z * scale)[None, -2:])
+        at = SearchPoint((z * scale)[:-2], (z * scale)[None, -2:])
         return problem.pieces[0].weight * (problem.pieces[0].force - modelled_force(problem, at, 0))
 
     end = np.concatenate((ours.point.theta, ours.point.local[0])) / scale
@@ -193,7 +193,7 @@ def test_gain_and_what_is_left_are_those_of_the_quadratic() -> None:
     sums = np.stack([table.T @ table for table in tables])
     nothing = np.zeros(3, dtype=bool)
     here = NormalEquations(sums, nothing, nothing[:2], *np.zeros((2, 3)), np.zeros((3, 2)), np.zeros((3, 2)))
-    step = Step(rng.normal(size=3), rng.normal(size=(3, 2)))
+    step = SearchStep(rng.normal(size=3), rng.normal(size=(3, 2)))
     left = [a[:, 5] - a[:, :5] @ np.concatenate((d, step.theta)) for a, d in zip(tables, step.local, strict=True)]
     cost = 0.5 * sum(float(r @ r) for r in left)
     there = here.after(step)
@@ -206,6 +206,6 @@ def test_gain_and_what_is_left_are_those_of_the_quadratic() -> None:
 def test_a_step_of_a_logarithm_is_a_factor() -> None:
     problem = prepared("dahl", [sine(DAHL, 0.0, noise=1.0)])
     point = begin(problem)
-    moved_on = step_point(problem, point, Step(np.array([3.0, -4.0, 0.5]), np.zeros((1, 2))))
+    moved_on = step_point(problem, point, SearchStep(np.array([3.0, -4.0, 0.5]), np.zeros((1, 2))))
     np.testing.assert_allclose(moved_on.theta, point.theta * [1, 1, np.exp(0.5)] + [3.0, 0.0, 0.0], atol=1e-8)
     assert moved_on.theta[1] >= 0.0

@@ -13,7 +13,7 @@ from dampyr.identification import Fit, fit, identifiability, profile
 from dampyr.identification.search import normal_equations as equations
 from dampyr.identification.search import optimum
 from dampyr.identification.search.normal_equations import linearise, modelled_force
-from dampyr.identification.search.problem import Point
+from dampyr.identification.search.problem import SearchPoint
 from dampyr.models import Damper, Interpolation
 from dampyr.show.pages.fit_page import write_fit_page
 
@@ -123,7 +123,7 @@ def test_the_derivatives_in_an_optimum_are_those_of_its_forces() -> None:
     step = 1e-6 * abs(float(end.point.theta[place]))
     theta = end.point.theta + step * (np.arange(problem.size) == place)
     for r, piece in enumerate(problem.pieces):
-        slope = (modelled_force(problem, Point(theta, end.point.local), r) - end.forces[r]) / step
+        slope = (modelled_force(problem, SearchPoint(theta, end.point.local), r) - end.forces[r]) / step
         gradient = float(np.sum(piece.weight**2 * slope * end.residuals[r]))
         square = float(np.sum(piece.weight**2 * slope**2))
         sums = end.cluster_sums[r].sum(axis=0)

@@ -39,7 +39,7 @@ from dampyr.show.table import Table
 from dampyr.show.text import MAX_LETTERS, MAX_LINES, rows_as_text
 from dampyr.shown import Shown
 from dampyr.studies.raminelli_2020.study import Study
-from dampyr.studies.raminelli_2020.study_part import Part
+from dampyr.studies.raminelli_2020.study_part import StudyPart
 from tests.identification.synthetic import sine
 
 LINES, LETTERS = 15, 1500
@@ -97,7 +97,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "hybrid.Criteria": lambda made: hybrid.perform_virtual(made.hybrid, made.compensator, made.shake).criteria(),
     "hybrid.HybridSetup": lambda made: made.hybrid,
     "hybrid.HybridResult": lambda made: late_by_10_ms(made),
-    "hybrid.Lag": lambda made: hybrid.Lag(0.001, 0.01, lag=0.005),
+    "hybrid.LagEstimator": lambda made: hybrid.LagEstimator(0.001, 0.01, lag=0.005),
     "hybrid.Substructure": lambda made: substructure(made),
     "hybrid.SubstructureRun": lambda made: substructure(made).run(),
     "hybrid.KalmanCompensator": lambda made: made.compensator,
@@ -105,12 +105,12 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "hybrid.ModelBasedCompensator": lambda made: hybrid.ModelBasedCompensator(),
     "hybrid.PhaseLeadCompensator": lambda made: hybrid.PhaseLeadCompensator(),
     "hybrid.Sensors": lambda made: hybrid.Sensors(),
-    "hybrid.Specimen": lambda made: hybrid.Specimen(),
+    "hybrid.PhysicalSubstructure": lambda made: hybrid.PhysicalSubstructure(),
     "hybrid.TransferSystem": lambda made: hybrid.TransferSystem(),
-    "hybrid.Uncertainty": lambda made: hybrid.Uncertainty(),
+    "hybrid.PlantSpread": lambda made: hybrid.PlantSpread(),
     "hybrid.VirtualRun": lambda made: hybrid.perform_virtual(made.hybrid, made.compensator, made.shake),
     "campaigns.Campaign": lambda made: made.campaign,
-    "campaigns.Control": lambda made: dp.campaigns.Control(),
+    "campaigns.RunControl": lambda made: dp.campaigns.RunControl(),
     "campaigns.Violation": lambda made: dp.campaigns.Violation("voltage", "needs 9 V; the limit is 4.4 V"),
     "campaigns.Header": lambda made: made.campaign.header,
     "campaigns.Journal": lambda made: made.journal,
@@ -131,7 +131,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "campaigns.RecordedCampaign": lambda made: recorded(made.records),
     "campaigns.Test": lambda made: made.campaign.tests[0],
     "show.Fragile": lambda made: Fragile(np.linspace(0.1, 3.0, 300), np.linspace(0.0, 1.0, 300)),
-    "show.Law": lambda made: law_figures.Law(
+    "show.LawPanel": lambda made: law_figures.LawPanel(
         style.Axis("kx", "N s/mm", 1e-3), curve=(np.linspace(0, 2, 200), np.linspace(800, 2600, 200))
     ),
     "ground_motions.GroundMotion": lambda made: made.motion,
@@ -146,7 +146,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "identification.Band": lambda made: made.band,
     "identification.Interval": lambda made: made.band.peak,
     "identification.Levels": lambda made: made.fit.levels,
-    "identification.Entry": lambda made: made.board.entries[0],
+    "identification.Finalist": lambda made: made.board.entries[0],
     "identification.Inseparable": lambda made: dp.identification.identifiability(made.fit).inseparable[0],
     "identification.Fit": lambda made: made.fit,
     "identification.Fold": lambda made: made.validation.folds[0],
@@ -166,12 +166,12 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "identification.Posterior": lambda made: posterior_of(made.fit),
     "identification.Profile": lambda made: dp.identification.profile(made.fit, "dahl.rho @ 1 V", points=7),
     "identification.PlasticRegion": lambda made: dp.identification.plastic_region(made.records[-1]),
-    "identification.Point": lambda made: made.accepted.results[0].points[0],
+    "identification.AcceptancePoint": lambda made: made.accepted.results[0].points[0],
     "identification.Residuals": lambda made: made.fit.residuals,
     "identification.Score": lambda made: made.fit.scores[made.records[0].name],
     "identification.Screened": lambda made: made.board.screened[0],
     "identification.Specimens": lambda made: three_specimens(made),
-    "identification.Spread": lambda made: three_specimens(made).spreads["dahl.kw"],
+    "identification.SpecimenSpread": lambda made: three_specimens(made).spreads["dahl.kw"],
     "identification.Tolerance": lambda made: dp.identification.Tolerance(),
     "identification.Trace": lambda made: trace_of(made.records[0]),
     "identification.Trend": lambda made: dp.identification.Trend("stroke", 1.0, 0.7, 0.01, 8, 0.2, True),
@@ -195,7 +195,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "records.CutCycle": lambda made: dp.records.cut_cycles(made.records[0]).cycles[0],
     "records.Cycle": lambda made: dp.records.cycle_table(made.records[0])[0],
     "records.Declaration": lambda made: dp.records.Declaration.of("0.1 periods, trailing"),
-    "records.Delay": lambda made: dp.records.estimate_delay(made.records[0]),
+    "records.ForceLag": lambda made: dp.records.estimate_delay(made.records[0]),
     "records.DisplacementNoise": lambda made: dp.records.displacement_noise(made.records[0]),
     "records.Label": lambda made: dp.records.Label(0.02, 1.0, "4.2", 1),
     "records.Level": lambda made: dp.records.cut_cycles(made.records[0]).levels[0],
@@ -216,13 +216,13 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "show.Verdict": lambda made: dp.show.Verdict("agrees"),
     "rig.Calibration": lambda made: calibration_of(made.rig.settings),
     "rig.Drive": lambda made: made.plan.tests[0].drive,
-    "rig.Reversals": lambda made: dp.rig.Reversals(0.8, 1.0),
+    "rig.DutyReversals": lambda made: dp.rig.DutyReversals(0.8, 1.0),
     "rig.Rig": lambda made: made.rig,
     "rig.RigSettings": lambda made: made.rig.settings,
-    "rig.Table": lambda made: made.table,
+    "rig.ArmedRig": lambda made: made.table,
     "structures.Building": lambda made: dp.structures.shear_building([1e5] * 40, [1e8] * 40, damping_ratio=0.05),
     "structures.Condensed": lambda made: made.condensed,
-    "structures.Curve": lambda made: made.ensemble.curves[0].curves[0],
+    "structures.FragilityCurve": lambda made: made.ensemble.curves[0].curves[0],
     "structures.Energy": lambda made: made.response.energy,
     "structures.EnsembleOptions": lambda made: dp.structures.EnsembleOptions(limits="12mm"),
     "structures.EnsembleResult": lambda made: made.ensemble,
@@ -232,7 +232,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "structures.RespondOptions": lambda made: dp.structures.RespondOptions(after=2.0),
     "structures.Responses": lambda made: made.responses,
     "structures.StateSpace": lambda made: dp.structures.state_space(made.building),
-    "structures.Sweep": lambda made: made.incremental.sweeps[0],
+    "structures.IncrementalCurves": lambda made: made.incremental.sweeps[0],
     "studies.ComparedValue": lambda made: made.study.compared[0],
     "studies.Published": lambda made: dp.studies.raminelli_2020.PUBLISHED,
     "studies.Study": lambda made: made.study,
@@ -260,7 +260,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimpleNamespace]:
     made.journal = dp.campaigns.Journal(tmp_path_factory.mktemp("journal"))
     made.journal.plan("1234", [test.name for test in made.campaign.tests], {"name": "a notebook"})
     finding = dp.studies.raminelli_2020.ComparedValue("table 4.1", "kx", 0.802, 0.8017, "N s/mm", "agrees", "")
-    made.study = Study((Part("a title", [finding], []),), None, ())
+    made.study = Study((StudyPart("a title", [finding], []),), None, ())
     with dp.rig.simulated() as made.rig, made.rig.armed() as made.table:
         yield made
     made.journal.close()
@@ -277,7 +277,7 @@ def _identify(made: SimpleNamespace) -> None:
     made.validation = cross_validate(made.records, "dahl", options=FitOptions(folds=3))
     made.accepted = dp.identification.accept(made.records, made.damper)
     made.validated = dp.identification.validate(made.damper, made.records)
-    entry = dp.identification.Entry(
+    entry = dp.identification.Finalist(
         "dahl", 0.09, 0.004, 0.09, 0.1, 0.12, 0.01, 0.1, 9, 1.0, True, "converged", (made.validation,), made.fit
     )
     trials = tuple(dp.identification.Trial(name, 0.1, 1.0) for name in ("dahl", "dahl + spring"))

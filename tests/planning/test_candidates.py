@@ -9,18 +9,18 @@ from tests.planning.laboratory import DAHL, VOLTAGES
 from dampyr import campaigns
 from dampyr.errors import InputError
 from dampyr.models import Damper, Interpolation
-from dampyr.planning.candidates import LEAST, Envelope, envelope, voltages_of
+from dampyr.planning.candidates import LEAST, RigEnvelope, envelope, voltages_of
 from dampyr.rig import RigSettings
 
 RIG = RigSettings()
 
 
 @pytest.fixture(scope="module")
-def small() -> Envelope:
+def small() -> RigEnvelope:
     return envelope(RIG, DAHL, (0.0, 3.212), seconds=6.0)
 
 
-def test_every_candidate_is_inside_of_all_limits_and_a_campaign_can_hold_it(small: Envelope) -> None:
+def test_every_candidate_is_inside_of_all_limits_and_a_campaign_can_hold_it(small: RigEnvelope) -> None:
     campaign = campaigns.campaign_of({"step": [each.table for each in small.candidates]})
     plan = campaigns.plan(campaign, RIG, DAHL)
     assert plan.refusals == ()
@@ -30,7 +30,7 @@ def test_every_candidate_is_inside_of_all_limits_and_a_campaign_can_hold_it(smal
         assert each.amplitude >= LEAST * RIG.encoder.count
 
 
-def test_the_largest_sine_becomes_smaller_with_frequency_and_force(small: Envelope) -> None:
+def test_the_largest_sine_becomes_smaller_with_frequency_and_force(small: RigEnvelope) -> None:
     soft, hard = (small.limits[u] for u in (0.0, 3.212))
     assert np.all(np.diff(soft) < 0.0)
     assert np.all(hard < soft)

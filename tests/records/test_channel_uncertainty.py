@@ -15,15 +15,15 @@ from dampyr import records
 from dampyr.cli import cli
 from dampyr.errors import FileError, InputError
 from dampyr.records import Record
-from dampyr.records.checks.channel_uncertainty import Uncertainty
+from dampyr.records.checks.channel_uncertainty import ChannelUncertainty
 from dampyr.records.files.checksums import NAME
 from dampyr.show.pages.uncertainty_section import uncertainty_section
 
 TIME = np.arange(4000) / 1000.0
 STATED = {
-    "force": Uncertainty({"scale": 3.0, "zero": 4.0}),
-    "displacement": Uncertainty({"resolution of the encoder": 2e-6}),
-    "voltage": Uncertainty({"gain of the supply": 0.02}),
+    "force": ChannelUncertainty({"scale": 3.0, "zero": 4.0}),
+    "displacement": ChannelUncertainty({"resolution of the encoder": 2e-6}),
+    "voltage": ChannelUncertainty({"gain of the supply": 0.02}),
 }
 
 
@@ -36,10 +36,10 @@ def record(**about: object) -> Record:
 def test_parts_are_added_in_squares() -> None:
     assert STATED["force"].standard == 5.0
     assert STATED["force"].largest == "zero"
-    assert Uncertainty({}).standard == 0.0
+    assert ChannelUncertainty({}).standard == 0.0
     for wrong in (-1.0, np.nan, np.inf):
         with pytest.raises(InputError, match="uncertainty scale"):
-            Uncertainty({"scale": wrong})
+            ChannelUncertainty({"scale": wrong})
 
 
 def test_a_record_keeps_it_through_files_copies_and_cuts(tmp_path: Path) -> None:
@@ -91,7 +91,7 @@ def test_the_page_of_a_fit_has_a_table_of_it() -> None:
     assert uncertainty_section([record()]) is None
 
 
-def scaled(factor: float) -> dict[str, Uncertainty]:
+def scaled(factor: float) -> dict[str, ChannelUncertainty]:
     return {
         name: replace(one, parts={part: factor * value for part, value in one.parts.items()})
         for name, one in STATED.items()

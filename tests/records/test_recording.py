@@ -16,11 +16,11 @@ from tests.endurance import Endurance
 from dampyr.campaigns.record_test import margin, refined
 from dampyr.errors import FileError, InputError
 from dampyr.records import read
-from dampyr.records.files.recording import Header, RawChannel, Recording
+from dampyr.records.files.recording import RawChannel, Recording, RecordingHeader
 from dampyr.records.formats import h5
 from dampyr.rig import RigSettings
 
-HEADER = Header(
+HEADER = RecordingHeader(
     "sine",
     "03-sine",
     2,
@@ -53,7 +53,7 @@ def test_what_was_acknowledged_is_read_while_it_goes_on(tmp_path: Path) -> None:
     assert record.provenance["operator"] == "A"
     np.testing.assert_array_equal(record.force, 100.0 * np.cos(np.arange(120)))
     np.testing.assert_array_equal(h5.read_raw(tmp_path / "copy.h5")["position"].values, np.arange(120))
-    assert h5.state(tmp_path / "copy.h5") == h5.State(False, "03-sine", 2)
+    assert h5.state(tmp_path / "copy.h5") == h5.FileState(False, "03-sine", 2)
     recording.close()
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from dampyr.models import Damper
-from dampyr.models.parts.bouc_wen import BoucWen, Printed, from_printed, to_printed
+from dampyr.models.parts.bouc_wen import BoucWen, PrintedBoucWen, from_printed, to_printed
 
 
 def dahl(kx: float, kw: float, rho: float) -> Damper:
@@ -52,7 +52,7 @@ def test_the_energy_of_a_dahl_cycle() -> None:
 
 
 def test_the_ultimate_state_of_figure_2_2() -> None:
-    figure = Printed(c0=0.0, k0=0.0, alpha=0.1, A=1.0, beta=0.1, gamma=2.0, n=1.3)
+    figure = PrintedBoucWen(c0=0.0, k0=0.0, alpha=0.1, A=1.0, beta=0.1, gamma=2.0, n=1.3)
     assert figure.z_max == pytest.approx((1.0 / 2.1) ** (1 / 1.3), rel=1e-12)
     assert round(figure.z_max, 5) == 0.56512
     model = from_printed(**vars(figure))

@@ -11,14 +11,14 @@ from dampyr.identification import fit
 from dampyr.models import Damper
 from dampyr.models.numerics.bouc_wen_exact import flow
 from dampyr.models.parts import _series
-from dampyr.models.parts.modified_bouc_wen import ModifiedBoucWen, Printed, from_printed, to_printed
+from dampyr.models.parts.modified_bouc_wen import ModifiedBoucWen, PrintedModifiedBoucWen, from_printed, to_printed
 
 CM = 100.0
-RD_1000 = Printed(  # as printed for 1.5 V, in N and cm, with gamma = beta = 363 cm^-2 and A = 301
+RD_1000 = PrintedModifiedBoucWen(  # as printed for 1.5 V, in N and cm, with gamma = beta = 363 cm^-2 and A = 301
     c0=21.0 * CM, c1=283.0 * CM, k0=46.9 * CM, k1=5.0 * CM, alpha=140.0 * CM, A=301.0, beta=363.0 * CM**2,
     gamma=363.0 * CM**2, n=2.0,
 )  # fmt: skip
-SOFT = Printed(c0=300.0, c1=4000.0, k0=900.0, k1=400.0, alpha=2e4, A=1.0, beta=5e3, gamma=9e3, n=1.7)
+SOFT = PrintedModifiedBoucWen(c0=300.0, c1=4000.0, k0=900.0, k1=400.0, alpha=2e4, A=1.0, beta=5e3, gamma=9e3, n=1.7)
 
 
 def damper(model: ModifiedBoucWen) -> Damper:
@@ -30,7 +30,7 @@ def motion(t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return 0.015 * np.sin(w * t), 0.015 * w * np.cos(w * t)
 
 
-def reference(p: Printed, t: np.ndarray) -> np.ndarray:
+def reference(p: PrintedModifiedBoucWen, t: np.ndarray) -> np.ndarray:
     """The printed equations in y and z."""
 
     def speed(time: np.ndarray, y: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -48,7 +48,7 @@ def reference(p: Printed, t: np.ndarray) -> np.ndarray:
     return p.c1 * speed(t, y, z) + p.k1 * motion(t)[0]
 
 
-def error(p: Printed, n: int) -> float:
+def error(p: PrintedModifiedBoucWen, n: int) -> float:
     t = np.linspace(0.0, 1.0, n + 1)
     x, v = motion(t)
     force = damper(from_printed(p)).force(t, x, voltage=0.0, velocity=v)[:: n // 100]
@@ -58,7 +58,7 @@ def error(p: Printed, n: int) -> float:
 
 @pytest.mark.parametrize(("p", "at_2400"), [(RD_1000, 2e-4), (SOFT, 1e-5)])
 @pytest.mark.prove
-def test_the_step_is_of_second_order(p: Printed, at_2400: float) -> None:
+def test_the_step_is_of_second_order(p: PrintedModifiedBoucWen, at_2400: float) -> None:
     errors = [error(p, n) for n in (600, 2400, 9600)]
     assert errors[1] < at_2400
     assert errors[0] / errors[2] > 150.0  # 256 but for where the turns fall between the samples
@@ -84,7 +84,7 @@ def test_with_a_stiff_dashpot_in_series_it_is_bouc_wen() -> None:
     t = np.linspace(0.0, 1.0, 801)
     x, v = motion(t)
     c1 = 1e9
-    model = from_printed(Printed(**(vars(SOFT) | {"c1": c1, "k1": 0.0})))
+    model = from_printed(PrintedModifiedBoucWen(**(vars(SOFT) | {"c1": c1, "k1": 0.0})))
     inner = {"c0": SOFT.c0, "k0": SOFT.k0, "kw": model.kw, "rho": model.rho, "sigma": model.sigma, "n": model.n}
     plain = Damper("bouc_wen", {f"bouc_wen.{key}": value for key, value in inner.items()})
     force = damper(model).force(t, x, voltage=0.0, velocity=v)

@@ -32,9 +32,9 @@ from tests.rig.wires.daqmx_service import start_server
 from tests.rig.wires.process import open_wired
 from tests.rig.wires.serial_wire import Serial
 
-from dampyr.campaigns import Control, Progress, Stopped, perform
+from dampyr.campaigns import Progress, RunControl, Stopped, perform
 from dampyr.errors import DampyrWarning, InputError, RigFault
-from dampyr.rig import Drive, Rig, RigSettings, Table
+from dampyr.rig import ArmedRig, Drive, Rig, RigSettings
 from dampyr.rig.firmware.protocol import State
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
@@ -42,7 +42,7 @@ from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
 from dampyr.rig.interlock import Samples
 from dampyr.rig.session import no_check
 from dampyr.rig.simulation import plant
-from dampyr.rig.simulation.event_log import EventLog
+from dampyr.rig.simulation.event_log import EventFile
 from dampyr.rig.simulation.faults import KINDS, FaultSpec
 from dampyr.rig.simulation.simulator import Simulator
 
@@ -108,7 +108,7 @@ class Bench(RuleBasedStateMachine):
         super().__init__()
         self.rig: Rig | None = None
         self.gone: Rig | None = None
-        self.table: Table | None = None
+        self.table: ArmedRig | None = None
         self.block: Any = None
         self.folder = Path(tempfile.mkdtemp(prefix="dampyr-any-"))
         self.campaigns = 0
@@ -320,7 +320,7 @@ class Bench(RuleBasedStateMachine):
     def start(self, check: int, event: Event) -> None:
         """A short campaign of two tests, and something that happens at some block of it."""
         assert self.rig is not None
-        path, control, seen = self.folder / "short.toml", Control(), 0
+        path, control, seen = self.folder / "short.toml", RunControl(), 0
         path.write_text(CAMPAIGN.format(check=check), "utf-8")
         self.campaigns += 1
 
@@ -478,7 +478,7 @@ class WiredBench(Bench):
 
     def make(self, rig: RigSettings, position: float) -> None:
         super().make(rig, position)
-        self.clock = Clock(self.simulator, EventLog(None))
+        self.clock = Clock(self.simulator, EventFile(None))
         self.simulator.delay_read = lambda _: None
         self.server, port = start_server(self.clock)
         self.serial = Serial(self.clock)

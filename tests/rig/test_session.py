@@ -10,7 +10,7 @@ from tests.rig.wires.process import over_wires
 
 from dampyr import campaigns
 from dampyr.errors import InputError, RigFault
-from dampyr.rig import Drive, Reversals, Rig, RigSettings, Table, simulated
+from dampyr.rig import ArmedRig, Drive, DutyReversals, Rig, RigSettings, simulated
 from dampyr.rig.firmware.protocol import Request, State
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
@@ -41,7 +41,7 @@ def ramp(to: float, seconds: float) -> Drive:
 def one_way(seconds: float) -> Drive:
     """Set points cannot leave the stroke: the firmware refuses them. A duty can."""
     rest = np.zeros(round(seconds / 0.01))
-    return Drive(0.01, rest, rest, reversals=Reversals(0.5, seconds, 0.0, 1))
+    return Drive(0.01, rest, rest, reversals=DutyReversals(0.5, seconds, 0.0, 1))
 
 
 @pytest.fixture
@@ -53,7 +53,9 @@ def ready() -> tuple[Rig, Simulator]:
     return rig, simulator
 
 
-def played(rig: Rig, drive: Drive, then: Callable[[int, Table, Samples], None] | None = None, times: int = 1) -> None:
+def played(
+    rig: Rig, drive: Drive, then: Callable[[int, ArmedRig, Samples], None] | None = None, times: int = 1
+) -> None:
     """Home, go to where a drive begins, and play it; ``then`` is called with each block."""
     with rig.armed() as table:
         if not table.homed:
@@ -144,7 +146,7 @@ def test_abort_brakes_and_whoever_waits_is_told(ready: tuple[Rig, Simulator]) ->
     rig, simulator = ready
     since = 0.0
 
-    def press(k: int, table: Table, _: Samples) -> None:
+    def press(k: int, table: ArmedRig, _: Samples) -> None:
         nonlocal since
         if k == 60:
             since = simulator.time
@@ -188,7 +190,7 @@ def test_ring_one_alone_a_silent_host() -> None:
     rig, simulator = made(interlocked=False)
     since = 0.0
 
-    def fall_silent(k: int, _: Table, block: Samples) -> None:
+    def fall_silent(k: int, _: ArmedRig, block: Samples) -> None:
         nonlocal since
         if k > 40 and abs(block.status.speed) > 8000:
             since = simulator.time
@@ -360,7 +362,7 @@ def test_lost_bytes_are_asked_for_again() -> None:
 def test_the_real_wires_give_what_the_plant_gives() -> None:
     """Lockstep over TCP and gRPC: the same samples as in this process."""
 
-    def samples(table: Table) -> list[float]:
+    def samples(table: ArmedRig) -> list[float]:
         return [float(v) for block, selected in table.play(sine(0.005, 1.0, 3.0)) for v in block.force[selected]]
 
     forces = []
@@ -385,7 +387,7 @@ def standing_at(position: float, *faults: str, settings: RigSettings | None = No
     return host(simulator), simulator
 
 
-def check_aligned(table: Table, simulator: Simulator, middle: float = 0.0) -> None:
+def check_aligned(table: ArmedRig, simulator: Simulator, middle: float = 0.0) -> None:
     """Where the board and the Uno say that the table is, it is."""
     block = next(table.loop.blocks())
     true = float(simulator.truth.position[-1]) - middle
@@ -455,7 +457,7 @@ def test_a_table_that_does_not_arrive_where_it_is_sent_is_a_fault(path: float) -
 def test_a_rig_is_armed_again_after_an_abort_in_mid_stroke(far: float) -> None:
     rig, simulator = made()
 
-    def press(_: int, table: Table, block: Samples) -> None:
+    def press(_: int, table: ArmedRig, block: Samples) -> None:
         if block.displacement[-1] > far and block.status.speed > 2000:
             table.abort()
 
@@ -471,7 +473,7 @@ def test_a_rig_is_armed_again_after_an_abort_in_mid_stroke(far: float) -> None:
 def test_a_rig_is_armed_again_after_a_fault_in_mid_stroke(kind: str, words: str) -> None:
     rig, simulator = made()
 
-    def break_down(_: int, __: Table, block: Samples) -> None:
+    def break_down(_: int, __: ArmedRig, block: Samples) -> None:
         if block.displacement[-1] > 0.005 and not simulator.faults:
             simulator.faults = parse_faults([f"{kind}@{simulator.time + 0.001:.3f}s for 0.5s"])
 
@@ -502,7 +504,7 @@ def left_armed(simulator: Simulator, to: float) -> Rig:
     rig.uno.hello()
     rig.uno.clear()
     rig.uno.configure(rig.settings)
-    table = Table(rig)
+    table = ArmedRig(rig)
     table.begin()
     table.home()
     table.go(to)
@@ -557,7 +559,7 @@ def test_the_interlock_still_sees_that_the_positions_differ(which: str, homed_ag
     assert APART < passed < 2 * APART
 
 
-def broken_off(rig: Rig, table: Table, what: str, to: float) -> None:
+def broken_off(rig: Rig, table: ArmedRig, what: str, to: float) -> None:
     """A stroke that ends in its middle."""
     simulator, at = rig.board.simulator, table.position
     path = np.linspace(at, np.clip(to, at - 0.02, at + 0.02), 101)

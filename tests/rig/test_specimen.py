@@ -7,7 +7,7 @@ import numpy as np
 
 from dampyr.campaigns.force_prediction import original_fit, specimen
 from dampyr.rig import RigSettings, simulated
-from dampyr.rig.settings import Specimen
+from dampyr.rig.settings import SpecimenSettings
 from dampyr.rig.specimen import original_specimen, specimen_of
 
 FITS = [  # V, F0 [N], k [N/m], c [N s/m], Fy [N], as fitted to the records of the original rig
@@ -25,7 +25,7 @@ def test_the_planner_and_the_simulated_rig_have_the_same_damper() -> None:
 
 def test_a_relative_card_lies_in_the_folder_of_the_settings(tmp_path: Path) -> None:
     original_specimen().without("offset").save(tmp_path / "other.toml")
-    settings = RigSettings(specimen=Specimen(card="other.toml"))
+    settings = RigSettings(specimen=SpecimenSettings(card="other.toml"))
     assert specimen_of(settings, tmp_path).composition.names == ("hyperbolic_tangent", "spring")
 
 

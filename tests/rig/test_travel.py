@@ -11,7 +11,7 @@ import pytest
 from tests.rig.wires.process import over_wires
 
 from dampyr.errors import RigFault
-from dampyr.rig import Drive, Reversals, Rig, RigSettings, Table
+from dampyr.rig import ArmedRig, Drive, DutyReversals, Rig, RigSettings
 from dampyr.rig.diagnosis import diagnose
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
@@ -70,7 +70,7 @@ def test_homing_from_anywhere_stays_within_the_stroke(position: float, switches:
 def test_jogging_a_table_that_is_not_homed_ends_at_the_stroke(position: float, way: int, switches: bool) -> None:
     rig, simulator = standing_at(position, rig=settings(switches))
 
-    def jog(table: Table) -> None:
+    def jog(table: ArmedRig) -> None:
         for _ in range(100):
             table.jog(way * 0.002, 0.5, wait=False)
             table.rest(0.44)
@@ -109,7 +109,7 @@ def test_an_encoder_that_is_dead_or_swapped_ends_a_slow_motion_within_millimetre
 ) -> None:
     rig, simulator = standing_at(position, f"{fault}@0s")
 
-    def move(table: Table) -> None:
+    def move(table: ArmedRig) -> None:
         if how == "home":
             table.home()
         for _ in range(5):
@@ -156,7 +156,7 @@ def test_at_full_speed_the_limit_is_a_braking_path_before_the_stop() -> None:
     with pytest.raises(RigFault, match="the upper end of the stroke"), rig.armed() as table:
         table.home()
         table.go(-0.020)
-        for _ in table.play(Drive(0.01, rest, rest, reversals=Reversals(1.0, 3.0, 0.0, 1))):
+        for _ in table.play(Drive(0.01, rest, rest, reversals=DutyReversals(1.0, 3.0, 0.0, 1))):
             pass
     assert np.abs(simulator.truth.speed).max() > 0.06
     assert simulator.truth.position.max() < STOP

@@ -14,7 +14,7 @@ import pytest
 
 from dampyr.errors import DampyrWarning, RigFault
 from dampyr.rig import Rig, RigSettings
-from dampyr.rig.firmware.protocol import VERSION, Fault, Frame, Reply, Request, State, Status, encode
+from dampyr.rig.firmware.protocol import VERSION, Fault, Reply, Request, SerialFrame, State, Status, encode
 from dampyr.rig.firmware.twin import Twin
 from dampyr.rig.instruments.arduino_uno import wire as wires
 from dampyr.rig.instruments.arduino_uno.driver import Uno
@@ -69,7 +69,7 @@ def uno_of(port: Booting) -> Uno:
 @pytest.mark.parametrize("boots", [0.0, 0.5, 1.6, 2.0, 2.6, 5.0])
 @pytest.mark.parametrize("chatter", [b"", b"\x14\x10", b"\x00\xff\x03"])
 def test_an_uno_is_met_after_its_boot_loader(boots: float, chatter: bytes) -> None:
-    port = Booting(boots, chatter, stale=encode(Frame(Reply.ACK, 7, (1, 1))) + b"\x05half")
+    port = Booting(boots, chatter, stale=encode(SerialFrame(Reply.ACK, 7, (1, 1))) + b"\x05half")
     assert uno_of(port).hello().version == VERSION
     assert port.now - 100.0 < max(boots, Serial.boot) + 0.3
     if boots <= 2.0:
@@ -204,7 +204,9 @@ def test_an_uno_that_restarts_is_said_by_name() -> None:
 
 def test_firmware_of_another_version_is_said_by_name() -> None:
     def other(_: bytes) -> bytes:
-        return b"".join(encode(Frame(Reply.HELLO, number, (VERSION + 1, 0x0300, 1000, 64))) for number in range(256))
+        return b"".join(
+            encode(SerialFrame(Reply.HELLO, number, (VERSION + 1, 0x0300, 1000, 64))) for number in range(256)
+        )
 
     with pytest.raises(RigFault, match=rf"version {VERSION + 1} of the protocol and this dampyr {VERSION}; flash it"):
         Uno(InProcess(other)).hello()

@@ -7,7 +7,7 @@ import pytest
 from tests.rig.wires.process import over_wires
 from tests.rig_time import SimulatedTime
 
-from dampyr.campaigns import Control, Stopped, campaign_of, perform
+from dampyr.campaigns import RunControl, Stopped, campaign_of, perform
 from dampyr.errors import RigFault
 from dampyr.rig import RigSettings, simulated
 from dampyr.rig.interlock import Samples
@@ -71,7 +71,7 @@ def test_the_rig_is_read_on_while_a_long_record_is_finished() -> None:
 
 def test_a_campaign_that_was_aborted_before_it_armed_moves_nothing(tmp_path) -> None:
     campaign = campaign_of({"step": [{"kind": "sine", "amplitude": "2 mm", "frequency": "2 Hz", "cycles": 1}]})
-    control = Control()
+    control = RunControl()
     control.abort("by a test")
     with simulated() as rig, pytest.raises(RigFault, match="aborted: by a test"):
         perform(campaign, rig, tmp_path, control=control)
@@ -79,7 +79,7 @@ def test_a_campaign_that_was_aborted_before_it_armed_moves_nothing(tmp_path) -> 
 
 def test_stop_is_heard_while_the_table_looks_for_its_index(tmp_path) -> None:
     campaign = campaign_of({"step": [{"kind": "sine", "amplitude": "2 mm", "frequency": "2 Hz", "cycles": 1}]})
-    control, phases = Control(), []
+    control, phases = RunControl(), []
 
     with simulated() as rig:
         rig.watchers.append(lambda samples: control.stop() if phases == ["homing"] and samples.time[-1] > 0.5 else None)

@@ -12,7 +12,7 @@ import pytest
 from tests.rig.wires.process import over_wires
 
 from dampyr.errors import RigFault
-from dampyr.rig import Drive, Rig, RigSettings, Table, simulated
+from dampyr.rig import ArmedRig, Drive, Rig, RigSettings, simulated
 from dampyr.rig.signal_deferral import deferred_signals
 from dampyr.rig.simulation.simulator import Simulator, parse_faults
 
@@ -31,7 +31,7 @@ def stroke(seconds: float = 3.0, volts: float = 2.0) -> Drive:
     return Drive(0.01, 0.010 * (1 - np.cos(2 * np.pi * t)) / 2, np.full(t.size, volts))
 
 
-def moving(rig: Rig, then: Callable[[Table], object], at: int = 30) -> None:
+def moving(rig: Rig, then: Callable[[ArmedRig], object], at: int = 30) -> None:
     """Arm a table in mid-stroke, move it with the coil live, and do something."""
     with rig.armed() as table:
         table.home()
@@ -56,7 +56,7 @@ def test_the_coil_is_cut_before_the_uno_is_asked(how: str, monkeypatch: pytest.M
     order: list[str] = []
     write = rig.board.write
 
-    def begin(table: Table) -> None:
+    def begin(table: ArmedRig) -> None:
         for name in ("abort", "stop", "disarm"):
             monkeypatch.setattr(rig.uno, name, lambda name=name: order.append(name))
         monkeypatch.setattr(rig.board, "write", lambda volts: (order.append("coil"), write(volts)))
@@ -80,7 +80,7 @@ def test_the_coil_is_cut_before_the_uno_is_asked(how: str, monkeypatch: pytest.M
 def test_a_second_interrupt_does_not_cut_the_way_out_short(at: str, number: int) -> None:
     rig, simulator = made(WITHOUT_ENABLE)
 
-    def begin(table: Table) -> None:
+    def begin(table: ArmedRig) -> None:
         tables.append(table)
         step = next(each for each in table._way_out if each.__name__ == at)
 
@@ -92,7 +92,7 @@ def test_a_second_interrupt_does_not_cut_the_way_out_short(at: str, number: int)
         table._way_out[table._way_out.index(step)] = interrupted
         raise KeyboardInterrupt
 
-    tables: list[Table] = []
+    tables: list[ArmedRig] = []
     with pytest.raises(KeyboardInterrupt):
         moving(rig, begin)
     assert not tables[0]._way_out
@@ -197,7 +197,7 @@ def test_a_rig_says_whether_it_was_armed() -> None:
 def test_a_fault_in_mid_stroke_is_the_reason_although_the_wire_dies_too() -> None:
     rig, simulator = made()
 
-    def die(_: Table) -> None:
+    def die(_: ArmedRig) -> None:
         simulator.faults = parse_faults(
             [f"board-timeout@{simulator.time:.3f}s", f"unplugged-serial@{simulator.time:.3f}s"]
         )

@@ -15,7 +15,7 @@ from dampyr.errors import InputError
 from dampyr.findings import Finding
 from dampyr.origin import NOTICES, SIMULATED, Origin
 from dampyr.show import descriptions
-from dampyr.show.descriptions import Description, Frame, describe, description_of
+from dampyr.show.descriptions import DataFrameColumns, Description, describe, description_of
 from dampyr.show.figures.ground_motion import ground_motion
 from dampyr.show.table import Table
 from dampyr.shown import Shown
@@ -41,7 +41,7 @@ def describe_weighing(weighing: Weighing) -> Description:
         tables=[lambda: Table(("mass", "of"), [[weighing.mass, "the damper"]], ("kg", ""))],
         figure=lambda: ground_motion([0.0, 1.0], [0.0, weighing.mass]),
         data=lambda: {"mass_kg": weighing.mass},
-        frame=lambda: Frame({"mass_kg": [weighing.mass]}, ["damper"], "what"),
+        frame=lambda: DataFrameColumns({"mass_kg": [weighing.mass]}, ["damper"], "what"),
     )
 
 

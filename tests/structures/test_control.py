@@ -14,7 +14,7 @@ from dampyr.show.structures.response import errors_in_words
 from dampyr.structures import Building, available_control_laws, control_law, respond, two_storey
 from dampyr.structures.sites import make_sites
 from dampyr.structures.time_history.kernel_run import runner
-from dampyr.structures.time_history.response import Decisions, Run, output
+from dampyr.structures.time_history.response import Decisions, Integration, output
 from dampyr.structures.time_history.step_size import halve_under_laws
 from dampyr.studies import raminelli_2020
 
@@ -374,17 +374,17 @@ class Invented:
     def __init__(self, peak: Callable[[int, bool], float], hangs: Callable[[int], bool]) -> None:
         self.peak, self.hangs, self.steps = peak, hangs, []
 
-    def __call__(self, m: int, before=None, imposed=None) -> Run:
+    def __call__(self, m: int, before=None, imposed=None) -> Integration:
         self.steps.append(m)
         out = output(2, 1, 1)
         for array in (out.displacement_peak, out.drift_peak):
             array[:] = self.peak(m, imposed is not None)
         sensed = np.zeros((1, 3, 5))
         other = np.array([[0.0, HIGH if self.hangs(m) else 0.0, 0.0]])
-        return Run(out, 0.02 / m, decisions=Decisions(sensed, other, np.ones((1, 3), dtype=bool)))
+        return Integration(out, 0.02 / m, decisions=Decisions(sensed, other, np.ones((1, 3), dtype=bool)))
 
 
-def halved(invented: Invented) -> Run:
+def halved(invented: Invented) -> Integration:
     return halve_under_laws(invented, GroundMotion(np.zeros(1000), 0.02, "still"), 2e-4, 4)
 
 

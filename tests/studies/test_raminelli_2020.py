@@ -13,10 +13,10 @@ from dampyr.studies.raminelli_2020 import PUBLISHED, ComparedValue
 from dampyr.studies.raminelli_2020.chapter_2 import chapter_2
 from dampyr.studies.raminelli_2020.chapter_4_tables import table_4_1
 from dampyr.studies.raminelli_2020.chapter_5 import chapter_5
-from dampyr.studies.raminelli_2020.compared_value import Printed
+from dampyr.studies.raminelli_2020.compared_value import PrintedNumber
 from dampyr.studies.raminelli_2020.cubics import equations
 from dampyr.studies.raminelli_2020.study import Study
-from dampyr.studies.raminelli_2020.study_part import Part
+from dampyr.studies.raminelli_2020.study_part import StudyPart
 
 ARTEFACTS = (
     "Figure 2.2", "Figure 2.3", "Figure 2.4", "Section 2.4, step 2", "Section 2.4, steps 3 to 5", "Table 4.1", "Table 4.2",
@@ -40,18 +40,18 @@ def study(campaign_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> St
 
 
 @pytest.fixture(scope="module")
-def second() -> Part:
+def second() -> StudyPart:
     """Chapter 2."""
     return chapter_2(PUBLISHED)
 
 
 @pytest.fixture(scope="module")
-def fifth() -> Part:
+def fifth() -> StudyPart:
     """Chapter 5."""
     return chapter_5(PUBLISHED)
 
 
-def one(source: Study | Part, artefact: str, start: str) -> ComparedValue:
+def one(source: Study | StudyPart, artefact: str, start: str) -> ComparedValue:
     """The only value of an artefact whose quantity begins so."""
     matches = [f for f in source.compared if f.artefact == artefact and f.quantity.startswith(start)]
     assert len(matches) == 1, [f.quantity for f in source.compared if f.artefact == artefact]
@@ -78,7 +78,7 @@ class TestDamper:
 
 
 class TestSection24:
-    def test_the_example_is_recovered_and_the_printed_slope_is_the_nearest_samples(self, second: Part) -> None:
+    def test_the_example_is_recovered_and_the_printed_slope_is_the_nearest_samples(self, second: StudyPart) -> None:
         steps = "Section 2.4, steps 3 to 5"
         assert one(second, steps, "a of Step 4, exact").ours == pytest.approx(4457.6224, rel=1e-6)
         assert one(second, steps, "ρ of Step 1").ours == pytest.approx(705.32, rel=1e-6)
@@ -86,17 +86,17 @@ class TestSection24:
         sampled = one(second, steps, "a of Step 4, from the sample")
         assert (round(float(sampled.ours), 1), sampled.verdict) == (4466.3, "agrees")
 
-    def test_step_2(self, second: Part) -> None:
+    def test_step_2(self, second: StudyPart) -> None:
         assert {f.verdict for f in second.compared if f.artefact == "Section 2.4, step 2"} == {"agrees"}
         assert len([f for f in second.compared if f.artefact == "Section 2.4, step 2"]) == 5
 
-    def test_figure_2_2(self, second: Part) -> None:
+    def test_figure_2_2(self, second: StudyPart) -> None:
         assert one(second, "Figure 2.2", "largest z").ours == pytest.approx(0.56512, abs=5e-6)
 
     def test_the_verdict_follows_the_printed_number(self) -> None:
-        exact = replace(PUBLISHED, example=replace(PUBLISHED.example, a=Printed("4457.6")))
+        exact = replace(PUBLISHED, example=replace(PUBLISHED.example, a=PrintedNumber("4457.6")))
         assert one(chapter_2(exact), "Section 2.4, steps 3 to 5", "a of Step 4, exact").verdict == "agrees"
-        far = replace(PUBLISHED, example=replace(PUBLISHED.example, a=Printed("4600.0")))
+        far = replace(PUBLISHED, example=replace(PUBLISHED.example, a=PrintedNumber("4600.0")))
         value = one(chapter_2(far), "Section 2.4, steps 3 to 5", "a of Step 4, exact")
         assert "no phase" in value.reason
         assert "outside" in value.reason
@@ -114,9 +114,9 @@ class TestTable41AndCubics:
         assert "row 10 counted as 0" in spread.reason
 
     def test_another_printed_mean_changes_the_verdict(self) -> None:
-        right = dict(PUBLISHED.table_4_1) | {"rho": (Printed("42.5375"), Printed("11.7852"))}
+        right = dict(PUBLISHED.table_4_1) | {"rho": (PrintedNumber("42.5375"), PrintedNumber("11.7852"))}
         assert one(table_4_1(replace(PUBLISHED, table_4_1=right)), "Table 4.1", "mean of ρ").verdict == "agrees"
-        wrong = dict(PUBLISHED.table_4_1) | {"rho": (Printed("41.0000"), Printed("11.7852"))}
+        wrong = dict(PUBLISHED.table_4_1) | {"rho": (PrintedNumber("41.0000"), PrintedNumber("11.7852"))}
         value = one(table_4_1(replace(PUBLISHED, table_4_1=wrong)), "Table 4.1", "mean of ρ")
         assert "leaving out any one" in value.reason
 
@@ -137,37 +137,37 @@ class TestTable41AndCubics:
         assert "3.674 V" in one(part, "Range of (4.6) to (4.8)", "the highest").reason
 
     def test_an_altered_coefficient_differs(self) -> None:
-        cubics = dict(PUBLISHED.cubics) | {"kw": (*PUBLISHED.cubics["kw"][:3], Printed("3.6190"))}
+        cubics = dict(PUBLISHED.cubics) | {"kw": (*PUBLISHED.cubics["kw"][:3], PrintedNumber("3.6190"))}
         part = equations(replace(PUBLISHED, cubics=cubics))
         assert one(part, "(4.7)", "kw: coefficient of v³").verdict == "differs"
         assert one(part, "(4.7)", "kw: coefficient of v²").verdict == "agrees"
 
 
 class TestChapter5:
-    def test_the_peaks(self, fifth: Part) -> None:
+    def test_the_peaks(self, fifth: StudyPart) -> None:
         for case, peak in (("case 1", 45.5340), ("case 2", 27.2081), ("case 3", 3.5215)):
             value = one(fifth, "Figure 5.4", f"peak of the first floor, {case}")
             assert (value.ours, value.verdict) == (pytest.approx(peak, rel=2e-4), "differs")
         assert "4.9005" in one(fifth, "Figure 5.4", "peak of the first floor, case 1").reason
 
-    def test_the_unit_slip_is_likely_and_not_proven(self, fifth: Part) -> None:
+    def test_the_unit_slip_is_likely_and_not_proven(self, fifth: StudyPart) -> None:
         value = one(fifth, "Figure 5.4", "a unit slip")
         assert "likely, not proven" in value.quantity
         two, three = (float(word) for word in str(value.ours).replace(" mm", "").split(" and "))
         assert (two, three) == (pytest.approx(216.34, abs=0.05), pytest.approx(219.79, abs=0.05))
 
-    def test_the_percentages_from_the_printed_peaks(self, fifth: Part) -> None:
+    def test_the_percentages_from_the_printed_peaks(self, fifth: StudyPart) -> None:
         compared = [one(fifth, "Section 5.2", f"reduction in case {k}") for k in (2, 3)]
         assert [round(float(f.ours), 2) for f in compared] == [2.82, 9.69]
         assert {f.verdict for f in compared} == {"differs"}
 
-    def test_the_sign_of_the_output(self, fifth: Part) -> None:
+    def test_the_sign_of_the_output(self, fifth: StudyPart) -> None:
         erratum = next(e for e in fifth.errata if e.place == "(5.6)")
         assert erratum.correct == "D_y = +M⁻¹Λ"
 
     def test_other_printed_peaks_change_the_verdicts(self) -> None:
-        peaks = (Printed("45.5340"), Printed("27.2080"), Printed("201.5243"))
-        fifth = chapter_5(replace(PUBLISHED, peaks=peaks, reductions=(Printed("40.25"), Printed("13.66"))))
+        peaks = (PrintedNumber("45.5340"), PrintedNumber("27.2080"), PrintedNumber("201.5243"))
+        fifth = chapter_5(replace(PUBLISHED, peaks=peaks, reductions=(PrintedNumber("40.25"), PrintedNumber("13.66"))))
         assert one(fifth, "Figure 5.4", "peak of the first floor, case 1").verdict == "agrees"
         assert one(fifth, "Figure 5.4", "peak of the first floor, case 2").verdict == "agrees"
         assert one(fifth, "Figure 5.4", "peak of the first floor, case 3").verdict == "differs"

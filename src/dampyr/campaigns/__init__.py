@@ -17,7 +17,7 @@ from dampyr.campaigns.kinds import available_steps, kind
 from dampyr.campaigns.performing import perform
 from dampyr.campaigns.planned_tests import Plan, PlannedTest, plan
 from dampyr.campaigns.recorded_campaign import RecordedCampaign
-from dampyr.campaigns.run_control import Control, Progress, Skipped, Stopped, exit_status
+from dampyr.campaigns.run_control import Progress, RunControl, Skipped, Stopped, exit_status
 from dampyr.campaigns.step import Peaks, Step
 
 __all__ = [
@@ -40,7 +40,7 @@ __all__ = [
     "largest",
     "perform",
     "RecordedCampaign",
-    "Control",
+    "RunControl",
     "Progress",
     "Skipped",
     "Stopped",

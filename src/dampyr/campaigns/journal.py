@@ -55,7 +55,7 @@ REPAIR = "move it away, and the same command makes it anew from the records; or 
 
 
 @dataclass(frozen=True)
-class Entry:
+class JournalEntry:
     """A test in the journal."""
 
     name: str
@@ -150,12 +150,14 @@ class Journal(Shown):
                 f"{self.path.parent} holds the campaign {self.said('name')!r}, and this one differs{what}; give another --out"
             )
 
-    def plan(self, digest: str, names: Iterable[str], metadata: dict[str, str], recorded: Iterable[Entry] = ()) -> None:
+    def plan(
+        self, digest: str, names: Iterable[str], metadata: dict[str, str], recorded: Iterable[JournalEntry] = ()
+    ) -> None:
         """Enter the plan where none is, with what is known of its tests; :class:`InputError` where there is another one."""
         self.check(digest)
         if self.is_empty:
             done = {entry.name: entry for entry in recorded}
-            entries = [done.get(name, Entry(name, "planned", 0, "")) for name in names]
+            entries = [done.get(name, JournalEntry(name, "planned", 0, "")) for name in names]
             rows = [(each.name, place, each.state, each.attempt, each.reason) for place, each in enumerate(entries)]
             with self._transaction():
                 self._base.executemany("INSERT OR REPLACE INTO tests VALUES (?, ?, ?, ?, ?)", rows)
@@ -170,10 +172,10 @@ class Journal(Shown):
             )
             self._event(name, 0, "again", "asked for by its name")
 
-    def tests(self) -> list[Entry]:
+    def tests(self) -> list[JournalEntry]:
         """All tests in their order."""
         rows = self._rows("SELECT name, state, attempt, reason FROM tests ORDER BY place")
-        return [Entry(*row) for row in rows]
+        return [JournalEntry(*row) for row in rows]
 
     def begin(self, name: str, last: int = 0) -> int:
         """A test begins: which try it is, from 1; ``last`` is the highest that has a file."""
@@ -238,7 +240,7 @@ def journal_origin(folder: str | Path) -> Origin:
         return journal.origin
 
 
-def read_journal(folder: str | Path) -> tuple[list[Entry], list[Event]]:
+def read_journal(folder: str | Path) -> tuple[list[JournalEntry], list[Event]]:
     """The tests and events of a campaign's folder."""
     if not (Path(folder) / NAME).is_file():
         raise InputError(f"{folder} has no {NAME}; it is no folder of a campaign that dampyr ran")

@@ -40,7 +40,7 @@ from dampyr.records.files.recording import Recording
 from dampyr.records.formats import h5
 from dampyr.rig import Drive, RigSettings
 from dampyr.rig.interlock import Samples
-from dampyr.rig.session import Table
+from dampyr.rig.session import ArmedRig
 
 TRIES_FOLDER = "learning"
 COLUMNS = "time [s],wanted [m],commanded [m],voltage [V]"
@@ -110,7 +110,7 @@ def percent(error: float) -> str:
 
 
 @dataclass
-class Judged:
+class PlayJudge:
     """Judges the samples of one play of ``wanted``; ``result`` is its `Tracking`, where there is one."""
 
     wanted: Drive
@@ -133,7 +133,7 @@ class DriveLearning:
     ``play`` gives what sees the samples of a try, from its number and the last error, None before the first.
     """
 
-    table: Table
+    table: ArmedRig
     plan: Plan
     test: PlannedTest
     folder: Path
@@ -232,7 +232,7 @@ class DriveLearning:
             **self.about, "learning_of": self.test.name, "learning_try": f"{count} of {TRIES}", KEY: self.key,
             "learning_drive": points.name, "learning_started_from": self.origin,
         }  # fmt: skip
-        judge = Judged(self.wanted)
+        judge = PlayJudge(self.wanted)
         seen = self.play(count, last)
         take(self.table, planned, self.plan.campaign, path, number, self.groups, seen, about, judge)
         self.table.meanwhile(lambda: self._take_up(number))

@@ -65,7 +65,7 @@ class Mark:
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredTest:
     """What was measured in a test, (n,) SI, and by which rig; ``volts`` are those of the load cell."""
 
     time: Array
@@ -86,10 +86,10 @@ class Measured:
     """Whether the set points followed from the measured force, so that the table was driven also where it seems to stand."""
 
 
-Check = Callable[[Measured], Iterator[Mark]]
+Check = Callable[[MeasuredTest], Iterator[Mark]]
 
 
-def marks_of(read: Callable[[slice], Measured], rows: int) -> list[Mark]:
+def marks_of(read: Callable[[slice], MeasuredTest], rows: int) -> list[Mark]:
     """The marks of a test, in which ``read`` gives some of its ``rows`` samples; none of one with too few for a record.
 
     A long test is looked at in pieces, and the first mark of each check is given; as a whole it is looked at in every k-th
@@ -111,7 +111,7 @@ def marks_of(read: Callable[[slice], Measured], rows: int) -> list[Mark]:
     ]
 
 
-def flat_force(measured: Measured) -> Iterator[Mark]:
+def flat_force(measured: MeasuredTest) -> Iterator[Mark]:
     """A force that stands while the table moves, or leaps to where it stands: the cell's wire or its amplifier is broken, or
     the amplifier saturates."""
     x = measured.displacement
@@ -130,7 +130,7 @@ def flat_force(measured: Measured) -> Iterator[Mark]:
     )
 
 
-def _saturated(measured: Measured) -> Iterator[Mark]:
+def _saturated(measured: MeasuredTest) -> Iterator[Mark]:
     """A force that stands without its noise at one level or two again and again, each time too shortly to be broken."""
     moving = np.flatnonzero(_moves(measured))
     levels = flat_levels(measured.volts, moving, measured.rig.step)
@@ -146,7 +146,7 @@ def _saturated(measured: Measured) -> Iterator[Mark]:
     )
 
 
-def _moves(measured: Measured) -> NDArray[np.bool_]:
+def _moves(measured: MeasuredTest) -> NDArray[np.bool_]:
     """Where the table moves, by more than a reading that strays by a count at the border of two."""
     x, n = measured.displacement, max(1, round(0.5 * WINDOW * measured.rig.board.rate))
     moves = np.zeros(len(x), dtype=bool)
@@ -178,7 +178,7 @@ def _extended(volts: Array, at: int, middle: float, way: int, step: float) -> in
     return at
 
 
-def _should_change(measured: Measured, stretch: slice) -> bool:
+def _should_change(measured: MeasuredTest, stretch: slice) -> bool:
     """Whether the force of a damper changes in a stretch, or leaps at an end of it as no damper's force does."""
     x, volts = measured.displacement, measured.volts
     if _reverses(x[stretch]):
@@ -189,7 +189,7 @@ def _should_change(measured: Measured, stretch: slice) -> bool:
     return any(abs(volts[inner] - volts[outer]) > leap and not _may_leap(measured, inner) for inner, outer in inside)
 
 
-def _may_leap(measured: Measured, at: int) -> bool:
+def _may_leap(measured: MeasuredTest, at: int) -> bool:
     """Whether the table turns around or the voltage changes about a sample, so that the force may change at once."""
     n = max(2, round(ABRUPT * measured.rig.board.rate))
     near = slice(max(0, at - n), at + n)
@@ -201,7 +201,7 @@ def _may_leap(measured: Measured, at: int) -> bool:
     return any(_turns(x, near.start + int(extreme(x[near])), 4 * n, measured) for extreme in (np.argmax, np.argmin))
 
 
-def _turns(x: Array, at: int, reach: int, measured: Measured) -> bool:
+def _turns(x: Array, at: int, reach: int, measured: MeasuredTest) -> bool:
     """Whether the table leaves this sample to the side that it came from, be it slowly: a motor with friction sticks there."""
     jitter = 1.5 * measured.rig.encoder.count  # a reading strays by a count at the border of two
     sides = []
@@ -220,7 +220,7 @@ def _reverses(x: Array) -> bool:
     return False
 
 
-def drifting_zero(measured: Measured) -> Iterator[Mark]:
+def drifting_zero(measured: MeasuredTest) -> Iterator[Mark]:
     """A zero of the force that drifts: between the rests before and after the motion, or from cycle to cycle at one voltage."""
     half = 0.5 * float(np.ptp(measured.force))
     try:
@@ -276,7 +276,7 @@ def _rests(record: Record) -> tuple[float | None, float | None]:
     return before, after
 
 
-def force_at_rail(measured: Measured) -> Iterator[Mark]:
+def force_at_rail(measured: MeasuredTest) -> Iterator[Mark]:
     """A reading at the end of the converter's range."""
     limit = RAIL * measured.rig.board.range
     at_rail: NDArray[np.bool_] = np.abs(measured.volts) >= limit
@@ -311,7 +311,7 @@ def zero_moved(shown: Evidence, span: float = 0.0) -> list[Mark]:
     return []
 
 
-def coil_without_its_voltage(measured: Measured) -> Iterator[Mark]:
+def coil_without_its_voltage(measured: MeasuredTest) -> Iterator[Mark]:
     """A coil that does not have the voltage that was commanded: the supply is off, at its limit, or its enable line is low."""
     command, read = measured.command, measured.coil_voltage
     if command is None or read is None:
@@ -331,7 +331,7 @@ def coil_without_its_voltage(measured: Measured) -> Iterator[Mark]:
     )
 
 
-def coil_without_its_current(measured: Measured) -> Iterator[Mark]:
+def coil_without_its_current(measured: MeasuredTest) -> Iterator[Mark]:
     """A current that is not the one which the voltage drives through a coil of that temperature."""
     command, current, rig = measured.command, measured.coil_current, measured.rig
     if command is None or current is None:
@@ -360,7 +360,7 @@ def coil_without_its_current(measured: Measured) -> Iterator[Mark]:
         )
 
 
-def _steady(command: Array, measured: Measured) -> NDArray[np.bool_]:
+def _steady(command: Array, measured: MeasuredTest) -> NDArray[np.bool_]:
     """Where the command has not changed for `SETTLED_COIL` time constants of the coil, and will not at the next sample."""
     supply = measured.rig.supply
     n = 2 + round(SETTLED_COIL * supply.inductance / supply.resistance * measured.rig.board.rate)
@@ -370,7 +370,7 @@ def _steady(command: Array, measured: Measured) -> NDArray[np.bool_]:
     return np.asarray(~near)
 
 
-def sudden_force(measured: Measured) -> Iterator[Mark]:
+def sudden_force(measured: MeasuredTest) -> Iterator[Mark]:
     """A force that leaps where no damper's does: while the table slides or stands, at one voltage."""
     limit = max(SUDDEN, SUDDEN_RATE / measured.rig.board.rate)
     leaps = np.flatnonzero(np.abs(np.diff(measured.force)) > limit)
@@ -384,7 +384,7 @@ def sudden_force(measured: Measured) -> Iterator[Mark]:
             return
 
 
-def _is_steady(measured: Measured, at: int) -> bool:
+def _is_steady(measured: MeasuredTest, at: int) -> bool:
     """Whether the table about a sample slides one way for `SLIDES` already, or stands, at one voltage.
 
     One that follows a computed building never stands: its set points change by a part of a count, which the encoder does not
@@ -415,7 +415,7 @@ def _is_steady(measured: Measured, at: int) -> bool:
     )
 
 
-def created_energy(measured: Measured) -> Iterator[Mark]:
+def created_energy(measured: MeasuredTest) -> Iterator[Mark]:
     """A damper that gives energy in a whole cycle, or in the whole test: the force's sign is inverted."""
     try:
         record = Record(measured.time, measured.displacement, measured.force)

@@ -29,19 +29,19 @@ MAX_DURATION = 36_000.0  # s of a path that is worth drawing; the check of a tes
 
 
 @dataclass(frozen=True)
-class Piece:
+class PathPiece:
     """A stretch of path: its length [s] and the position [m] (n,) at times (n,) from its begin."""
 
     duration: float
     at: Callable[[Array], Array]
 
 
-def hold(place: float, seconds: float) -> Piece:
+def hold(place: float, seconds: float) -> PathPiece:
     """Rest at ``place`` [m]."""
-    return Piece(seconds, lambda t: np.full(t.shape, place))
+    return PathPiece(seconds, lambda t: np.full(t.shape, place))
 
 
-def swing(amplitude: float, frequency: float, cycles: int, taper: int, centre: float = 0.0) -> Piece:
+def swing(amplitude: float, frequency: float, cycles: int, taper: int, centre: float = 0.0) -> PathPiece:
     """``cycles`` steady cycles, and ``taper`` cycles more on either side (see above)."""
     duration = (cycles + 2 * taper) / frequency
 
@@ -49,7 +49,7 @@ def swing(amplitude: float, frequency: float, cycles: int, taper: int, centre: f
         grown = raised(t * frequency / taper) * raised((duration - t) * frequency / taper)
         return centre + amplitude * grown * np.sin(2 * math.pi * frequency * t)
 
-    return Piece(duration, at)
+    return PathPiece(duration, at)
 
 
 def raised(share: Array) -> Array:
@@ -62,7 +62,7 @@ def top_speed(distance: float, speed: float) -> float:
     return min(speed, math.sqrt(abs(distance) * speed / RAMP))
 
 
-def move(start: float, stop: float, speed: float) -> Piece:
+def move(start: float, stop: float, speed: float) -> PathPiece:
     """From ``start`` to ``stop`` [m] at ``speed`` [m/s], with a constant acceleration speed/RAMP at either end."""
     distance, a = abs(stop - start), speed / RAMP
     top = top_speed(distance, speed)
@@ -75,10 +75,10 @@ def move(start: float, stop: float, speed: float) -> Piece:
         travelled = np.where((t >= ramp) & (t <= duration - ramp), top * (t - 0.5 * ramp), ends)
         return start + math.copysign(1.0, stop - start) * travelled
 
-    return Piece(duration, at)
+    return PathPiece(duration, at)
 
 
-def moves(places: Sequence[float], speed: float, pause: float = 0.0) -> Iterator[Piece]:
+def moves(places: Sequence[float], speed: float, pause: float = 0.0) -> Iterator[PathPiece]:
     """Moves from each place to the next, with ``pause`` seconds of rest after each."""
     for start, stop in pairwise(places):
         yield move(start, stop, speed)
@@ -86,13 +86,13 @@ def moves(places: Sequence[float], speed: float, pause: float = 0.0) -> Iterator
             yield hold(stop, pause)
 
 
-def around(pieces: Sequence[Piece], centre: float, rest_before: float) -> list[Piece]:
+def around(pieces: Sequence[PathPiece], centre: float, rest_before: float) -> list[PathPiece]:
     """Rest in the middle, a glide to the ``centre``, the pieces, the glide back and ``AFTER`` seconds of rest."""
     there, back = ([move(0.0, centre, GLIDE)], [move(centre, 0.0, GLIDE)]) if centre else ([], [])
     return [hold(0.0, rest_before), *there, *pieces, *back, hold(0.0, AFTER)]
 
 
-def sampled(pieces: Sequence[Piece], period: float) -> Array:
+def sampled(pieces: Sequence[PathPiece], period: float) -> Array:
     """The positions at 0, period, 2 period ...; the last set point is at or after the end, and at rest."""
     edges = np.concatenate(([0.0], np.cumsum([piece.duration for piece in pieces])))
     if edges[-1] > MAX_DURATION:
@@ -108,13 +108,15 @@ def sampled(pieces: Sequence[Piece], period: float) -> Array:
     return x
 
 
-def driven(pieces: Sequence[Piece], period: float, voltage: float) -> Drive:
+def driven(pieces: Sequence[PathPiece], period: float, voltage: float) -> Drive:
     """The drive along the pieces at a constant voltage [V]."""
     x = sampled(pieces, period)
     return Drive(period, x, np.full(x.size, voltage))
 
 
-def stepwise(pieces: Sequence[Piece], period: float, begin: float, levels: Sequence[float], hold_for: float) -> Drive:
+def stepwise(
+    pieces: Sequence[PathPiece], period: float, begin: float, levels: Sequence[float], hold_for: float
+) -> Drive:
     """The drive along the pieces; from ``begin`` [s] each of the ``levels`` [V] for ``hold_for`` seconds, else 0 V."""
     x = sampled(pieces, period)
     slot = np.floor((np.arange(x.size) * period - begin) / hold_for + 1e-9).astype(int)

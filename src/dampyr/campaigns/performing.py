@@ -16,7 +16,7 @@ from dampyr.campaigns.differences import campaign_differences, contents_of, sett
 from dampyr.campaigns.folder_lock import folder_lock
 from dampyr.campaigns.force_prediction import specimen
 from dampyr.campaigns.journal import Journal
-from dampyr.campaigns.learn_drive import DriveLearning, Judged, Learned, Seen, percent
+from dampyr.campaigns.learn_drive import DriveLearning, Learned, PlayJudge, Seen, percent
 from dampyr.campaigns.learning import TRIES
 from dampyr.campaigns.monitor import Watch, time_left
 from dampyr.campaigns.planned_tests import Plan, PlannedTest, plan
@@ -35,13 +35,13 @@ from dampyr.campaigns.recorded_tests import (
     remove_parts,
     set_aside,
 )
-from dampyr.campaigns.run_control import Control, Progress, Skipped, Stopped
+from dampyr.campaigns.run_control import Progress, RunControl, Skipped, Stopped
 from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.origin import as_origin, combined
 from dampyr.records.formats import h5
 from dampyr.rig.damper_temperature import SavedTemperature
 from dampyr.rig.interlock import Samples
-from dampyr.rig.session import Rig, Table
+from dampyr.rig.session import ArmedRig, Rig
 
 Watcher = Callable[[Progress], None]
 SAVE_EVERY = 2.0  # s between two times that the damper's temperature is saved: at 300 W it rises by 1.3 K
@@ -53,7 +53,7 @@ def perform(
     rig: Rig,
     folder: str | Path,
     progress: Watcher | None = None,
-    control: Control | None = None,
+    control: RunControl | None = None,
     again: Sequence[str] = (),
 ) -> RecordedCampaign:
     """Run a campaign on a connected rig; its folder holds a file per test and the journal. The records are what it returns.
@@ -114,7 +114,7 @@ def perform(
             for name in again:
                 journal.repeat(name)
             lost = lost_words(entries_with_files(journal.tests(), folder))
-            run = _Run(campaign_plan, rig, folder, journal, progress or (lambda _: None), control or Control())
+            run = _Run(campaign_plan, rig, folder, journal, progress or (lambda _: None), control or RunControl())
             if run.left():
                 if lost:
                     warnings.warn(f"{folder}: {lost}", DampyrWarning, stacklevel=2)
@@ -237,7 +237,7 @@ class _Run:
     folder: Path
     journal: Journal
     progress: Watcher
-    control: Control
+    control: RunControl
     groups: Mapping[str, str] = field(default_factory=dict)
     """The session and the specimen of every test of this run."""
     about: Mapping[str, str] = field(default_factory=dict)
@@ -331,7 +331,7 @@ class _Run:
             self.journal.repeat(name)
         return [test for name in names for test in self.plan.tests if test.name == name]
 
-    def _prepare(self, table: Table) -> None:
+    def _prepare(self, table: ArmedRig) -> None:
         if table.homed:
             self._say("verifying the index")
             if not table.pass_index():
@@ -351,7 +351,7 @@ class _Run:
             self._checked = True
         table.verify()
 
-    def _between(self, table: Table, left: list[PlannedTest], first: bool) -> None:
+    def _between(self, table: ArmedRig, left: list[PlannedTest], first: bool) -> None:
         """Rest between two tests, and while the campaign is paused."""
         self.control.check()
         if not first:
@@ -366,7 +366,7 @@ class _Run:
             self.journal.note("resumed")
         self.control.check()
 
-    def _test(self, table: Table, test: PlannedTest, remaining: int) -> None:
+    def _test(self, table: ArmedRig, test: PlannedTest, remaining: int) -> None:
         attempt, held = self.journal.begin(test.name, last_try(self.folder, test.name)), self.rig.clock_held
         if test.fitted:
             self.journal.note("fitted", test.fitted, test.name, attempt)
@@ -375,7 +375,7 @@ class _Run:
             learned = self._learned(table, test, remaining, attempt) if test.test.learn else None
             judge, about, drive, before = None, dict(self.about), test.drive, 0.0
             if learned is not None:
-                judge, drive = Judged(test.drive), learned.drive
+                judge, drive = PlayJudge(test.drive), learned.drive
                 about, before = about | learned.about, TRIES * self.plan.try_time(test)
             path = file_of(self.folder, test.name, attempt)
             seen = self._seen(table, test, remaining, "testing", before)
@@ -399,7 +399,7 @@ class _Run:
             marks = (*marks, f"{achieved} off its wanted path, with a learned drive (tries: {learned.words})")
         self.journal.end(test.name, "complete", "; ".join(marks))
 
-    def _learned(self, table: Table, test: PlannedTest, remaining: int, attempt: int) -> Learned:
+    def _learned(self, table: ArmedRig, test: PlannedTest, remaining: int, attempt: int) -> Learned:
         """Learn a test's drive, try by try."""
 
         def play(count: int, error: float | None) -> Seen:
@@ -410,7 +410,7 @@ class _Run:
             table, self.plan, test, self.folder, attempt, self.journal, self.groups, self.about, play
         ).learn()
 
-    def _seen(self, table: Table, test: PlannedTest, remaining: int, phase: str, before: float) -> Seen:
+    def _seen(self, table: ArmedRig, test: PlannedTest, remaining: int, phase: str, before: float) -> Seen:
         """What reports the samples of one play of a test; ``before`` s of what is planned for the test are over."""
         watch = Watch(test, self.rig.settings.board.rate)
         first: list[int] = []
@@ -425,7 +425,7 @@ class _Run:
 
     def _show(
         self,
-        table: Table,
+        table: ArmedRig,
         test: PlannedTest,
         watch: Watch,
         samples: Samples,

@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 from dampyr.errors import RigFault
 from dampyr.rig.drive import Drive
-from dampyr.rig.session import Table
+from dampyr.rig.session import ArmedRig
 
 Array = NDArray[np.float64]
 NEAR = 0.2  # by which the measured stroke may differ from the commanded one: a wrong scale differs by more
 
 
-def preliminary_check(table: Table, drive: Drive) -> str:
+def preliminary_check(table: ArmedRig, drive: Drive) -> str:
     """The result in words; :class:`RigFault` where a test should not begin."""
     blocks = [(samples.displacement[selection], samples.force[selection]) for samples, selection in table.play(drive)]
     x, force = (np.concatenate(rows) for rows in zip(*blocks, strict=True))

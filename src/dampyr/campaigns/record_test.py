@@ -17,20 +17,20 @@ import numpy as np
 
 from dampyr.campaigns.campaign import Campaign
 from dampyr.campaigns.kinds import kind
-from dampyr.campaigns.marks import Mark, Measured, marks_of, zero_moved
+from dampyr.campaigns.marks import Mark, MeasuredTest, marks_of, zero_moved
 from dampyr.campaigns.planned_tests import UNCHECKED, PlannedTest
 from dampyr.campaigns.run_control import Stopped, exit_status
 from dampyr.errors import DampyrError, FileError, RigFault
 from dampyr.models.numerics.differentiation import differentiate, window
-from dampyr.records.checks.channel_uncertainty import Uncertainty
+from dampyr.records.checks.channel_uncertainty import ChannelUncertainty
 from dampyr.records.conditioning.nominal_input import MEASURED, SOURCE
-from dampyr.records.files.recording import Header, RawChannel, Recording, check_disk_space
+from dampyr.records.files.recording import RawChannel, Recording, RecordingHeader, check_disk_space
 from dampyr.records.formats.h5 import PIECE
 from dampyr.records.record import MIN_SAMPLES, Array, Label, as_group
 from dampyr.rig.calibration import Calibration
 from dampyr.rig.drive import Drive
 from dampyr.rig.interlock import Samples
-from dampyr.rig.session import Rig, Table
+from dampyr.rig.session import ArmedRig, Rig
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.uncertainty_budget import Evidence, LostCounts, budget
 from dampyr.source_digest import full_version
@@ -40,7 +40,7 @@ SPARE = 2.0  # s of samples reserved beyond the plan: stopping takes less than 1
 
 
 def take(
-    table: Table,
+    table: ArmedRig,
     planned: PlannedTest,
     campaign: Campaign,
     path: Path,
@@ -79,7 +79,7 @@ def take(
     return tuple(mark.text for mark in marks)
 
 
-def evidence(table: Table, lost: LostCounts, cool: float) -> Evidence:
+def evidence(table: ArmedRig, lost: LostCounts, cool: float) -> Evidence:
     """What a test has shown of its own measurement; ``cool`` [degC] was the damper at its begin."""
     zero = table.zero
     shift = (zero[-2] - zero[0], zero[-1] - zero[0]) if len(zero) > 1 else None
@@ -89,7 +89,7 @@ def evidence(table: Table, lost: LostCounts, cool: float) -> Evidence:
     )
 
 
-def warmth_of(table: Table) -> Evidence:
+def warmth_of(table: ArmedRig) -> Evidence:
     """What a test that was ended early has shown of its measurement: how warm the damper is, and how late its supply."""
     warm, rig = table.temperature, table.rig
     return Evidence(
@@ -104,7 +104,7 @@ def warmth_of(table: Table) -> Evidence:
 @contextmanager
 def ended(
     recording: Recording,
-    table: Table,
+    table: ArmedRig,
     started: dict[str, str],
     marks: list[Mark],
     shown: Callable[[], Evidence],
@@ -163,7 +163,7 @@ def _finish(
     return marks
 
 
-def uncertainty(recording: Recording, rig: RigSettings, shown: Evidence) -> dict[str, Uncertainty]:
+def uncertainty(recording: Recording, rig: RigSettings, shown: Evidence) -> dict[str, ChannelUncertainty]:
     """The standard uncertainty of each channel of a test; none with too few samples for a record."""
     rows = recording.rows
     if rows < MIN_SAMPLES or rows < 5.0 * rig.board.rate / rig.board.velocity_bandwidth:
@@ -176,7 +176,7 @@ def uncertainty(recording: Recording, rig: RigSettings, shown: Evidence) -> dict
         return time, x, force, recording.read("calibrated/voltage", some) if voltage is None else voltage
 
     parts = budget(rig, shown, rows / rig.board.rate, map(piece, range(count)))
-    return {name: Uncertainty(each) for name, each in parts.items()}
+    return {name: ChannelUncertainty(each) for name, each in parts.items()}
 
 
 def mean_voltage(recording: Recording, rig: RigSettings) -> float:
@@ -196,7 +196,7 @@ def _spoiled(marks: list[Mark]) -> RigFault:
     return RigFault(f"the test is spoiled: {'; '.join(mark.text for mark in marks if mark.spoils)}", "check")
 
 
-def measured(recording: Recording, rig: RigSettings, rows: slice, temperature: float) -> Measured:
+def measured(recording: Recording, rig: RigSettings, rows: slice, temperature: float) -> MeasuredTest:
     """What was measured, as `dampyr.campaigns.marks` looks at it, with the damper at ``temperature`` [degC]."""
     coil = {
         name: recording.read(f"raw/{name}", rows) * scale
@@ -208,7 +208,7 @@ def measured(recording: Recording, rig: RigSettings, rows: slice, temperature: f
         if f"raw/{name}" in recording.datasets
     }
     voltage = recording.header.constants.get("voltage")
-    return Measured(
+    return MeasuredTest(
         recording.read("calibrated/time", rows),
         recording.read("calibrated/displacement", rows),
         recording.read("calibrated/force", rows),
@@ -300,7 +300,7 @@ def header(
     attempt: int,
     groups: Mapping[str, str],
     about: Mapping[str, str] | None = None,
-) -> Header:
+) -> RecordingHeader:
     """The header of the file, complete before the test begins."""
     drive = planned.drive
     voltage = drive.voltage[drive.record_from : drive.record_to]
@@ -327,7 +327,7 @@ def header(
         raw["coil_current"] = RawChannel("V", supply.current_scale, 0.0, "A")
     if raw.keys() & {"coil_voltage", "coil_current"}:
         raw["command"] = RawChannel("V", supply.gain, 0.0, "V")
-    return Header(
+    return RecordingHeader(
         planned.name,
         planned.name,
         attempt,
@@ -386,7 +386,7 @@ def as_json(settings: Any) -> str:
     return json.dumps(dataclasses.asdict(settings), default=str)
 
 
-def values(samples: Samples, selection: slice, record_header: Header, rig: RigSettings) -> dict[str, Any]:
+def values(samples: Samples, selection: slice, record_header: RecordingHeader, rig: RigSettings) -> dict[str, Any]:
     """The rows of a block for the file."""
     columns: dict[str, Any] = {
         "calibrated/time": samples.time,

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from dampyr.campaigns.campaign import Test
 from dampyr.campaigns.differences import step_differences
-from dampyr.campaigns.journal import Entry, TestState
+from dampyr.campaigns.journal import JournalEntry, TestState
 from dampyr.campaigns.planned_tests import Plan
 from dampyr.errors import FileError, InputError
 from dampyr.records.files.read_options import ReadOptions
@@ -21,13 +21,13 @@ BROKEN = ".broken"  # behind the name of a file that nobody can read, so that no
 REPAIR = "give another --out, or move the files that are there to another folder"
 
 
-def recorded(folder: Path, campaign_plan: Plan) -> list[Entry]:
+def recorded(folder: Path, campaign_plan: Plan) -> list[JournalEntry]:
     """The tests of a plan that have files in ``folder``: complete where one of them is.
 
     Raises :class:`~dampyr.errors.FileError` where a file is of another campaign or cannot be read.
     """
     planned = {test.name: test for test in campaign_plan.campaign.tests}
-    tries: dict[str, list[tuple[h5.State, dict[str, str]]]] = {}
+    tries: dict[str, list[tuple[h5.FileState, dict[str, str]]]] = {}
     for path in sorted(filter(Path.is_file, folder.glob("[!.]*.h5"))):
         try:
             state, provenance = h5.state(path), h5.provenance(path)
@@ -68,12 +68,12 @@ def file_of(folder: Path, name: str, attempt: int) -> Path:
     return folder / (f"{name}.h5" if attempt == 1 else f"{name}.try{attempt}.h5")
 
 
-def entries_with_files(entries: Iterable[Entry], folder: Path) -> list[Entry]:
+def entries_with_files(entries: Iterable[JournalEntry], folder: Path) -> list[JournalEntry]:
     """The entries of a journal with what has become of the files: a complete test whose file is lost is gone or broken."""
     return [_entry_with_file(entry, file_of(folder, entry.name, entry.attempt)) for entry in entries]
 
 
-def _entry_with_file(entry: Entry, path: Path) -> Entry:
+def _entry_with_file(entry: JournalEntry, path: Path) -> JournalEntry:
     if entry.state != "complete":
         return entry
     try:
@@ -91,7 +91,7 @@ def _is_broken(path: Path, size: int, changed: int) -> bool:
     return is_broken(path)
 
 
-def lost_words(entries: Iterable[Entry]) -> str:
+def lost_words(entries: Iterable[JournalEntry]) -> str:
     """Which of the entries are gone or broken, and the repair; empty where none is."""
     lost = [entry for entry in entries if entry.state in ("gone", "broken")]
     if not lost:
@@ -145,13 +145,13 @@ def remove_parts(folder: Path, names: Iterable[str]) -> None:
             path.unlink(missing_ok=True)
 
 
-def _entry(name: str, tries: list[tuple[h5.State, dict[str, str]]]) -> Entry:
+def _entry(name: str, tries: list[tuple[h5.FileState, dict[str, str]]]) -> JournalEntry:
     complete = [state.attempt for state, _ in tries if state.complete]
     if complete:
-        return Entry(name, "complete", max(complete), "by its file: the journal was lost")
+        return JournalEntry(name, "complete", max(complete), "by its file: the journal was lost")
     last, provenance = max(tries, key=lambda each: each[0].attempt)
     how: TestState = "stopped" if provenance.get("exit_status") in ("stopped", "aborted") else "failed"
-    return Entry(name, how, last.attempt, provenance.get("reason") or INTERRUPTED)
+    return JournalEntry(name, how, last.attempt, provenance.get("reason") or INTERRUPTED)
 
 
 def last_try(folder: Path, name: str) -> int:

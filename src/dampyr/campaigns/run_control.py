@@ -51,7 +51,7 @@ class Progress(Shown):
 
 
 @dataclass(repr=False)
-class Control(Shown):
+class RunControl(Shown):
     """The buttons. Pause acts after the test under way; skip, stop and abort at once.
 
     ``under_way`` is the name of the test that is recorded, empty between two tests.

@@ -34,7 +34,7 @@ MAX_SCALES = 10_000  # more is a mistyped step, such as 0.1:3:1e-9
 
 
 @dataclass(frozen=True)
-class EnsembleRequest:
+class EnsembleCommand:
     """The command line's options of the cases, besides those of their class."""
 
     card: Path | None
@@ -99,12 +99,12 @@ CASE_OPTIONS = (
 
 
 def case_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The options that say which cases there are; they come as ``request``, an `EnsembleRequest`."""
+    """The options that say which cases there are; they come as ``request``, an `EnsembleCommand`."""
 
     @wraps(command)
     def wrapped(**given: Any) -> Any:
-        own = {field.name: given.pop(field.name) for field in fields(EnsembleRequest)}
-        return command(request=EnsembleRequest(**own), **given)
+        own = {field.name: given.pop(field.name) for field in fields(EnsembleCommand)}
+        return command(request=EnsembleCommand(**own), **given)
 
     for option in reversed(CASE_OPTIONS):
         wrapped = option(wrapped)
@@ -116,7 +116,7 @@ def refuse_cases(context: click.Context, what: str) -> None:
     from dampyr.options import options_of
     from dampyr.structures import EnsembleOptions
 
-    names = {field.name for field in fields(EnsembleRequest)} | {option.name for option in options_of(EnsembleOptions)}
+    names = {field.name for field in fields(EnsembleCommand)} | {option.name for option in options_of(EnsembleOptions)}
     for parameter in context.command.params:
         source = context.get_parameter_source(str(parameter.name))
         if parameter.name in names - OF_THE_RESULT and source is not click.core.ParameterSource.DEFAULT:

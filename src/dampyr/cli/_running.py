@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext, suppress
 from typing import Any
 
-from dampyr.campaigns import Control, Plan, Progress
+from dampyr.campaigns import Plan, Progress, RunControl
 
 LOOKS = 0.1  # s between two looks at the bars
 Show = Callable[[Progress], None]
@@ -131,7 +131,7 @@ def stopped_by_signals() -> Iterator[None]:
 
 
 @contextmanager
-def keys(control: Control) -> Iterator[None]:
+def keys(control: RunControl) -> Iterator[None]:
     """Listen to p, s and a, where there is a terminal to type at."""
     if not sys.stdin.isatty():
         yield
@@ -147,7 +147,7 @@ def keys(control: Control) -> Iterator[None]:
             listener.join(1.0)
 
 
-def _listen(read: Callable[[], str], control: Control, over: threading.Event) -> None:
+def _listen(read: Callable[[], str], control: RunControl, over: threading.Event) -> None:
     while not over.is_set():
         key = read().lower()
         if key == "p":

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from dampyr.cli._ensemble import CASE_OPTIONS, EnsembleRequest, case_options, counting, refuse_cases, shard
+from dampyr.cli._ensemble import CASE_OPTIONS, EnsembleCommand, case_options, counting, refuse_cases, shard
 from dampyr.cli._examples import examples
 from dampyr.cli._options import OptionsCommand
 from dampyr.cli._output import as_json_option, findings_below, print_json, print_result, state_origin
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 @click.pass_context
 def command(
     context: click.Context,
-    request: EnsembleRequest,
+    request: EnsembleCommand,
     options: EnsembleOptions,
     out: Path | None,
     part: str | None,
@@ -81,7 +81,7 @@ def command(
 
 
 def _write_part(
-    request: EnsembleRequest, options: EnsembleOptions, text: str, out: Path | None, workers: int | None, as_json: bool
+    request: EnsembleCommand, options: EnsembleOptions, text: str, out: Path | None, workers: int | None, as_json: bool
 ) -> None:
     from dampyr.structures import ensemble_cases, write_part
 
@@ -113,7 +113,7 @@ def _read(
     return result.evaluated(options.limits, options.height, options.intensity, options.seed)
 
 
-def _run(request: EnsembleRequest, options: EnsembleOptions, out: Path | None, workers: int | None) -> EnsembleResult:
+def _run(request: EnsembleCommand, options: EnsembleOptions, out: Path | None, workers: int | None) -> EnsembleResult:
     from dampyr.structures import ensemble, ensemble_cases
     from dampyr.structures.ensembles.store import progress_of
 

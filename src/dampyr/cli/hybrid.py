@@ -136,14 +136,14 @@ def _on_delayed_actuator(
 
 
 def _perform(plan: Plan, rig: Path | None, out: Path, how: dict[str, Any]) -> int:
-    from dampyr.campaigns import Control, perform
+    from dampyr.campaigns import RunControl, perform
     from dampyr.cli._frame import say, with_notes
     from dampyr.cli._running import keys, shown, stopped_by_signals
     from dampyr.rig.connecting import open_rig
 
     for note in plan.tests[0].notes:
         say(note)
-    control, opened = Control(), None
+    control, opened = RunControl(), None
     try:
         with stopped_by_signals(), open_rig(rig, **how) as opened, shown(plan) as show, keys(control):
             perform(plan, opened, out, show, control)

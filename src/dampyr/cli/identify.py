@@ -152,13 +152,13 @@ def _check_ways(
 def _fitted(records: list[Record], model: str | None, options: FitOptions, as_json: bool, shown: int | None) -> Fit:
     """The fit; of a search for a model that was cut, what was finished is printed."""
     from dampyr.identification import fit
-    from dampyr.identification.model_choice.leaderboard import Cut
+    from dampyr.identification.model_choice.leaderboard import SearchTimedOut
     from dampyr.identification.model_choice.parallel import local_processes
 
     try:
         with stages() as progress, findings_below(), local_processes(_cores() if model is None else 1) as executor:
             return fit(records, model, options, progress, executor)
-    except Cut as cut:
+    except SearchTimedOut as cut:
         board = cut.board
         print_json({"leaderboard": board.as_dict()}) if as_json else print_result(board, shown, shown)
         raise

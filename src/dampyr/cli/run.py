@@ -23,7 +23,7 @@ from dampyr.errors import DampyrError, InputError, RigFault
 
 if TYPE_CHECKING:
     from dampyr.campaigns import Plan
-    from dampyr.campaigns.journal import Entry
+    from dampyr.campaigns.journal import JournalEntry
     from dampyr.rig.session import Rig
 
 # exit codes: a wrong argument's, nothing has moved; a safety layer acted; something else ended it; 128 + SIGINT
@@ -109,13 +109,13 @@ def _perform(
     plan: Plan, rig: Path | None, out: Path, again: tuple[str, ...], as_json: bool, how: dict[str, Any]
 ) -> int:
     """Run it, and say how it ended; the exit code."""
-    from dampyr.campaigns import Control, perform
+    from dampyr.campaigns import RunControl, perform
     from dampyr.campaigns.planned_tests import UNCHECKED
     from dampyr.cli._frame import say, with_notes
     from dampyr.cli._running import keys, shown, stopped_by_signals
     from dampyr.rig.connecting import open_rig
 
-    control = Control()
+    control = RunControl()
     opened: Rig | None = None
     try:
         if plan.preliminary is None:
@@ -177,7 +177,7 @@ def exit_code(problem: Exception, was_armed: bool) -> int:
     return TRIPPED if isinstance(problem, RigFault) and problem.ring in SAFETY else FAILED
 
 
-def _summary(plan: Plan, out: Path, tests: list[Entry]) -> None:
+def _summary(plan: Plan, out: Path, tests: list[JournalEntry]) -> None:
     """What is there now."""
     words = {test.name: test.words for test in plan.tests}
     learned = {test.name for test in plan.tests if test.test.learn}

@@ -23,8 +23,8 @@ from dampyr.console.bench_events import BenchEvent
 from dampyr.console.bench_reference import ReferenceLoop
 from dampyr.console.bench_state import (
     BenchState,
+    ChartLimits,
     ConnectedRig,
-    Limits,
     Phase,
     Queued,
     check_ring,
@@ -40,7 +40,7 @@ from dampyr.console.manual_motion import check_coil, coil_drive, play, sine_driv
 from dampyr.console.rigs import Opener, opened
 from dampyr.console.run_reference import RunReference
 from dampyr.errors import InputError, RigFault
-from dampyr.rig import Rig, Table
+from dampyr.rig import ArmedRig, Rig
 from dampyr.rig.firmware.protocol import State
 from dampyr.rig.load_cell_calibration import Calibrating
 
@@ -354,7 +354,7 @@ class Bench:
         cell, settings = rig.calibration, rig.settings
         fastest = self._thread.jogging.fastest(bool(status and status.homed))
         bounds = settings.limits
-        limits = Limits(bounds.force, settings.travel, bounds.speed, bounds.voltage, bounds.temperature)
+        limits = ChartLimits(bounds.force, settings.travel, bounds.speed, bounds.voltage, bounds.temperature)
         stroke, about = bounds.stroke, settings.specimen.name
         values = (
             settings.board.rate,
@@ -372,7 +372,7 @@ class Bench:
     def _event(self, client: str, what: str) -> None:
         self._thread.note_event(self.clients.who(client) or "a page", what)
 
-    def _move(self, client: str, words: str, motion: Callable[[Table], None]) -> None:
+    def _move(self, client: str, words: str, motion: Callable[[ArmedRig], None]) -> None:
         """Begin a motion by hand, with the table at rest."""
         status = self._thread.status
         if status is not None and status.state is not State.ARMED:
@@ -389,14 +389,14 @@ class Bench:
                 raise InputError(f"the bench is {self._thread.phase}; for this it has to be {' or '.join(phases)}")
             self._thread.phase = then or self._thread.phase
 
-    def _table(self, client: str) -> Table:
+    def _table(self, client: str) -> ArmedRig:
         self._accept(client, ("armed",), None)
         table = self._thread.table
         if table is None:
             raise InputError("the bench is about to disarm; arm it again")
         return table
 
-    def _measure(self, client: str, what: Callable[[Table], None]) -> None:
+    def _measure(self, client: str, what: Callable[[ArmedRig], None]) -> None:
         status = self._thread.status
         if status is not None and status.state is not State.ARMED:
             raise InputError("the table is not at rest; measure when it is")

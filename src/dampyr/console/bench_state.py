@@ -40,7 +40,7 @@ class Ring:
 
 
 @dataclass(frozen=True)
-class Run:
+class CampaignRun:
     """A campaign that runs or ran: ``name`` of its file, ``folder`` of its records; times in s, stroke in m, force in N."""
 
     name: str
@@ -78,7 +78,7 @@ class Queued:
 
 
 @dataclass(frozen=True)
-class Limits:
+class ChartLimits:
     """Of the rig, for its charts: force N, farthest position m, speed m/s, voltage V, temperature degC."""
 
     force: float
@@ -112,7 +112,7 @@ class ConnectedRig:
     calibrated: str
     jog_speed: float
     specimen: str
-    limits: Limits
+    limits: ChartLimits
     notice: str
     """What the page says above all, as its records will, where they are not measured."""
 
@@ -135,7 +135,7 @@ class BenchState:
     live: Live | None
     rings: tuple[Ring, ...]
     guided: Guided | None
-    run: Run | None
+    run: CampaignRun | None
     clients: int
     holder: str
     live_age: float | None = None
@@ -150,9 +150,9 @@ class BenchState:
     """What keeps the log of events from being written."""
 
 
-def new_run(queued: Queued, campaign_plan: Plan) -> Run:
+def new_run(queued: Queued, campaign_plan: Plan) -> CampaignRun:
     """The run that begins."""
-    return Run(
+    return CampaignRun(
         queued.name,
         queued.folder,
         len(campaign_plan.tests),

@@ -11,10 +11,10 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from dampyr.campaigns import Control, Plan, Progress, Stopped, exit_status, perform
+from dampyr.campaigns import Plan, Progress, RunControl, Stopped, exit_status, perform
 from dampyr.console.bench_alarms import Alarms
 from dampyr.console.bench_events import EventLog
-from dampyr.console.bench_state import Live, Phase, Queued, Run, advanced, new_run
+from dampyr.console.bench_state import CampaignRun, Live, Phase, Queued, advanced, new_run
 from dampyr.console.clients import Clients
 from dampyr.console.decimation import MinMaxBins
 from dampyr.console.error_responses import without_places
@@ -24,7 +24,7 @@ from dampyr.console.page_words import in_page_words
 from dampyr.console.preload import warm_up
 from dampyr.console.run_reference import REPORT, RunReference
 from dampyr.errors import DampyrError, InputError, RigFault
-from dampyr.rig import Rig, Table
+from dampyr.rig import ArmedRig, Rig
 from dampyr.rig.firmware.protocol import Status
 from dampyr.rig.interlock import Samples
 from dampyr.rig.load_cell_calibration import Calibrating
@@ -57,7 +57,7 @@ class BenchThread:
         self.phase: Phase = "disconnected"
         self.note, self.fault, self.tripped = "", False, ""
         self.rig: Rig | None = None
-        self.table: Table | None = None
+        self.table: ArmedRig | None = None
         self.identity = ""
         self.status: Status | None = None
         self.live: Live | None = None
@@ -66,7 +66,7 @@ class BenchThread:
         self.strips: MinMaxBins | None = None
         self.guided: Guided | None = None
         self.steps: Calibrating | None = None
-        self.run: Run | None = None
+        self.run: CampaignRun | None = None
         self.run_folder: Path | None = None
         self.reference: RunReference | None = None
         self.halted = threading.Event()
@@ -74,10 +74,10 @@ class BenchThread:
         self.started_by = ""
         """Who started the campaign that runs."""
         self._doubted, self._performing = False, False
-        self.control, self.jogging = Control(), Jogging(clock)
+        self.control, self.jogging = RunControl(), Jogging(clock)
         self.disarm_requested, self.aborted, self.closing = threading.Event(), threading.Event(), threading.Event()
         self.jobs: queue.Queue[Callable[[], None]] = queue.Queue()
-        self._motions: queue.Queue[tuple[str, Callable[[Table], None]]] = queue.Queue()
+        self._motions: queue.Queue[tuple[str, Callable[[ArmedRig], None]]] = queue.Queue()
         self._mover, self._unread = "", 0.0
         self._thread = threading.Thread(target=self._work, name="bench", daemon=True)
         self._thread.start()
@@ -103,7 +103,7 @@ class BenchThread:
         """Something is about to begin: what ended the last thing is past."""
         with self.lock:
             self.aborted.clear()
-            self.control, self.note, self.fault = Control(), "", False
+            self.control, self.note, self.fault = RunControl(), "", False
 
     def enter(self, phase: Phase, unless: tuple[Phase, ...] = ()) -> None:
         """Another phase begins."""
@@ -111,7 +111,7 @@ class BenchThread:
             if self.phase not in unless:
                 self.phase = phase
 
-    def move(self, client: str, motion: Callable[[Table], None]) -> None:
+    def move(self, client: str, motion: Callable[[ArmedRig], None]) -> None:
         """Do ``motion`` with the armed table, for as long as ``client`` holds control."""
         self._motions.put((client, motion))
 
@@ -286,7 +286,7 @@ class BenchThread:
         with suppress(RigFault):
             self.status = rig.uno.heartbeat()
 
-    def _step(self, table: Table) -> None:
+    def _step(self, table: ArmedRig) -> None:
         """One motion if one is asked for, else one block."""
         try:
             self._mover, motion = self._motions.get_nowait()

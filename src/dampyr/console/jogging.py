@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from dampyr.errors import InputError, RigFault
-from dampyr.rig import Table
+from dampyr.rig import ArmedRig
 from dampyr.rig.firmware.protocol import State
 from dampyr.rig.session import GENTLE
 
@@ -39,7 +39,7 @@ class Jogging:
         """The greatest speed [m/s] that may be asked for."""
         return GENTLE if homed else BLIND
 
-    def ask(self, client: str, speed: float, table: Table) -> None:
+    def ask(self, client: str, speed: float, table: ArmedRig) -> None:
         """Wish for a speed [m/s]; 0 ends the wish."""
         max_speed = self.fastest(table.homed)
         if not abs(speed) <= max_speed:
@@ -57,7 +57,7 @@ class Jogging:
         with self._lock:
             self._wish = None
 
-    def steer(self, table: Table, holder: str | None) -> None:
+    def steer(self, table: ArmedRig, holder: str | None) -> None:
         """Push on, or stop; called for every block."""
         with self._lock:
             wish = self._wish
@@ -69,7 +69,7 @@ class Jogging:
             self._moves = False
             table.ask_uno(table.rig.uno.stop)
 
-    def _push(self, table: Table, speed: float) -> None:
+    def _push(self, table: ArmedRig, speed: float) -> None:
         try:
             table.jog(speed, PUSH, wait=False)
             self._moves = True
@@ -77,7 +77,7 @@ class Jogging:
             if table.loop.stopped:
                 raise
 
-    def _at_the_end(self, table: Table, speed: float) -> bool:
+    def _at_the_end(self, table: ArmedRig, speed: float) -> bool:
         """Where the next push could leave the stroke."""
         max_position = 0.5 * table.rig.settings.limits.stroke - MARGIN
         return table.homed and (table.position + speed * PUSH) * (1 if speed > 0 else -1) > max_position

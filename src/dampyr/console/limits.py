@@ -16,7 +16,7 @@ TOO_MUCH = "it takes more memory than the {memory:.0f} MiB that a request may ta
 
 
 @dataclass(frozen=True)
-class Limits:
+class RequestLimits:
     """Of one request: ``memory`` bytes of address space, ``seconds`` of the wall clock, ``written`` bytes.
 
     ``repair`` says what a person can do where one of them is passed.
@@ -52,11 +52,11 @@ class Limits:
             resource.setrlimit(what, (limit, limit))
 
 
-PLANNING = Limits(1024 * MIB, 30.0, repair="plan fewer or shorter tests at once")
+PLANNING = RequestLimits(1024 * MIB, 30.0, repair="plan fewer or shorter tests at once")
 """400 tests take 300 MiB and 5 s on one core."""
-READING = Limits(
+READING = RequestLimits(
     1536 * MIB, 60.0, repair="choose fewer or smaller files, or read them with the command `dampyr records`"
 )
 """64 MiB of text take 1 GiB and 20 s."""
-LISTING = Limits(1536 * MIB, 60.0, repair="read the file with the command `dampyr records`")
+LISTING = RequestLimits(1536 * MIB, 60.0, repair="read the file with the command `dampyr records`")
 """For each file of a list."""

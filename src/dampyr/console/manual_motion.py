@@ -9,7 +9,7 @@ import numpy as np
 
 from dampyr.campaigns import campaign_of, plan, specimen
 from dampyr.errors import InputError
-from dampyr.rig import Drive, RigSettings, Table
+from dampyr.rig import ArmedRig, Drive, RigSettings
 
 MAX_CYCLES = 1000
 MAX_SECONDS = 120.0  # of a voltage on the coil at rest: an operator looks at it
@@ -45,7 +45,7 @@ def check_coil(settings: RigSettings, voltage: float, seconds: float) -> None:
         raise InputError(f"seconds = {seconds:g} s is not allowed; give more than 0 s and at most {MAX_SECONDS:g} s")
 
 
-def coil_drive(table: Table, voltage: float, seconds: float) -> Drive:
+def coil_drive(table: ArmedRig, voltage: float, seconds: float) -> Drive:
     """The drive of a voltage [V] on the coil for ``seconds``, with the table at rest where it stands."""
     n = max(2, math.ceil(seconds / PERIOD) + 1)
     volts = np.full(n, voltage)
@@ -53,7 +53,7 @@ def coil_drive(table: Table, voltage: float, seconds: float) -> Drive:
     return Drive(PERIOD, np.full(n, table.position), volts, standing=True)
 
 
-def play(table: Table, drive: Drive) -> None:
+def play(table: ArmedRig, drive: Drive) -> None:
     """Go to where a drive begins, and play it."""
     if not drive.standing:
         table.go(float(drive.displacement[0]))

@@ -20,7 +20,7 @@ from dampyr.console.limits import READING
 from dampyr.console.option_schemas import form_of, request_of
 from dampyr.console.page_words import in_page_words
 from dampyr.console.state import Here
-from dampyr.identification import Acceptance, Accepted, AcceptOptions, Point, accept
+from dampyr.identification import Acceptance, AcceptancePoint, Accepted, AcceptOptions, accept
 from dampyr.identification.acceptance_tests.acceptance import QUANTITIES
 from dampyr.models import Damper
 from dampyr.records import Record
@@ -83,7 +83,7 @@ class LevelJudged(BaseModel):
     deviation: dict[str, float | None]
 
 
-class Judged(BaseModel):
+class RecordVerdict(BaseModel):
     """One record: how it came out, and why points were not judged (the reason and how many).
 
     Cycles count from the start of the motion: ``run`` in halves, ``cut`` whole ones, ``judged_cycles`` by every
@@ -115,7 +115,7 @@ class Judged(BaseModel):
     points: list[Points]
 
 
-class Band(BaseModel):
+class AcceptanceBand(BaseModel):
     """The band along the speed for the records of one input, in one direction, SI."""
 
     input: str | None
@@ -130,9 +130,9 @@ class Band(BaseModel):
 class Judgement(BaseModel):
     """All records, those judged a second time, and the bands to draw; ``data`` is what `dampyr accept --json` prints."""
 
-    records: list[Judged]
-    relevelled: list[Judged]
-    bands: list[Band]
+    records: list[RecordVerdict]
+    relevelled: list[RecordVerdict]
+    bands: list[AcceptanceBand]
     notes: list[str] = Field(
         description="What a person should look at in the records and in the reference, worst first."
     )
@@ -211,8 +211,8 @@ def _shown(name: str) -> str:
     return Path(name).stem if "/" in name else name
 
 
-def _summarise(key: str, one: Acceptance) -> Judged:
-    return Judged(
+def _summarise(key: str, one: Acceptance) -> RecordVerdict:
+    return RecordVerdict(
         key=key,
         name=one.record,
         input=one.input,
@@ -249,14 +249,14 @@ def _summarise(key: str, one: Acceptance) -> Judged:
     )
 
 
-def _one(p: Point) -> OnePoint:
+def _one(p: AcceptancePoint) -> OnePoint:
     return OnePoint(
         cycle=p.cycle, quantity=p.quantity, speed=p.speed, measured=p.measured, low=p.low, high=p.high,
         deviation=_finite(p.deviation),
     )  # fmt: skip
 
 
-def _points(quantity: str, points: Sequence[Point]) -> Points:
+def _points(quantity: str, points: Sequence[AcceptancePoint]) -> Points:
     stride = -(-len(points) // MAX_POINTS) or 1
     selected = [p for k, p in enumerate(points) if k % stride == 0]
     few = {id(p): p for p in [*selected, *[p for p in points if p.inside is False][:MAX_POINTS]]}.values()
@@ -271,7 +271,7 @@ def _points(quantity: str, points: Sequence[Point]) -> Points:
     )
 
 
-def _bands(acceptances: Sequence[Acceptance]) -> list[Band]:
+def _bands(acceptances: Sequence[Acceptance]) -> list[AcceptanceBand]:
     groups: dict[tuple[str | None, float | None], list[Acceptance]] = {}
     for one in acceptances:
         groups.setdefault((one.input, one.input_value), []).append(one)
@@ -284,7 +284,7 @@ def _bands(acceptances: Sequence[Acceptance]) -> list[Band]:
             if rows:
                 speed, expected, low, high = map(list, zip(*rows, strict=True))
                 made.append(
-                    Band(
+                    AcceptanceBand(
                         input=unit, input_value=value, quantity=quantity,
                         speed=speed, expected=expected, low=low, high=high,
                     )

@@ -26,7 +26,7 @@ MAX_RECORDS = 500  # each is read and described for the list of a page
 
 
 @dataclass(frozen=True)
-class Source:
+class RecordFolder:
     """A folder with records."""
 
     name: str
@@ -34,20 +34,20 @@ class Source:
     folder: Path
 
 
-def sources(data: Path) -> list[Source]:
+def sources(data: Path) -> list[RecordFolder]:
     """The data folder, and the data sets that are here."""
-    available = [Source(OWN, "The data folder", data)]
+    available = [RecordFolder(OWN, "The data folder", data)]
     for name in available_data_sets():
         if not data_set(name).holds_records:
             continue
         try:
-            available.append(Source(name, f"Published: {name}", records.locate(name).resolve()))
+            available.append(RecordFolder(name, f"Published: {name}", records.locate(name).resolve()))
         except MissingData:
             continue
     return available
 
 
-def source(data: Path, name: str) -> Source:
+def source(data: Path, name: str) -> RecordFolder:
     """The source of this name, or MissingData."""
     for one in sources(data):
         if one.name == name:
@@ -57,7 +57,7 @@ def source(data: Path, name: str) -> Source:
     )
 
 
-def keys(of: Source) -> list[str]:
+def keys(of: RecordFolder) -> list[str]:
     """The keys of the files of a source that may be records, such as ``data/lab/test 1.csv``; none is opened here."""
     names = sorted(safe_paths.files(of.folder, SUFFIXES), key=_order)
     return [
@@ -67,7 +67,7 @@ def keys(of: Source) -> list[str]:
     ]
 
 
-def left_out(of: Source) -> dict[str, str]:
+def left_out(of: RecordFolder) -> dict[str, str]:
     """The keys of what is left out because of its name or as a link, with the reason."""
     return {f"{of.name}/{name}": why for name, why in safe_paths.left_out(of.folder, SUFFIXES).items()}
 

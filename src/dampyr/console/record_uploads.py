@@ -60,7 +60,7 @@ class Place(BaseModel):
     position: int | None
 
 
-class Column(BaseModel):
+class UploadedColumn(BaseModel):
     """A column of a file: name and unit as the header states them, the first values, the channel that it seems to be."""
 
     name: str
@@ -73,7 +73,7 @@ class Column(BaseModel):
 class Preview(BaseModel):
     """The columns of a text file; without any where it cannot be read, with the ``problem``."""
 
-    columns: list[Column] = []
+    columns: list[UploadedColumn] = []
     channels: dict[str, str] = Field(default={}, description="Channel -> its SI unit.")
     notices: list[str] = []
     problem: str = ""
@@ -91,7 +91,7 @@ class Edit(BaseModel):
     temperature: float | None = Field(None, ge=-273.15, le=1e3, allow_inf_nan=False, description="degC, constant.")
 
 
-class Rename(BaseModel):
+class RecordRename(BaseModel):
     """Another name, without a suffix, for a record that was uploaded."""
 
     key: str = Field(min_length=3, max_length=640)
@@ -180,7 +180,7 @@ async def edit(here: Here, request: Request, given: Edit) -> Taken:
 
 
 @router.post("/rename")
-def rename(here: Here, given: Rename) -> Taken:
+def rename(here: Here, given: RecordRename) -> Taken:
     """Give an upload another name; its note goes with it."""
     path = _upload(here, given.key)
     if not safe_paths.is_new_name(given.name):

@@ -47,14 +47,14 @@ Here = Annotated[AppState, Depends(get_app_state)]
 """Such as ``def list_cards(here: Here)``; serves requests and WebSockets."""
 
 
-class Problem(BaseModel):
+class ErrorAnswer(BaseModel):
     """What every error answers."""
 
     detail: str = Field(description="One sentence for a person.")
 
 
 PROBLEMS: dict[int | str, dict[str, Any]] = {
-    code: {"model": Problem, "description": words}
+    code: {"model": ErrorAnswer, "description": words}
     for code, words in {
         400: "The request is wrong, or cannot be understood.",
         401: "This console requires its token.",

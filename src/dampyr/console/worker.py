@@ -27,7 +27,7 @@ EVERY = 0.1  # s between two lines
 YIELDS = 10  # of niceness: the console may be reading a moving rig at the same time
 
 
-class Progress:
+class ProgressReport:
     """``progress(stage, fraction done)``, reported at most every tenth of a second."""
 
     def __init__(self) -> None:
@@ -64,7 +64,7 @@ def run(folder: Path) -> int:
     try:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", DampyrWarning)
-            result = registry.member(WORK, request["kind"]).run(request["request"], folder, Progress())
+            result = registry.member(WORK, request["kind"]).run(request["request"], folder, ProgressReport())
     except DampyrError as problem:
         say(reason=str(problem))
         return 2

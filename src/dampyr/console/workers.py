@@ -25,7 +25,7 @@ from typing import Any, BinaryIO
 from fastapi import HTTPException
 from starlette.requests import Request
 
-from dampyr.console.limits import Limits
+from dampyr.console.limits import RequestLimits
 from dampyr.console.worker_template import MAX_ANSWER
 from dampyr.errors import InputError, MissingData
 
@@ -49,7 +49,12 @@ class Workers:
         self._lock = threading.Lock()
 
     async def run(
-        self, request: Request | None, limits: Limits, function: Callable[..., Any], *arguments: Any, ticket: str = ""
+        self,
+        request: Request | None,
+        limits: RequestLimits,
+        function: Callable[..., Any],
+        *arguments: Any,
+        ticket: str = "",
     ) -> Any:
         """What ``function``, of a module, makes of ``arguments`` in a process with ``limits``, as JSON gives it.
 
@@ -59,7 +64,12 @@ class Workers:
         return await self._ordered(request, _Order(limits, function, arguments, ticket))
 
     async def each(
-        self, request: Request | None, limits: Limits, function: Callable[..., Any], items: list[Any], *arguments: Any
+        self,
+        request: Request | None,
+        limits: RequestLimits,
+        function: Callable[..., Any],
+        items: list[Any],
+        *arguments: Any,
     ) -> list[Any]:
         """What the generator ``function(items, *arguments)`` yields for each item; a refusal, an InputError, in the place of an
         item at which its process passes a limit. The others are then done by another process.
@@ -127,7 +137,9 @@ async def _cancel_when_left(request: Request, order: _Order) -> None:
 class _Order:
     """One request to a process, and the process."""
 
-    def __init__(self, limits: Limits, function: Callable[..., Any], arguments: tuple[Any, ...], ticket: str) -> None:
+    def __init__(
+        self, limits: RequestLimits, function: Callable[..., Any], arguments: tuple[Any, ...], ticket: str
+    ) -> None:
         self.limits, self.ticket, self.parts, self.begun = limits, ticket, [], False  # type: ignore[var-annotated]
         self._work = pickle.dumps((function, arguments, limits))
         self._child: _Child | None = None

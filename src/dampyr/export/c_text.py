@@ -45,7 +45,7 @@ def function(
     """
     tree = Flat().visit(deepcopy(tree))
     real = precision.real
-    writer = Writer(prefix, own, read_names(tree), precision)
+    writer = CWriter(prefix, own, read_names(tree), precision)
     body = writer.block(tree.body, 1)
     values = [n.value for n in ast.walk(tree) if isinstance(n, ast.Return) and n.value is not None]
     several = any(isinstance(value, ast.Tuple) for value in values)
@@ -113,7 +113,7 @@ class Flat(ast.NodeTransformer):
         return [ast.Assign([each], expression) for each, expression in pairs]
 
 
-class Writer:
+class CWriter:
     """Writes statements and expressions."""
 
     def __init__(self, prefix: str, own: set[str], read: set[str], precision: Precision) -> None:

@@ -6,7 +6,7 @@ import ast
 from collections.abc import Iterable
 from copy import deepcopy
 
-from dampyr.export.c_text import DOUBLE, Flat, Writer, assigned_names, read_names, stores_to
+from dampyr.export.c_text import DOUBLE, CWriter, Flat, assigned_names, read_names, stores_to
 
 OPERATORS: dict[type[ast.AST], str] = {
     ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.USub: "-", ast.UAdd: "+",
@@ -49,7 +49,7 @@ def function(tree: ast.FunctionDef, prefix: str, own: set[str], arrays: Iterable
     return "\n".join([head + note, *writer.block(tree.body, 1), "end"])
 
 
-class MatlabWriter(Writer):
+class MatlabWriter(CWriter):
     """Writes statements and expressions of MATLAB; ``results`` are the names of what the function returns."""
 
     def __init__(self, prefix: str, own: set[str], read: set[str], results: list[str]) -> None:

@@ -28,17 +28,17 @@ from dampyr.hybrid.delayed_actuator import run_delayed
 from dampyr.hybrid.delayed_hybrid import delayed_result
 from dampyr.hybrid.hybrid_result import HybridResult
 from dampyr.hybrid.random_plants import BatchResult, run_many
-from dampyr.hybrid.setup import HybridSetup, Sensors, Specimen, TransferSystem, Uncertainty
+from dampyr.hybrid.setup import HybridSetup, PhysicalSubstructure, PlantSpread, Sensors, TransferSystem
 from dampyr.hybrid.stability import LoopStability, loop_stability
-from dampyr.hybrid.substructure import Lag, Substructure, SubstructureRun, lag_of
+from dampyr.hybrid.substructure import LagEstimator, Substructure, SubstructureRun, lag_of
 from dampyr.hybrid.virtual_test import VirtualRun, perform_virtual
 
 __all__ = [
     "HybridSetup",
-    "Specimen",
+    "PhysicalSubstructure",
     "TransferSystem",
     "Sensors",
-    "Uncertainty",
+    "PlantSpread",
     "Compensator",
     "PhaseLeadCompensator",
     "ModelBasedCompensator",
@@ -52,7 +52,7 @@ __all__ = [
     "run_many",
     "Substructure",
     "SubstructureRun",
-    "Lag",
+    "LagEstimator",
     "lag_of",
     "run_delayed",
     "HybridResult",

@@ -28,8 +28,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.hybrid.loop_kernel import KALMAN, MODEL_BASED, ORDER, PHASE_LEAD, Law
-from dampyr.hybrid.setup import HybridSetup, Uncertainty
+from dampyr.hybrid.loop_kernel import KALMAN, MODEL_BASED, ORDER, PHASE_LEAD, CompensatorArrays
+from dampyr.hybrid.setup import HybridSetup, PlantSpread
 from dampyr.units import Quantity
 
 Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ CORNER = 4.0  # Hz: the motion's displacement falls with the square of the frequ
 class Compensator(Protocol):
     """What a hybrid test needs of a compensator."""
 
-    def law(self, setup: HybridSetup) -> Law:
+    def law(self, setup: HybridSetup) -> CompensatorArrays:
         """Its numbers for the kernel, new arrays each time."""
 
     def linear(self, setup: HybridSetup, theta: Array | None) -> tuple[Array, Array, Array, Array, Array]:
@@ -87,7 +87,7 @@ class PhaseLeadCompensator:
             ]
         )
 
-    def law(self, setup: HybridSetup) -> Law:
+    def law(self, setup: HybridSetup) -> CompensatorArrays:
         return _law(PHASE_LEAD, setup, linear=self.coefficients(setup))
 
     def matched(self, setup: HybridSetup) -> None:
@@ -143,7 +143,7 @@ class ModelBasedCompensator(_Inverse):
             if len(getattr(self, name)) != ORDER or not np.all(np.isfinite(getattr(self, name))):
                 raise InputError(f"{name} = {getattr(self, name)!r} must be {ORDER} finite numbers")
 
-    def law(self, setup: HybridSetup) -> Law:
+    def law(self, setup: HybridSetup) -> CompensatorArrays:
         scale = setup.rate ** np.arange(ORDER)
         return _law(MODEL_BASED, setup, theta=self.start, scale=scale, gain=np.array(self.gains) * setup.dt,
                     extrapolation=self.extrapolation)  # fmt: skip
@@ -167,7 +167,7 @@ class KalmanCompensator(_Inverse):
     def designed(
         cls,
         nominal: HybridSetup,
-        uncertainty: Uncertainty | None = None,
+        uncertainty: PlantSpread | None = None,
         noise: float = 2e-4,  # m: from 1e-4 to 2e-3 the criteria hardly change
         lead: float = 0.0,
         extrapolation: float | None = None,
@@ -180,12 +180,12 @@ class KalmanCompensator(_Inverse):
         for name, value in (("noise", noise), ("spread", spread)):
             Quantity("", low=0.0, open_low=True).check(name, value)
         start = inverse_coefficients(nominal)
-        slopes = _sensitivity(nominal, uncertainty or Uncertainty()) / start[:, None]
+        slopes = _sensitivity(nominal, uncertainty or PlantSpread()) / start[:, None]
         covariance = spread**2 * slopes @ slopes.T + np.eye(ORDER) * FLOOR**2
         late = nominal.force_delay + 0.5 if extrapolation is None else float(extrapolation)
         return cls(tuple(start), tuple(map(tuple, covariance)), noise, lead, late)
 
-    def law(self, setup: HybridSetup) -> Law:
+    def law(self, setup: HybridSetup) -> CompensatorArrays:
         start = np.array(self.start)
         return _law(
             KALMAN,
@@ -202,7 +202,7 @@ class KalmanCompensator(_Inverse):
 FLOOR = 2e-3  # relative s.d. in each coefficient by itself: what the inverse of third order leaves out
 
 
-def _law(kind: int, setup: HybridSetup, **given: Any) -> Law:
+def _law(kind: int, setup: HybridSetup, **given: Any) -> CompensatorArrays:
     from scipy.signal import butter
 
     b, a = butter(4, FILTER_FREQUENCY / (0.5 * setup.rate))
@@ -214,7 +214,7 @@ def _law(kind: int, setup: HybridSetup, **given: Any) -> Law:
         name: float(value) if isinstance(zeros[name], float) else np.array(value, dtype=float)
         for name, value in (zeros | given).items()
     }
-    return Law(kind, **numbers)
+    return CompensatorArrays(kind, **numbers)
 
 
 def unloaded_inverse() -> tuple[float, ...]:
@@ -245,7 +245,7 @@ def inverse_coefficients(setup: HybridSetup) -> Array:
     return solution * sizes
 
 
-def _sensitivity(nominal: HybridSetup, uncertainty: Uncertainty) -> Array:
+def _sensitivity(nominal: HybridSetup, uncertainty: PlantSpread) -> Array:
     """The change of theta (4, 4) for one standard deviation of stiffness, pole, beta1, beta2, by central differences."""
     t = nominal.transfer
     centre = {"stiffness": nominal.specimen.stiffness, "pole": t.pole, "beta1": t.beta1, "beta2": t.beta2}

@@ -43,7 +43,7 @@ class Plant(NamedTuple):
     p: Any  # (5,)
 
 
-class Law(NamedTuple):
+class CompensatorArrays(NamedTuple):
     """The compensator: see `dampyr.hybrid.compensators`; what a kind does not use is zeros."""
 
     kind: int

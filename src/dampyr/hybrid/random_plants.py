@@ -14,7 +14,7 @@ from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.hybrid.compensators import Compensator
 from dampyr.hybrid.criteria import CRITERIA, tracking_criteria, tracking_error
-from dampyr.hybrid.setup import HybridSetup, Uncertainty
+from dampyr.hybrid.setup import HybridSetup, PlantSpread
 from dampyr.hybrid.stability import largest_eigenvalue
 from dampyr.hybrid.virtual_test import compared_floor, ground_history, histories, reference_history
 from dampyr.shown import Shown
@@ -54,11 +54,11 @@ class BatchResult(Shown):
         return int(np.argmax(np.where(np.isnan(values), np.inf, values)))
 
 
-def draw_plants(nominal: HybridSetup, count: int, seed: int = 0, uncertainty: Uncertainty | None = None) -> Array:
+def draw_plants(nominal: HybridSetup, count: int, seed: int = 0, uncertainty: PlantSpread | None = None) -> Array:
     """Random plants (count, 4): normal about the nominal one, stiffness, pole, beta1, beta2."""
     if isinstance(count, bool) or not isinstance(count, int) or count < 1:
         raise InputError(f"{count!r} plants cannot be drawn; give a whole number of at least 1")
-    u, t = uncertainty or Uncertainty(), nominal.transfer
+    u, t = uncertainty or PlantSpread(), nominal.transfer
     centre = [nominal.specimen.stiffness, t.pole, t.beta1, t.beta2]
     spread = [u.stiffness, u.pole, u.beta1, u.beta2]
     return np.random.default_rng(seed).normal(centre, spread, (count, 4))
@@ -70,7 +70,7 @@ def run_many(
     motion: GroundMotion,
     count: int,
     seed: int = 0,
-    uncertainty: Uncertainty | None = None,
+    uncertainty: PlantSpread | None = None,
     workers: int | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> BatchResult:

@@ -41,7 +41,7 @@ def _check(owner: Any, name: str, unit: str, low: float, open_low: bool = False,
 
 
 @dataclass(frozen=True)
-class Specimen:
+class PhysicalSubstructure:
     """The physical part: ``mass`` [kg], ``stiffness`` [N/m] and ``damping_ratio`` (0.01 is 1 %)."""
 
     mass: float = 29.13
@@ -80,7 +80,7 @@ class TransferSystem:
 
 
 @dataclass(frozen=True)
-class Uncertainty:
+class PlantSpread:
     """Standard deviations of what differs from one plant to the next: ``stiffness`` of the specimen [N/m], ``pole`` [1/s],
     ``beta1`` [1/s] and ``beta2`` [1/s2] of the actuator."""
 
@@ -136,7 +136,7 @@ class HybridSetup(Shown):
     """
 
     structure: Building
-    specimen: Specimen = field(default_factory=Specimen)
+    specimen: PhysicalSubstructure = field(default_factory=PhysicalSubstructure)
     transfer: TransferSystem = field(default_factory=TransferSystem)
     sensors: Sensors = field(default_factory=Sensors)
     place: Any = 1
@@ -187,7 +187,7 @@ class HybridSetup(Shown):
         )
 
 
-def _numerical(structure: Building, specimen: Specimen, row: Array) -> Building:
+def _numerical(structure: Building, specimen: PhysicalSubstructure, row: Array) -> Building:
     """The structure without the specimen; the ground moves all of its mass."""
     pair = np.outer(row, row)
     parts = {"M": specimen.mass, "C": specimen.damping, "K": specimen.stiffness}

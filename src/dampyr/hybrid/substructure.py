@@ -40,7 +40,7 @@ from dampyr.structures import Building, Response, refined
 
 Array = NDArray[np.float64]
 MEMORY = 2.0  # s of the structure's time after which the estimate of the lag has forgotten 63 %
-ANCHOR = 0.002  # s of the structure's time, see `Lag`
+ANCHOR = 0.002  # s of the structure's time, see `LagEstimator`
 SMALLEST = 1e-5  # m of a stroke: two counts of the encoder
 SMOOTHING = 0.1  # s of the structure's time in which the difference of measured and predicted force is smoothed
 LARGEST_LAG = 0.05  # s of the structure's time in either direction that is compensated
@@ -49,7 +49,7 @@ FLOOR = 0.25  # of the energy that the ground is expected to put in: an error of
 
 
 @dataclass
-class Lag:
+class LagEstimator:
     """The lag [s] and the gain of an actuator, by recursive least squares with an exponential window of ``memory`` s.
 
     What it begins with stays in it with the weight of `ANCHOR` s of a motion of ``size`` m: where the table hardly moves, its
@@ -210,7 +210,7 @@ class SubstructureRun(Shown):
     def begin(self, lag: float, gain: float = 1.0) -> None:
         """Begin with an actuator of this lag [s] and gain: set points are what will be wanted so much later."""
         about = self.about
-        self.lag = Lag(about.h, about.size, lag, gain, adaptive=about.adaptive)
+        self.lag = LagEstimator(about.h, about.size, lag, gain, adaptive=about.adaptive)
         self._begun_with = lag
         self.lags[self.now], self.gains[self.now] = lag, gain
 

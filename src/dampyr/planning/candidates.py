@@ -79,7 +79,7 @@ def _written(step: Any, name: str, value: Any) -> Any:
 
 
 @dataclass(frozen=True)
-class Envelope:
+class RigEnvelope:
     """The candidates, and the largest amplitude [m] (n,) of a sine at each frequency [Hz] (n,), by voltage."""
 
     candidates: tuple[Candidate, ...]
@@ -123,7 +123,7 @@ def envelope(
     kinds: Sequence[str] = KINDS,
     seconds: float = SECONDS,
     progress: Callable[[float], None] = lambda done: None,
-) -> Envelope:
+) -> RigEnvelope:
     """All candidates of these ``kinds`` with about ``seconds`` of steady motion.
 
     Raises :class:`~dampyr.errors.InputError` where there is none.
@@ -162,7 +162,7 @@ def envelope(
             f"{max(levels):.4g} V: with at least {1e3 * _least(rig):.3g} mm none is within its limits; lower the voltages, or "
             "check actuator and limits in the rig's file"
         )
-    return Envelope(passed, frequencies, limits, levels)
+    return RigEnvelope(passed, frequencies, limits, levels)
 
 
 def _least(rig: RigSettings) -> float:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.planning.expected_information import Expected, Information, Layout, Spread, expected_from
+from dampyr.planning.expected_information import CoefficientLayout, Expected, Information, ModelDeviation, expected_from
 
 Array = NDArray[np.float64]
 Criterion = Callable[[Expected], float]
@@ -77,7 +77,7 @@ class Pool:
     present: int
     factors: Array
 
-    def criterion(self, plan: Layout, chosen: Sequence[int], goal: Criterion) -> float:
+    def criterion(self, plan: CoefficientLayout, chosen: Sequence[int], goal: Criterion) -> float:
         """The criterion of the present records and these candidates."""
         places = [*range(self.present), *(self.present + k for k in chosen)]
         free = ~plan.held
@@ -86,7 +86,11 @@ class Pool:
 
 
 def pool_of(
-    plan: Layout, present: Sequence[Information], candidates: Sequence[Information], spread: Spread, factors: Array
+    plan: CoefficientLayout,
+    present: Sequence[Information],
+    candidates: Sequence[Information],
+    spread: ModelDeviation,
+    factors: Array,
 ) -> Pool:
     """The stacked matrices of records and candidates; ``factors`` (G,) calibrate the errors."""
     every = [*present, *candidates]
@@ -96,7 +100,7 @@ def pool_of(
 
 
 def best_tests(
-    plan: Layout,
+    plan: CoefficientLayout,
     pool: Pool,
     number: int,
     goal: Criterion,
@@ -136,7 +140,7 @@ def best_tests(
 
 
 def _exchange(
-    plan: Layout, pool: Pool, goal: Criterion, chosen: list[int], allowed: Callable[[list[int]], list[int]]
+    plan: CoefficientLayout, pool: Pool, goal: Criterion, chosen: list[int], allowed: Callable[[list[int]], list[int]]
 ) -> bool:
     """Replace each chosen test by a better one where there is one; whether there was."""
     improved = False

@@ -35,7 +35,7 @@ from dampyr.identification.parameter_uncertainty.uncertainty import MIN_RECORDS
 from dampyr.identification.search.fit_data import Piece, piece
 from dampyr.identification.search.normal_equations import modelled_force
 from dampyr.identification.search.parametrisation import Column, columns, held_twins
-from dampyr.identification.search.problem import Point, Problem, checked_nuisances
+from dampyr.identification.search.problem import Problem, SearchPoint, checked_nuisances
 from dampyr.models import Composition, Damper
 from dampyr.records import Record
 from dampyr.rig import Drive, RigSettings
@@ -55,7 +55,7 @@ RIDGE = 1e-6  # of the information of a whole record, so that the first tests of
 
 
 @dataclass(frozen=True)
-class Spread:
+class ModelDeviation:
     """How records differ from the model: ``deviations`` (P, P), the covariance between records of the relative deviations of
     the free parameters ``names``; the residual's standard deviation is ``noise`` N and ``share`` of the force's spread, its
     ``autocorrelation`` (k,) is that at lags of ``lag`` s. ``records`` says how many records it was estimated from."""
@@ -90,7 +90,7 @@ class Information:
 
 
 @dataclass(frozen=True, eq=False)
-class Layout:
+class CoefficientLayout:
     """The coefficients that a fit will determine: the laws' ``columns`` and their values ``theta`` (G,) by the present damper.
 
     ``held`` coefficients count as known: those that are 0 or stand at a limit.
@@ -153,7 +153,7 @@ def layout(
     laws: str | Mapping[str, str] | None = None,
     fixed: Mapping[str, float] | None = None,
     tied: Mapping[str, str] | None = None,
-) -> Layout:
+) -> CoefficientLayout:
     """The coefficients of a fit to records with these ``inputs`` (numbers, or arrays where they vary), by the laws of a fit.
 
     Raises :class:`~dampyr.errors.InputError` as `dampyr.identification.fit` does for its laws.
@@ -165,7 +165,7 @@ def layout(
     theta = [np.asarray(damper.all_laws[c.name](np.array(c.knots)), dtype=float) for c in made if c.size]
     if not theta:
         raise InputError("every parameter is fixed; leave at least one free")
-    return Layout(damper.composition, made, np.concatenate(theta), damper.input)
+    return CoefficientLayout(damper.composition, made, np.concatenate(theta), damper.input)
 
 
 def expected_record(drive: Drive, damper: Damper, rig: RigSettings, name: str) -> Record:
@@ -185,11 +185,11 @@ def expected_record(drive: Drive, damper: Damper, rig: RigSettings, name: str) -
     return Record(time=t, displacement=x, force=force, velocity=v, voltage=given, name=name)
 
 
-def expected_information(plan: Layout, record: Record, spread: Spread) -> Information:
+def expected_information(plan: CoefficientLayout, record: Record, spread: ModelDeviation) -> Information:
     """What a test would tell whose record would be ``record``: its own force serves to weigh it only."""
     one = piece(record, None)
     problem = plan.problem(one)
-    point = Point(plan.theta, np.zeros((1, problem.locals)))
+    point = SearchPoint(plan.theta, np.zeros((1, problem.locals)))
     J = _eliminated(plan, problem, point)
     sizes = _by_level(one, one.force)[one.comparable]
     noise = _noise(J, spread, float(np.median(np.diff(one.t))), spread.residual(sizes) / one.spread)
@@ -211,7 +211,7 @@ class _Seen:
     dt: float
 
 
-def _seen(fit: Fit, plan: Layout) -> list[_Seen]:
+def _seen(fit: Fit, plan: CoefficientLayout) -> list[_Seen]:
     seen = []
     for r, (one, record) in enumerate(zip(fit.problem.pieces, fit.records, strict=True)):
         problem = plan.problem(one)
@@ -220,7 +220,7 @@ def _seen(fit: Fit, plan: Layout) -> list[_Seen]:
             raise InputError(
                 "the fit was made without offsets or states of its records; fit it with them to plan from it"
             )
-        point = Point(plan.theta, fit.optimum.point.local[[r], fit.problem.locals - own :])
+        point = SearchPoint(plan.theta, fit.optimum.point.local[[r], fit.problem.locals - own :])
         scale = one.spread * np.sqrt(one.count)
         e = fit.optimum.residuals[r][one.comparable] / scale
         J = _eliminated(plan, problem, point)
@@ -231,7 +231,7 @@ def _seen(fit: Fit, plan: Layout) -> list[_Seen]:
     return seen
 
 
-def learned(fit: Fit, plan: Layout) -> tuple[Spread, list[Information]]:
+def learned(fit: Fit, plan: CoefficientLayout) -> tuple[ModelDeviation, list[Information]]:
     """How the records of a fit differ from its damper and from one another, and what each of them tells."""
     seen = _seen(fit, plan)
     levels = [(float(np.std(s.left[s.sizes == size])), float(size)) for s in seen for size in np.unique(s.sizes)]
@@ -240,7 +240,7 @@ def learned(fit: Fit, plan: Layout) -> tuple[Spread, list[Information]]:
     standardised = [s.left / np.hypot(noise, share * s.sizes) for s in seen if abs(s.dt - lag) < 1e-3 * lag]
     rho = _autocorrelation(standardised, lag)
     assumed = assumed_spread(plan)
-    spread = Spread(plan.names, assumed.deviations, noise, share, rho, lag, len(seen))
+    spread = ModelDeviation(plan.names, assumed.deviations, noise, share, rho, lag, len(seen))
     records = [
         Information(s.name, s.J.T @ s.J, _noise(s.J, spread, s.dt, spread.residual(s.sizes) / s.spread), s.J.T @ s.e)
         for s in seen
@@ -250,7 +250,7 @@ def learned(fit: Fit, plan: Layout) -> tuple[Spread, list[Information]]:
     return spread, records
 
 
-def _eliminated(plan: Layout, problem: Problem, point: Point) -> Array:
+def _eliminated(plan: CoefficientLayout, problem: Problem, point: SearchPoint) -> Array:
     """The derivatives (n, G) of the force by the relative coefficients over spread and root of n, less the nuisances' part."""
     one = problem.pieces[0]
     high = problem.inner_limits[1]
@@ -263,7 +263,7 @@ def _eliminated(plan: Layout, problem: Problem, point: Point) -> Array:
         step = -step if point.theta[k] + step > high[k] else step
         theta = point.theta.copy()
         theta[k] += step
-        J[:, k] = (modelled_force(problem, Point(theta, point.local), 0)[one.comparable] - base) / step
+        J[:, k] = (modelled_force(problem, SearchPoint(theta, point.local), 0)[one.comparable] - base) / step
     J *= point.theta
     L = np.zeros((base.size, problem.locals))
     for k in range(problem.locals):
@@ -272,7 +272,7 @@ def _eliminated(plan: Layout, problem: Problem, point: Point) -> Array:
         change = -change if point.local[0, k] + change > top else change
         local = point.local.copy()
         local[0, k] += change
-        L[:, k] = (modelled_force(problem, Point(point.theta, local), 0)[one.comparable] - base) / change
+        L[:, k] = (modelled_force(problem, SearchPoint(point.theta, local), 0)[one.comparable] - base) / change
     J /= one.spread * np.sqrt(base.size)
     norms = np.linalg.norm(L, axis=0)
     L = L[:, norms > 0] / norms[norms > 0]
@@ -297,7 +297,7 @@ def _by_level(one: Piece, force: Array) -> Array:
     return np.array([float(np.std(force[which == k])) for k in range(levels.size)])[which]
 
 
-def _noise(J: Array, spread: Spread, dt: float, relative: Array) -> Array:
+def _noise(J: Array, spread: ModelDeviation, dt: float, relative: Array) -> Array:
     """J'CJ of noise with this standard deviation (n,) over the force's spread."""
     n = len(J)
     J = J * relative[:, None]
@@ -314,13 +314,13 @@ def _noise(J: Array, spread: Spread, dt: float, relative: Array) -> Array:
     return np.asarray(out.real / n / size)
 
 
-def assumed_spread(plan: Layout) -> Spread:
+def assumed_spread(plan: CoefficientLayout) -> ModelDeviation:
     """What is assumed before there are records: of the published campaign, see the numbers above."""
     linear = np.array([c.quantity.linear for c in plan.columns if c.size], dtype=float)
     D = GAIN**2 * np.outer(linear, linear) + DEVIATION**2 * np.eye(linear.size)
     lag = 0.01
     lags = lag * np.arange(int(MEMORY / lag) + 1)
-    return Spread(plan.names, D, 0.0, RESIDUAL, np.exp(-lags / CORRELATED), lag)
+    return ModelDeviation(plan.names, D, 0.0, RESIDUAL, np.exp(-lags / CORRELATED), lag)
 
 
 def _sizes(residuals: Array, spreads: Array) -> tuple[float, float]:
@@ -345,7 +345,7 @@ def _autocorrelation(residuals: list[Array], lag: float) -> Array:
     return np.asarray(total / len(residuals) * (1.0 - np.arange(count) / count))
 
 
-def _deviations(records: list[Information], plan: Layout, first: Array) -> Array:
+def _deviations(records: list[Information], plan: CoefficientLayout, first: Array) -> Array:
     """D by expectation and maximisation over each record's score at the fit to all others.
 
     That is a record's own deviation less the error of the others' fit, whose covariance follows from the same D.
@@ -385,7 +385,11 @@ class Expected:
 
 
 def expected(
-    plan: Layout, records: Sequence[Information], spread: Spread, open_ends: bool = False, factors: Array | None = None
+    plan: CoefficientLayout,
+    records: Sequence[Information],
+    spread: ModelDeviation,
+    open_ends: bool = False,
+    factors: Array | None = None,
 ) -> Expected:
     """The expected errors of a fit to these records, with ``open_ends`` finite where a fit would give none; ``factors`` (G,) of
     `calibration` multiply them."""
@@ -398,7 +402,7 @@ def expected(
     return expected_from(A, M, plan.is_linear & free, free, open_ends, factors)
 
 
-def calibration(fit: Fit, plan: Layout, present: Sequence[Information], spread: Spread) -> Array:
+def calibration(fit: Fit, plan: CoefficientLayout, present: Sequence[Information], spread: ModelDeviation) -> Array:
     """The factors (G,) by which the errors of a fit differ from what is expected of the same records.
 
     The errors are known to about one part in the root of twice their degrees of freedom, the model of how records differ to

@@ -15,7 +15,7 @@ from dampyr.ground_motions import GroundMotion
 from dampyr.identification import Fit
 from dampyr.models import Damper
 from dampyr.planning.choose import ParameterGoal, PeakGoal
-from dampyr.planning.expected_information import Layout
+from dampyr.planning.expected_information import CoefficientLayout
 from dampyr.shown import Shown
 from dampyr.structures import Building, respond
 
@@ -54,7 +54,7 @@ class Peak(Shown):
             response = respond(self.building, self.motion, damper, voltage=self.voltage, accuracy="fast")
         return float(np.max(np.abs(getattr(response, f"peak_{self.of}"))))
 
-    def gradient(self, plan: Layout) -> tuple[Array, float]:
+    def gradient(self, plan: CoefficientLayout) -> tuple[Array, float]:
         """The derivatives (G,) of the peak's logarithm by the relative coefficients, and the peak."""
 
         def of(theta: Array) -> float:
@@ -77,7 +77,7 @@ def is_named(label: str, name: str) -> bool:
     return name in (label, label.partition(" @ ")[0])
 
 
-def parameter_goal(plan: Layout, targets: Mapping[str, float]) -> ParameterGoal:
+def parameter_goal(plan: CoefficientLayout, targets: Mapping[str, float]) -> ParameterGoal:
     """The goal of all free parameters alike, or of ``targets``: a parameter, or its value at one input, and the half width of
     its 95 % interval over its value.
 
@@ -105,7 +105,7 @@ def parameter_goal(plan: Layout, targets: Mapping[str, float]) -> ParameterGoal:
     return ParameterGoal(np.where(np.isfinite(aims), 1.0, 0.0), aims)
 
 
-def peak_goal(plan: Layout, peak: Peak) -> tuple[PeakGoal, float]:
+def peak_goal(plan: CoefficientLayout, peak: Peak) -> tuple[PeakGoal, float]:
     """The goal of a peak, and the peak. Raises :class:`~dampyr.errors.InputError` where no parameter changes it."""
     gradient, value = peak.gradient(plan)
     if not np.any(np.abs(gradient) > INSENSITIVE):
@@ -115,7 +115,7 @@ def peak_goal(plan: Layout, peak: Peak) -> tuple[PeakGoal, float]:
     return PeakGoal(gradient), value
 
 
-def peak_half_of_fit(fit: Fit, plan: Layout, goal: PeakGoal) -> tuple[float, float]:
+def peak_half_of_fit(fit: Fit, plan: CoefficientLayout, goal: PeakGoal) -> tuple[float, float]:
     """The half width of the peak's 95 % interval over the peak by the covariance of a fit, and its degrees of freedom.
 
     Infinite where the peak depends on a coefficient that the records do not determine, or that fewer than three of them do.

@@ -21,7 +21,7 @@ from dampyr.atomic_write import write_whole
 from dampyr.campaigns.campaign import read
 from dampyr.campaigns.force_prediction import specimen
 from dampyr.campaigns.performing import Watcher, perform
-from dampyr.campaigns.run_control import Control
+from dampyr.campaigns.run_control import RunControl
 from dampyr.errors import InputError
 from dampyr.findings import Finding
 from dampyr.identification import Fit
@@ -100,7 +100,7 @@ def plan_and_perform(
     per_round: int = ROUND,
     progress: Progress = lambda stage, done: None,
     watcher: Watcher | None = None,
-    control: Control | None = None,
+    control: RunControl | None = None,
     **given: Any,
 ) -> Planned:
     """Propose, perform and fit, round after round, until the answer is known well enough; goes on where it stopped.
@@ -169,7 +169,7 @@ class _Loop:
     per_round: int
     progress: Progress
     watcher: Watcher | None
-    control: Control | None
+    control: RunControl | None
 
     @property
     def identity(self) -> dict[str, Any]:

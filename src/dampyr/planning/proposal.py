@@ -22,13 +22,13 @@ from dampyr.models import Constant, Damper
 from dampyr.options import Options, ShownIn, Terminal, takes
 from dampyr.origin import Origin
 from dampyr.phrases import listing
-from dampyr.planning.candidates import KINDS, SECONDS, Candidate, Envelope, envelope, voltages_of
+from dampyr.planning.candidates import KINDS, SECONDS, Candidate, RigEnvelope, envelope, voltages_of
 from dampyr.planning.choose import ParameterGoal, PeakGoal, best_tests, pool_of
 from dampyr.planning.expected_information import (
+    CoefficientLayout,
     Expected,
     Information,
-    Layout,
-    Spread,
+    ModelDeviation,
     assumed_spread,
     calibration,
     expected,
@@ -161,8 +161,8 @@ class Proposal(Shown):
     model: str
     rig: RigSettings
     damper: Damper
-    envelope: Envelope
-    spread: Spread
+    envelope: RigEnvelope
+    spread: ModelDeviation
     reached: bool
     peak: float | None = None
     peak_before: float | None = None
@@ -405,7 +405,7 @@ def _goal_words(options: PlanOptions) -> str:
     return f"the parameters {', '.join(options.targets)}" if options.targets else "all parameters"
 
 
-def _spread_notes(spread: Spread) -> tuple[str, ...]:
+def _spread_notes(spread: ModelDeviation) -> tuple[str, ...]:
     if spread.records == 0:
         return (
             "how records differ is assumed (3 % of gain, 3 % of each parameter, residuals of 5 %): after a first fit it is "
@@ -435,10 +435,10 @@ def _session_notes(evidence: Fit | None, tests: Sequence[Candidate]) -> tuple[st
 class _Pool:
     """Present records and candidates in one layout, with the spread and the goal."""
 
-    plan: Layout
+    plan: CoefficientLayout
     present: list[Information]
     candidates: list[Information]
-    spread: Spread
+    spread: ModelDeviation
     goal: ParameterGoal | PeakGoal
     peak: float | None
     factors: Array
@@ -463,7 +463,7 @@ class _Study:
     rig: RigSettings
     options: PlanOptions
 
-    def layout_of(self, records: Sequence[Record]) -> Layout:
+    def layout_of(self, records: Sequence[Record]) -> CoefficientLayout:
         """The coefficients of a fit to the present records and these."""
         inputs: list[float | Array] = [r.voltage for r in records if r.voltage is not None]
         inputs += [p.u for p in self.evidence.problem.pieces] if self.evidence else []
@@ -500,9 +500,9 @@ class _Study:
 
     def _peak_factor(
         self,
-        plan: Layout,
+        plan: CoefficientLayout,
         present: Sequence[Information],
-        spread: Spread,
+        spread: ModelDeviation,
         goal: ParameterGoal | PeakGoal,
         factors: Array,
     ) -> float:
@@ -547,7 +547,7 @@ def _before(
     return _of_card(damper, last.plan), None
 
 
-def _of_card(damper: Damper, plan: Layout) -> dict[str, float]:
+def _of_card(damper: Damper, plan: CoefficientLayout) -> dict[str, float]:
     """1.96 standard errors of a card's values at the knots of a plan, over the values."""
     base, covariance = damper.coefficients, damper.covariance
     assert covariance is not None

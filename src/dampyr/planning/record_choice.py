@@ -28,7 +28,7 @@ from dampyr.models import Constant, Damper
 from dampyr.planning.expected_information import (
     GAIN,
     RIDGE,
-    Layout,
+    CoefficientLayout,
     assumed_spread,
     expected_information,
     layout,
@@ -140,7 +140,7 @@ class Misses:
     """The expected root mean square error, over the force's spread, of predictions by a fit to the chosen records: ``A``
     (n, G, G) is the information of each record, ``place`` (n, 2) its amplitude and frequency in `ALIKE`, ``inputs`` (n,)."""
 
-    plan: Layout
+    plan: CoefficientLayout
     A: Array
     place: Array
     inputs: Array

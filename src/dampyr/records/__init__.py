@@ -11,7 +11,7 @@ from dampyr.records.checks.overview import Overview, overview
 from dampyr.records.checks.quality import Quality, motion_start, quality
 from dampyr.records.conditioning.cut_record import cut
 from dampyr.records.conditioning.drift import drift, remove_drift
-from dampyr.records.conditioning.force_lag import Delay, correct_delay, estimate_delay
+from dampyr.records.conditioning.force_lag import ForceLag, correct_delay, estimate_delay
 from dampyr.records.conditioning.force_offset import mean_force, remove_offset
 from dampyr.records.conditioning.lowpass import DisplacementNoise, displacement_noise, with_lowpass
 from dampyr.records.conditioning.moving_average import Declaration, MovingAverage
@@ -63,7 +63,7 @@ __all__ = [
     "remove_offset",
     "drift",
     "remove_drift",
-    "Delay",
+    "ForceLag",
     "estimate_delay",
     "correct_delay",
     "Measured",

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.findings import Finding, findings_of
 from dampyr.origin import DAY, NOT_STATED, Origin, PublishedData, as_origin
-from dampyr.records.checks.channel_uncertainty import Uncertainty
+from dampyr.records.checks.channel_uncertainty import ChannelUncertainty
 from dampyr.records.conditioning.moving_average import MovingAverage
 from dampyr.shown import Shown
 from dampyr.source_file import SourceFile
@@ -127,7 +127,7 @@ class Record(Shown):
     specimen: str | None = None
     smoothed: MovingAverage | None = None
     marks: tuple[str, ...] = ()
-    uncertainty: Mapping[str, Uncertainty] = field(default_factory=dict)
+    uncertainty: Mapping[str, ChannelUncertainty] = field(default_factory=dict)
     source_file: SourceFile | None = None
     origin: Origin = NOT_STATED
 

@@ -8,16 +8,16 @@
 """
 
 from dampyr.rig.connecting import connect, simulated
-from dampyr.rig.drive import Drive, Reversals
-from dampyr.rig.session import Rig, Table
+from dampyr.rig.drive import Drive, DutyReversals
+from dampyr.rig.session import ArmedRig, Rig
 from dampyr.rig.settings import RigSettings, load_settings
 
 __all__ = [
     "Drive",
-    "Reversals",
+    "DutyReversals",
     "Rig",
     "RigSettings",
-    "Table",
+    "ArmedRig",
     "connect",
     "load_settings",
     "simulated",

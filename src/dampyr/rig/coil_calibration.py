@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError, RigFault
 from dampyr.rig.calibration import Calibration
 from dampyr.rig.drive import Drive
-from dampyr.rig.session import Rig, Table
+from dampyr.rig.session import ArmedRig, Rig
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.thermal_model import COLD, COPPER
 
@@ -78,7 +78,7 @@ def measure_coil(rig: Rig) -> Coil:
     return fit_coil(rig.settings, command / supply.gain, coil, current, rig.warmth.temperature)
 
 
-def _steps(table: Table) -> tuple[Array, Array]:
+def _steps(table: ArmedRig) -> tuple[Array, Array]:
     """The volts of all inputs (channels, n), and the command at the coil (n,) [V], over steps of the voltage."""
     n = round(STEP / PERIOD)
     voltage = np.repeat(np.array(LEVELS) * SHARE * table.rig.settings.limits.voltage, n)

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Reversals:
+class DutyReversals:
     """The original rig's excitation: a duty that rises and falls evenly, one way and the other; no position is followed.
 
     ``duty`` at the top, 0 to 1; ``half_period`` s of rise and fall together; ``pause`` s at the top; ``count``
@@ -48,7 +48,7 @@ class Drive(Shown):
     voltage: Array
     record_from: int = 0
     record_to: int | None = None
-    reversals: Reversals | None = None
+    reversals: DutyReversals | None = None
     until_temperature: float | None = None
     standing: bool = False
 

@@ -115,8 +115,8 @@ class Rig(Shown):
         return self.held()
 
     @contextmanager
-    def armed(self) -> Iterator[Table]:
-        """Arm the rig: a `Table` that can be moved. On leaving: coil to 0 V, stop, rest, disarm, in this order.
+    def armed(self) -> Iterator[ArmedRig]:
+        """Arm the rig: a `ArmedRig` that can be moved. On leaving: coil to 0 V, stop, rest, disarm, in this order.
 
         Signals that would end the process wait meanwhile: a second Ctrl-C does not cut the way out short.
         """
@@ -125,7 +125,7 @@ class Rig(Shown):
         self._cool_meanwhile()
         self._take_over()
         self.uno.configure(self.settings)
-        table = Table(self)
+        table = ArmedRig(self)
         self.was_armed = True
         try:
             table.begin()
@@ -274,7 +274,7 @@ class Rig(Shown):
         self._close(problem)
 
 
-def _leave(table: Table, problem: BaseException | None) -> None:
+def _leave(table: ArmedRig, problem: BaseException | None) -> None:
     """Disarm, whatever interrupts it; ``problem`` is what ended the block."""
     try:
         with deferred_signals(discard=problem is not None):
@@ -305,7 +305,7 @@ def acquisition(rig: Rig) -> Acquisition:
     )
 
 
-class Table(Shown):
+class ArmedRig(Shown):
     """An armed rig. Everything is in m, s, N and V; displacement from the middle of the stroke, extension positive.
 
     ``check`` is called for every block while something is waited for; what it raises ends the waiting, and `stop` the motion.

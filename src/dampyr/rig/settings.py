@@ -73,7 +73,7 @@ class Actuator:
 
 
 @dataclass(frozen=True)
-class Table:
+class TableSettings:
     """The sliding table."""
 
     friction: Annotated[float, Quantity("N", low=0.0), "assumed: linear guides, before the load cell"] = 15.0
@@ -156,7 +156,7 @@ class Supply:
 
 
 @dataclass(frozen=True)
-class Specimen:
+class SpecimenSettings:
     """The damper on the table; all but its name, card and data sheet is for the simulated rig only."""
 
     name: Annotated[str, "which damper it is, such as its serial number; kept with every record"] = ""
@@ -180,7 +180,7 @@ class Specimen:
 
 
 @dataclass(frozen=True)
-class Board:
+class BoardSettings:
     """How the NI board samples."""
 
     rate: Annotated[float, Quantity("Hz", low=10.0, high=250000.0), "assumed; the original took 100 samples/s"] = 1000.0
@@ -221,12 +221,12 @@ class RigSettings(Shown):
     name: str = "shaking table, UTFPR 2020"
     wires: Wires = field(default_factory=Wires)
     actuator: Actuator = field(default_factory=Actuator)
-    table: Table = field(default_factory=Table)
+    table: TableSettings = field(default_factory=TableSettings)
     encoder: Encoder = field(default_factory=Encoder)
     load_cell: LoadCell = field(default_factory=LoadCell)
     supply: Supply = field(default_factory=Supply)
-    specimen: Specimen = field(default_factory=Specimen)
-    board: Board = field(default_factory=Board)
+    specimen: SpecimenSettings = field(default_factory=SpecimenSettings)
+    board: BoardSettings = field(default_factory=BoardSettings)
     limits: Limits = field(default_factory=Limits)
 
     def __post_init__(self) -> None:

@@ -20,7 +20,7 @@ _loaded: set[type] = set()  # whose descriptions were looked for
 
 
 @dataclass(frozen=True)
-class Frame:
+class DataFrameColumns:
     """What a data frame holds: columns by name in SI units, such as ``velocity_m_per_s``, and what its rows are called."""
 
     columns: Mapping[str, Any]
@@ -46,7 +46,7 @@ class Description:
     tables: Sequence[Callable[[], Table]] = ()
     figure: Callable[[], Figure | None] | None = None
     data: Callable[[], Mapping[str, Any]] | None = None
-    frame: Callable[[], Frame] | None = None
+    frame: Callable[[], DataFrameColumns] | None = None
 
 
 @singledispatch

@@ -15,8 +15,8 @@ from dampyr.structures.control_laws import available_control_laws, control_law, 
 from dampyr.structures.ensembles.ensemble import ensemble
 from dampyr.structures.ensembles.ensemble_grid import cases as ensemble_cases
 from dampyr.structures.ensembles.ensemble_result import EnsembleResult, read_ensemble
-from dampyr.structures.ensembles.fragility import Curve, Fragility, fragility
-from dampyr.structures.ensembles.incremental import Incremental, Sweep, incremental
+from dampyr.structures.ensembles.fragility import Fragility, FragilityCurve, fragility
+from dampyr.structures.ensembles.incremental import Incremental, IncrementalCurves, incremental
 from dampyr.structures.ensembles.job_array import collect, write_part
 from dampyr.structures.ensembles.summary import summary
 from dampyr.structures.raminelli_2020_building import two_storey, two_storey_model
@@ -55,10 +55,10 @@ __all__ = [
     "summary",
     "fragility",
     "Fragility",
-    "Curve",
+    "FragilityCurve",
     "incremental",
     "Incremental",
-    "Sweep",
+    "IncrementalCurves",
     "write_part",
     "collect",
     "Response",

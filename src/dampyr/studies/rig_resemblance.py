@@ -15,7 +15,7 @@ import numpy as np
 
 from dampyr.errors import InputError
 from dampyr.records import Record, read_campaign
-from dampyr.rig.drive import Reversals
+from dampyr.rig.drive import DutyReversals
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation.twin_validation import SETTLING, Characteristics, characteristics, open_loop
 
@@ -47,7 +47,7 @@ def pairs(folder: str | Path, settings: RigSettings | None = None) -> list[Pair]
 
 
 def _pair(records: Sequence[Record], settings: RigSettings, voltage: float, top: int) -> Pair:
-    drive = Reversals(duty=top / 255, half_period=top * SLOPES[voltage], pause=PAUSE)
+    drive = DutyReversals(duty=top / 255, half_period=top * SLOPES[voltage], pause=PAUSE)
     ours = open_loop(settings, drive, voltage)
     matches = [(r, characteristics(r)) for r in records if abs(float(np.mean(r.voltage)) - voltage) < 0.01]  # type: ignore[arg-type]
     if not matches:
@@ -73,9 +73,9 @@ def table(pairs: Sequence[Pair]) -> list[dict[str, float | str]]:
 
 def figure(pairs: Sequence[Pair], top: int = TOPS[0]) -> Figure:
     """The pairs of one top of the duty, a row for each voltage."""
-    from dampyr.show.figures.side_by_side import Motion, side_by_side
+    from dampyr.show.figures.side_by_side import MotionStretch, side_by_side
 
-    def cut(record: Record, period: float) -> Motion:
+    def cut(record: Record, period: float) -> MotionStretch:
         t, x = record.time, record.displacement
         moving = t[int(np.argmax(np.abs(x - x[0]) > 1e-4))] + SETTLING
         cycle = x[(t > moving) & (t < moving + period)]
@@ -83,7 +83,7 @@ def figure(pairs: Sequence[Pair], top: int = TOPS[0]) -> Figure:
         rising = np.flatnonzero((level[:-1] < 0) & (level[1:] >= 0) & (t[1:] > moving))
         start = t[rising[0]]
         window = (t >= start) & (t < start + SHOWN * period)
-        return Motion(t[window] - start, level[window], record.force[window])
+        return MotionStretch(t[window] - start, level[window], record.force[window])
 
     rows = [
         (f"{p.voltage:g} V, {p.measured.name}", cut(p.measured, p.theirs.period), cut(p.simulated, p.theirs.period))

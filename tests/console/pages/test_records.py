@@ -24,7 +24,7 @@ from dampyr import records
 from dampyr.console import app, record_uploads
 from dampyr.console.limits import READING
 from dampyr.console.page_words import in_page_words
-from dampyr.records.checks.channel_uncertainty import Uncertainty
+from dampyr.records.checks.channel_uncertainty import ChannelUncertainty
 from dampyr.to_json import plain
 
 KEY = "labcontrol/ensaio.A.1.mat"
@@ -53,7 +53,7 @@ def test_the_list_tells_what_the_command_tells(client, campaign_folder):
 
 def test_marks_and_uncertainty_of_a_record_are_shown(client, data):
     t = np.arange(600) / 100.0
-    mark, stated = "the force's zero moved by +16 N", {"force": Uncertainty({"zero": 5.0, "noise": 0.4})}
+    mark, stated = "the force's zero moved by +16 N", {"force": ChannelUncertainty({"zero": 5.0, "noise": 0.4})}
     x = 8e-3 * np.sin(t / 0.12)
     marked = records.Record(t, x, 300.0 * np.cos(t / 0.12), voltage=1.0, marks=(mark,), uncertainty=stated)
     (data / "uploads").mkdir()

@@ -57,7 +57,7 @@ def test_the_layout_is_the_documented_one(tmp_path, full):
         assert file["calibrated/displacement"].attrs["unit"] == "m"
         assert list(file["raw"]) == []
         assert file["label"].attrs["row"] == 3
-    assert h5.state(tmp_path / "r.h5") == h5.State(True, "sine 3", 2)
+    assert h5.state(tmp_path / "r.h5") == h5.FileState(True, "sine 3", 2)
 
 
 def test_raw_readings_stay_beside_what_was_made_of_them(tmp_path, full):

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from tests.rig.firmware.native_core import SOURCES
 
-from dampyr.rig.firmware.protocol import Frame, Reader, Reply, Request, Status, encode, status_of
+from dampyr.rig.firmware.protocol import Reader, Reply, Request, SerialFrame, Status, encode, status_of
 from dampyr.rig.simulation import chip
 
 NEEDED = ("avr-gcc", "avr-objcopy", "make", "gcc")
@@ -72,12 +72,12 @@ class Chip:
             else:
                 self.ms()
 
-    def ask(self, kind: Request, *values: int) -> Frame:
+    def ask(self, kind: Request, *values: int) -> SerialFrame:
         """A request, and its reply within 20 ms."""
         self.number = (self.number + 1) % 256
-        return self.reply_to(encode(Frame(kind, self.number, values)))
+        return self.reply_to(encode(SerialFrame(kind, self.number, values)))
 
-    def reply_to(self, data: bytes) -> Frame:
+    def reply_to(self, data: bytes) -> SerialFrame:
         """The reply to what is sent."""
         for k in range(20):
             for frame in self.reader.feed(self.ms(b"" if k else data)):

@@ -11,7 +11,7 @@ import numpy as np
 
 import dampyr.rig.firmware
 from dampyr.rig.firmware import control_core as c
-from dampyr.rig.firmware.protocol import Frame, Reader, encode
+from dampyr.rig.firmware.protocol import Reader, SerialFrame, encode
 from dampyr.rig.firmware.twin import Twin
 
 SOURCES = Path(dampyr.rig.firmware.__file__).parent / "uno"
@@ -77,7 +77,7 @@ class Native(Twin):
         self._store()
         return self._out.raw[:size]
 
-    def answer(self, frame: Frame) -> bytes:
+    def answer(self, frame: SerialFrame) -> bytes:
         """The reply to a frame."""
         return self.receive(encode(frame))
 

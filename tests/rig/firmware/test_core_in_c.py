@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from tests.rig.firmware.native_core import SOURCES, Native, compiled
 
 from dampyr.rig.firmware import control_core as c
-from dampyr.rig.firmware.protocol import Frame, Reader, Reply, Request, State, encode
+from dampyr.rig.firmware.protocol import Reader, Reply, Request, SerialFrame, State, encode
 from dampyr.rig.firmware.twin import Twin
 
 pytestmark = [
@@ -51,7 +51,7 @@ LIKELY = {
 """What leads on from a state."""
 
 
-def requests(rng: np.random.Generator, twin: Twin) -> Frame:
+def requests(rng: np.random.Generator, twin: Twin) -> SerialFrame:
     """One that is often carried out in this state."""
     position, following = int(twin.registers[c.R_POSITION]), int(twin.registers[c.R_NEXT])
     likely = LIKELY.get(twin.state, (Request.HEARTBEAT,)) if rng.random() < 0.8 else tuple(Request)
@@ -71,7 +71,7 @@ def requests(rng: np.random.Generator, twin: Twin) -> Frame:
         Request.FOLLOW: (int(rng.integers(1, 60)), following + int(rng.integers(0, 20))),
         Request.REVERSE: (int(rng.integers(1, 260)) % 256, int(rng.integers(10, 600)), int(rng.integers(0, 200)), 3),
     }  # fmt: skip
-    return Frame(kind, int(rng.integers(256)), values.get(kind, ()))
+    return SerialFrame(kind, int(rng.integers(256)), values.get(kind, ()))
 
 
 @pytest.fixture(scope="module")

@@ -15,11 +15,11 @@ from dampyr.rig.firmware import control_core as c
 from dampyr.rig.firmware.protocol import (
     BODIES,
     Fault,
-    Frame,
     Reader,
     Reason,
     Reply,
     Request,
+    SerialFrame,
     State,
     Status,
     encode,
@@ -57,9 +57,9 @@ class Bench:
         self.index, self.inputs, self.ends = 10**9, 0, (-(10**9), 10**9)
         self.dead = self.swapped = False  # the encoder
 
-    def ask(self, kind: Request, *values: int) -> Frame:
+    def ask(self, kind: Request, *values: int) -> SerialFrame:
         self.number = (self.number + 1) % 256
-        (reply,) = self.reader.feed(self.twin.receive(encode(Frame(kind, self.number, values))))
+        (reply,) = self.reader.feed(self.twin.receive(encode(SerialFrame(kind, self.number, values))))
         assert reply.number == self.number
         return reply
 
@@ -160,10 +160,10 @@ def test_another_version_may_only_stop(version: int) -> None:
 
 
 def test_a_repeated_request_is_answered_but_not_carried_out_again(armed: Bench) -> None:
-    frame = encode(Frame(Request.SETPOINTS, 77, (0, 1, 2)))
+    frame = encode(SerialFrame(Request.SETPOINTS, 77, (0, 1, 2)))
     first = armed.twin.receive(frame)
     assert armed.twin.receive(frame) == first != b""
-    jog = encode(Frame(Request.JOG, 77, (300, 20)))  # the same number, another type
+    jog = encode(SerialFrame(Request.JOG, 77, (300, 20)))  # the same number, another type
     assert armed.reader.feed(armed.twin.receive(jog))[0].kind == Reply.ACK
     assert armed.twin.state == State.JOGGING
     armed.run(40, beat=False)
@@ -172,8 +172,10 @@ def test_a_repeated_request_is_answered_but_not_carried_out_again(armed: Bench) 
 
 
 def test_noise_is_counted_and_dropped(idle: Bench) -> None:
-    good = encode(Frame(Request.STOP, 9, ()))
-    assert idle.twin.receive(b"\x07rubbish\0" + good[:-2] + b"\x55\0" + encode(Frame(Reply.ACK, 1, (1, 1)))) == b""
+    good = encode(SerialFrame(Request.STOP, 9, ()))
+    assert (
+        idle.twin.receive(b"\x07rubbish\0" + good[:-2] + b"\x55\0" + encode(SerialFrame(Reply.ACK, 1, (1, 1)))) == b""
+    )
     assert idle.status.bad_frames == 3
     assert idle.twin.receive(b"\x05half" + b"\0" + good) != b""
 
@@ -841,6 +843,6 @@ def test_empty_frames_are_no_bad_frames(idle: Bench) -> None:
 
 
 def test_a_repeat_is_known_by_type_and_number_alone(armed: Bench) -> None:
-    first = armed.twin.receive(encode(Frame(Request.JOG, 9, (300, 20))))
-    assert armed.twin.receive(encode(Frame(Request.JOG, 9, (-300, 500)))) == first
+    first = armed.twin.receive(encode(SerialFrame(Request.JOG, 9, (300, 20))))
+    assert armed.twin.receive(encode(SerialFrame(Request.JOG, 9, (-300, 500)))) == first
     assert armed.twin.registers[c.R_RATE] == 300

@@ -9,7 +9,7 @@ import pytest
 from tests.rig.firmware.chip import GLITCH, HANG, RESET, SLIP, Chip, build
 from tests.rig.firmware.test_twin import LIMITS
 
-from dampyr.rig.firmware.protocol import Fault, Frame, Reader, Reason, Reply, Request, State, encode
+from dampyr.rig.firmware.protocol import Fault, Reader, Reason, Reply, Request, SerialFrame, State, encode
 from dampyr.rig.firmware.twin import Twin
 
 pytestmark = pytest.mark.prove
@@ -236,7 +236,7 @@ def test_its_memory(armed: Chip, built: tuple[Path, Path]) -> None:
 def bytes_a_ms(chip: Chip) -> int:
     """The most of a reply's bytes that come within a millisecond."""
     chip.reader = Reader()
-    return max(len(chip.ms(encode(Frame(Request.HEARTBEAT, 77)) if k == 0 else b"")) for k in range(15))
+    return max(len(chip.ms(encode(SerialFrame(Request.HEARTBEAT, 77)) if k == 0 else b"")) for k in range(15))
 
 
 def test_it_talks_at_115200_baud(tmp_path: Path, make: Callable[..., Chip]) -> None:
@@ -311,7 +311,7 @@ def test_it_answers_as_its_model_does(make: Callable[..., Chip], seed: int) -> N
     different, refusals, done = [], set(), set()
     for number in range(1200):
         kind, values = random_request(rng, 0)
-        data = encode(Frame(kind, number % 256, values))
+        data = encode(SerialFrame(kind, number % 256, values))
         model_to(chip.time + 1)
         (expected,) = reader.feed(twin.receive(data))
         reply = chip.reply_to(data)
@@ -339,7 +339,7 @@ def test_no_bytes_move_it_or_silence_it(make: Callable[..., Chip]) -> None:
     chip.ask(Request.HEARTBEAT)
     for number in range(3000):
         kind, values = random_request(rng, 0)
-        data = bytearray(encode(Frame(kind, number % 256, values)))
+        data = bytearray(encode(SerialFrame(kind, number % 256, values)))
         for _ in range(int(rng.integers(1, 4))):
             what, place = int(rng.integers(3)), int(rng.integers(len(data)))
             if what == 0:

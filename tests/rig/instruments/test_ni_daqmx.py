@@ -22,8 +22,8 @@ from dampyr.rig.diagnosis import diagnose
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
 from dampyr.rig.instruments.ni_daqmx.driver import NiBoard, signed
-from dampyr.rig.settings import Board, Limits, Supply
-from dampyr.rig.simulation.event_log import EventLog
+from dampyr.rig.settings import BoardSettings, Limits, Supply
+from dampyr.rig.simulation.event_log import EventFile
 from dampyr.rig.simulation.simulator import Simulator
 
 nidaqmx = pytest.importorskip("nidaqmx", reason="the extra rig is not installed: pip install dampyr[rig]")
@@ -41,7 +41,7 @@ def connect() -> Iterator[Open]:
 
     def open_board(settings: RigSettings | None = None, real_time: bool = False) -> tuple[NiBoard, Clock]:
         settings = settings or RigSettings()
-        clock = Clock(Simulator(settings), EventLog(None), real_time)
+        clock = Clock(Simulator(settings), EventFile(None), real_time)
         if real_time:
             clock.start()
             ends.append(clock.finished.set)
@@ -153,7 +153,7 @@ def test_pulses_on_the_encoders_lines_are_filtered(connect: Open) -> None:
     daqmx_service.Board.__init__ = remember  # type: ignore[method-assign]
     try:
         for width in (6.425e-6, 125e-9, 0.0):
-            board, _ = connect(RigSettings(board=Board(encoder_filter=width)))
+            board, _ = connect(RigSettings(board=BoardSettings(encoder_filter=width)))
             board.start(1000.0, np.zeros(80))
             filters = {name: task.filters for name, task in seen[-1].tasks.items()}
             each = {"width": pytest.approx(width), "enable": 1.0}
@@ -166,7 +166,7 @@ def test_pulses_on_the_encoders_lines_are_filtered(connect: Open) -> None:
 
 
 def test_a_filter_that_the_board_does_not_have_is_refused_before_anything_starts(connect: Open) -> None:
-    board, clock = connect(RigSettings(board=Board(encoder_filter=1e-6)))
+    board, clock = connect(RigSettings(board=BoardSettings(encoder_filter=1e-6)))
     with pytest.raises(RigFault, match="minimum pulse width"):
         board.start(1000.0, np.zeros(80))
     assert not clock.rig.sampling
@@ -356,7 +356,7 @@ def test_a_server_that_is_not_there_is_a_sentence() -> None:
 
 @pytest.mark.skipif(bool(ctypes.util.find_library("nidaqmx")), reason="this machine has NI-DAQmx")
 def test_doctor_and_run_without_the_driver_say_so(tmp_path: Path) -> None:
-    clock = Clock(Simulator(RigSettings()), EventLog(None), real_time=True)
+    clock = Clock(Simulator(RigSettings()), EventFile(None), real_time=True)
     clock.start()
     path = tmp_path / "rig.toml"
     path.write_text(f'[wires]\nserial = "socket://127.0.0.1:{Serial(clock).port}"\n')  # the Uno answers

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from dampyr.models import Damper
-from dampyr.rig.firmware.protocol import Frame, Reader, Reply, Request, Status, encode, status_of
+from dampyr.rig.firmware.protocol import Reader, Reply, Request, SerialFrame, Status, encode, status_of
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation.faults import FaultSpec
 from dampyr.rig.simulation.simulator import Simulator
@@ -23,9 +23,9 @@ class Host:
         self.wire, self.reader, self.number, self.sent = wire, Reader(), 0, 0
         self.began = 0.0
 
-    def ask(self, kind: Request, *values: int) -> Frame:
+    def ask(self, kind: Request, *values: int) -> SerialFrame:
         self.number = (self.number + 1) % 256
-        (reply,) = self.reader.feed(self.wire(encode(Frame(kind, self.number, values))))
+        (reply,) = self.reader.feed(self.wire(encode(SerialFrame(kind, self.number, values))))
         return reply
 
     def done(self, kind: Request, *values: int) -> int:

@@ -5,7 +5,7 @@ import pytest
 from tests.rig.simulation.driver import LIMITS, Host, follow, rig, sine
 
 from dampyr.errors import InputError
-from dampyr.rig.firmware.protocol import Fault, Frame, Request, State, encode
+from dampyr.rig.firmware.protocol import Fault, Request, SerialFrame, State, encode
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation import plant
 from dampyr.rig.simulation.board_signals import OVERRUN, TIMEOUT, BoardError
@@ -176,7 +176,7 @@ def test_lost_bytes_lose_about_so_many_replies() -> None:
     made.run_unattended(0.6)
     replies = []
     for k in range(400):
-        replies.append(bool(host.reader.feed(made.serial(encode(Frame(Request.STOP, k % 256, ()))))))
+        replies.append(bool(host.reader.feed(made.serial(encode(SerialFrame(Request.STOP, k % 256, ()))))))
     assert 0.6 < np.mean(replies) < 0.95
     assert made.twin.reader.bad > 5
 

@@ -7,7 +7,7 @@ import pytest
 
 from dampyr.errors import InputError
 from dampyr.records import Record, read_campaign
-from dampyr.rig.drive import Reversals
+from dampyr.rig.drive import DutyReversals
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation.twin_validation import Characteristics, characteristics, open_loop
 
@@ -16,9 +16,9 @@ TOPS = (248, 165)
 SLOPE = {0.0: 2.2e-3, 0.8712: 4.2e-3, 1.98: 2.2e-3, 3.212: 2.2e-3}  # s for each step of the duty
 
 
-def drive(voltage: float, top: int) -> Reversals:
+def drive(voltage: float, top: int) -> DutyReversals:
     """What the original rig ran at a voltage."""
-    return Reversals(duty=top / 255, half_period=top * SLOPE[voltage], pause=0.05)
+    return DutyReversals(duty=top / 255, half_period=top * SLOPE[voltage], pause=0.05)
 
 
 @pytest.fixture(scope="module")
@@ -99,4 +99,4 @@ def test_a_record_of_two_cycles_is_too_short() -> None:
 
 def test_a_drive_beyond_the_limits_is_refused() -> None:
     with pytest.raises(InputError, match="refuses REVERSE"):
-        open_loop(RigSettings(), Reversals(duty=0.001, half_period=0.5), 0.0)
+        open_loop(RigSettings(), DutyReversals(duty=0.001, half_period=0.5), 0.0)

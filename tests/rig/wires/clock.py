@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.rig.simulation.board_signals import TIMEOUT, BoardError
-from dampyr.rig.simulation.event_log import EventLog
+from dampyr.rig.simulation.event_log import EventFile
 from dampyr.rig.simulation.simulator import Simulator
 
 SILENCE = 3.0  # s of the wall clock: longer than a slow disk delays a live host
@@ -35,7 +35,7 @@ class Clock:
     def __init__(
         self,
         rig: Simulator,
-        event_log: EventLog,
+        event_log: EventFile,
         real_time: bool = False,
         once: bool = False,
         terminal: bool = False,

@@ -21,7 +21,7 @@ from dampyr.models import Damper
 from dampyr.rig.gc_control import freeze_objects
 from dampyr.rig.priority import raise_priority
 from dampyr.rig.settings import RigSettings, load_settings
-from dampyr.rig.simulation.event_log import EventLog
+from dampyr.rig.simulation.event_log import EventFile
 from dampyr.rig.simulation.faults import FaultSpec
 from dampyr.rig.simulation.simulator import Simulator
 from dampyr.rig.specimen import specimen_of
@@ -56,7 +56,7 @@ def build_clock(parsed: argparse.Namespace) -> Clock:
     settings = load_settings(parsed.rig) if parsed.rig else RigSettings()
     faults = [FaultSpec.parse(text) for text in parsed.fault]
     specimen = specimen_of(settings, folder)
-    event_log = EventLog(parsed.black_box)
+    event_log = EventFile(parsed.black_box)
     _warm_up(settings, specimen)
     rig = Simulator(settings, parsed.seed, faults, specimen, on_event=event_log, chip=parsed.chip)
     return Clock(rig, event_log, parsed.real_time, parsed.once, parsed.terminal)

@@ -10,7 +10,7 @@ import pytest
 from tests.rig.wires.clock import Clock
 
 from dampyr.rig import RigSettings
-from dampyr.rig.simulation.event_log import EventLog
+from dampyr.rig.simulation.event_log import EventFile
 from dampyr.rig.simulation.simulator import Simulator
 
 grpc = pytest.importorskip("grpc", reason="the extra rig is not installed: pip install dampyr[rig]")
@@ -23,7 +23,7 @@ class Wired:
     def __init__(self) -> None:
         from tests.rig.wires.daqmx_service import start_server
 
-        self.clock = Clock(Simulator(RigSettings()), EventLog(None))
+        self.clock = Clock(Simulator(RigSettings()), EventFile(None))
         self.server, port = start_server(self.clock)
         self.channel, self.tasks = grpc.insecure_channel(f"127.0.0.1:{port}"), []
 

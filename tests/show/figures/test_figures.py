@@ -23,7 +23,7 @@ from dampyr.show.figures.ground_histories import ground_histories
 from dampyr.show.figures.ground_motion import ground_motion
 from dampyr.show.figures.history import history
 from dampyr.show.figures.incremental import incremental_curves
-from dampyr.show.figures.laws import Law, parameters_against_input
+from dampyr.show.figures.laws import LawPanel, parameters_against_input
 from dampyr.show.figures.loops import loops
 from dampyr.show.figures.phase_portrait import phase_portrait
 from dampyr.show.figures.planned_drive import planned_drive
@@ -43,9 +43,9 @@ F = 1000.0 * V + 200.0 * np.sign(V)
 KW = Axis("kw", "N")
 RHO = Axis("ρ", "1/mm", 1e-3)
 LAWS = [
-    Law(KW, (T, 100.0 * T), ([0.0, 2.0], [10.0, 190.0]), [5.0, np.inf]),
-    Law(RHO, (T, 4e4 - T), others={"published": ([0.0], [42744.8])}),
-    Law(KW),
+    LawPanel(KW, (T, 100.0 * T), ([0.0, 2.0], [10.0, 190.0]), [5.0, np.inf]),
+    LawPanel(RHO, (T, 4e4 - T), others={"published": ([0.0], [42744.8])}),
+    LawPanel(KW),
 ]
 POINTS = {"0 V": ([0.5, 1.2], [0.02, 0.008]), "1 V": ([np.nan], [0.01])}
 RANGES = {"displacement": (0.0, 0.02), "velocity": (0.0, 0.07), "frequency": (0.5, 1.2)}

@@ -4,7 +4,14 @@ import math
 
 import pytest
 
-from dampyr.studies.raminelli_2020.compared_value import Candidate, Printed, Tolerance, judge, overall, unchecked
+from dampyr.studies.raminelli_2020.compared_value import (
+    AlternativeValue,
+    ComparisonTolerance,
+    PrintedNumber,
+    judge,
+    overall,
+    unchecked,
+)
 
 
 @pytest.mark.parametrize(
@@ -22,21 +29,23 @@ from dampyr.studies.raminelli_2020.compared_value import Candidate, Printed, Tol
     ],
 )
 def test_printed_digits_may_be_rounded_or_cut(text: str, ours: float, verdict: str) -> None:
-    assert judge("a", "q", Printed(text), ours).verdict == verdict
+    assert judge("a", "q", PrintedNumber(text), ours).verdict == verdict
 
 
 def test_a_tolerance_is_stated_and_kept() -> None:
-    inside = judge("a", "q", 100.0, 104.9, "mm", Tolerance(relative=0.05))
-    outside = judge("a", "q", 100.0, 105.1, "mm", Tolerance(relative=0.05))
+    inside = judge("a", "q", 100.0, 104.9, "mm", ComparisonTolerance(relative=0.05))
+    outside = judge("a", "q", 100.0, 105.1, "mm", ComparisonTolerance(relative=0.05))
     assert (inside.verdict, outside.verdict) == ("agrees", "differs")
     assert "5 %" in inside.reason
     assert "5 %" in outside.reason
 
 
 def test_the_reason_is_the_candidate_that_meets_the_printed_value() -> None:
-    candidates = [Candidate(3.0, "the first"), Candidate(7.0, "the second")]
-    assert "the second (7)" in judge("a", "q", Printed("7"), 5.0, candidates=candidates, otherwise="none").reason
-    assert judge("a", "q", Printed("8"), 5.0, candidates=candidates, otherwise="none").reason.endswith("Because: none")
+    candidates = [AlternativeValue(3.0, "the first"), AlternativeValue(7.0, "the second")]
+    assert "the second (7)" in judge("a", "q", PrintedNumber("7"), 5.0, candidates=candidates, otherwise="none").reason
+    assert judge("a", "q", PrintedNumber("8"), 5.0, candidates=candidates, otherwise="none").reason.endswith(
+        "Because: none"
+    )
 
 
 def test_nothing_finite_cannot_be_checked() -> None:

@@ -18,7 +18,7 @@ from typing import Annotated, ClassVar, Self
 
 import numpy as np
 
-from dampyr.campaigns.paths import Piece, around, driven
+from dampyr.campaigns.paths import PathPiece, around, driven
 from dampyr.campaigns.step import Peaks, Period, Rest, Volts, check_ranges
 from dampyr.errors import FileError, MissingData
 from dampyr.ground_motions import GroundMotion, corrected, el_centro, filtered, pgd, pgv, read
@@ -78,7 +78,7 @@ class Earthquake:
     def drive(self, rig: RigSettings) -> Drive:
         """The set points of table and coil: between the motion's samples its displacement is a cubic, taken exactly."""
         ground = self.ground
-        piece = Piece(ground.duration, lambda t: self.scale * displacement(ground, t))
+        piece = PathPiece(ground.duration, lambda t: self.scale * displacement(ground, t))
         return driven(around([piece], 0.0, self.rest_before), self.period, self.voltage)
 
     def peaks(self, rig: RigSettings) -> Peaks:

@@ -21,7 +21,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 
-from dampyr.campaigns.paths import AFTER, Array, Piece, hold, raised, sampled
+from dampyr.campaigns.paths import AFTER, Array, PathPiece, hold, raised, sampled
 from dampyr.campaigns.step import Length, Peaks, Period, Rest, Time, Volts, at_least, check_ranges
 from dampyr.errors import DampyrWarning, FileError, MissingData
 from dampyr.ground_motions import GroundMotion, el_centro, read
@@ -142,7 +142,7 @@ class Hybrid:
             shape = raised(t / grown) * raised((total - t) / faded)
             return np.asarray(self.lead_amplitude * shape * np.sin(2 * math.pi * frequency * t))
 
-        before = sampled([hold(0.0, self.rest_before), Piece(total, sine), hold(0.0, REST)], self.period)
+        before = sampled([hold(0.0, self.rest_before), PathPiece(total, sine), hold(0.0, REST)], self.period)
         inside = np.arange(1, about.steps + 1) * self.h
         stroke, rate = response.stroke[0], response.velocity.T @ about.row
         during = hermite(response.time, stroke, rate, inside)

@@ -15,7 +15,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from dampyr.campaigns.paths import Array, Piece, around, driven, raised
+from dampyr.campaigns.paths import Array, PathPiece, around, driven, raised
 from dampyr.campaigns.step import (
     Frequency,
     Length,
@@ -68,7 +68,7 @@ class Random:
     def drive(self, rig: RigSettings) -> Drive:
         """The set points of table and coil."""
         t, x, _ = self._path()
-        piece = Piece(float(t[-1]), lambda at: np.interp(at, t, x))
+        piece = PathPiece(float(t[-1]), lambda at: np.interp(at, t, x))
         return driven(around([piece], 0.0, self.rest_before), self.period, self.voltage)
 
     def peaks(self, rig: RigSettings) -> Peaks:

@@ -18,7 +18,7 @@ from dampyr.campaigns.paths import AFTER, MAX_DURATION
 from dampyr.campaigns.step import Peaks, Period, Rest, Volts, at_least, check_ranges
 from dampyr.errors import InputError
 from dampyr.rig import Drive, RigSettings
-from dampyr.rig import Reversals as Timed
+from dampyr.rig import DutyReversals as Timed
 from dampyr.units import Quantity
 
 

@@ -16,7 +16,7 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
-from dampyr.campaigns.paths import Array, Piece, around, driven, raised
+from dampyr.campaigns.paths import Array, PathPiece, around, driven, raised
 from dampyr.campaigns.step import (
     Frequency,
     Length,
@@ -74,7 +74,7 @@ class Sweep:
     def drive(self, rig: RigSettings) -> Drive:
         """The set points of table and coil."""
         length = self.swept + 2 / self.start + 2 / self.stop
-        return driven(around([Piece(length, self._at)], 0.0, self.rest_before), self.period, self.voltage)
+        return driven(around([PathPiece(length, self._at)], 0.0, self.rest_before), self.period, self.voltage)
 
     def _at(self, t: Array) -> Array:
         f0, f1, T = self.start, self.stop, self.swept

@@ -91,7 +91,7 @@ class Jog(ClientRequest):
     speed: float = Field(ge=-1.0, le=1.0)
 
 
-class Calibration(ClientRequest):
+class CalibrationRequest(ClientRequest):
     """A step; ``load`` is a force or a mass such as "20 kg", or the shunt's resistance such as "100 kohm"."""
 
     step: Step
@@ -440,7 +440,7 @@ def calibration(request: ClientRequest, bench: CurrentBench) -> Done:
 
 
 @router.post("/calibration/step")
-def calibration_step(request: Calibration, bench: CurrentBench) -> Done:
+def calibration_step(request: CalibrationRequest, bench: CurrentBench) -> Done:
     """Read the load cell."""
     bench.calibrate_step(request.client, request.step, request.load)
     return Done()

@@ -36,7 +36,7 @@ RESPONSE, ENSEMBLE = "respond", "ensemble"
 router = APIRouter()
 
 
-class Choices(BaseModel):
+class BuildingChoices(BaseModel):
     """What can be chosen."""
 
     dampers: list[DamperLink]
@@ -49,14 +49,14 @@ class Choices(BaseModel):
 
 
 @router.get("/choices")
-async def list_choices(here: Here, request: Request) -> Choices:
+async def list_choices(here: Here, request: Request) -> BuildingChoices:
     """Dampers, control laws and ground motions that can be chosen."""
     links = [DamperLink(**each) for each in await here.workers.run(request, READING, list_dampers, here.data)]
     motions = safe_paths.files(here.data / MOTIONS, MOTION_SUFFIXES)
     files = [f"{STRUCTURES}/{name}" for name in safe_paths.files(here.data / STRUCTURES, (".toml",))]
     offered = [name for name in available_structures() if name != THESIS]
     shared = tuple(option.name for option in options_of(InstallationOptions))
-    return Choices(
+    return BuildingChoices(
         dampers=links,
         laws=structures.available_control_laws(),
         motions=motions,

@@ -36,13 +36,13 @@ Number = Annotated[float, Field(allow_inf_nan=False)]
 Values = Annotated[list[Number], Field(max_length=100)]
 
 
-class Text(BaseModel):
+class CampaignText(BaseModel):
     """A campaign's TOML."""
 
     text: str = Field(max_length=MAX_TEXT_LENGTH)
 
 
-class PlanRequest(Text):
+class PlanRequest(CampaignText):
     """A campaign's TOML on a rig; the original one without a name."""
 
     rig: str = Field("", max_length=100)
@@ -79,7 +79,7 @@ class Saved(PlanRequest):
     replaces: str | None = Field(None, max_length=MAX_TEXT_LENGTH)
 
 
-class Rename(BaseModel):
+class CampaignRename(BaseModel):
     """A campaign and its new name."""
 
     name: str = Field(min_length=1, max_length=200)
@@ -101,7 +101,7 @@ class GridForm(BaseModel):
     seed: int = Field(0, ge=0, le=2**31)
 
 
-class File(Text):
+class File(CampaignText):
     """A file, and the grid that it is, if it is one."""
 
     name: str
@@ -195,7 +195,7 @@ async def save(name: Name, given: Saved, here: Here, request: Request) -> File:
 
 
 @router.post("/rename")
-def rename(given: Rename, here: Here) -> File:
+def rename(given: CampaignRename, here: Here) -> File:
     """Give a campaign another name."""
     path, target = _campaign(here, given.name), _campaign(here, given.to)
     if not safe_paths.is_new_name(given.to):
@@ -240,9 +240,9 @@ def list_kinds() -> list[StepKind]:
 
 
 @router.post("/text")
-def text(grid: GridForm) -> Text:
+def text(grid: GridForm) -> CampaignText:
     """A grid as TOML."""
-    return Text(text=grid_text(Grid(**grid.model_dump())))
+    return CampaignText(text=grid_text(Grid(**grid.model_dump())))
 
 
 @router.post("/plan")

@@ -28,7 +28,7 @@ KIND, VALIDATION = "identify", "validate"
 router = APIRouter()
 
 
-class Choices(BaseModel):
+class IdentifyChoices(BaseModel):
     """What can be chosen: models, add-ons, the options of a fit, and kinds of export with their words."""
 
     models: list[str]
@@ -50,10 +50,10 @@ class SavedCard(BaseModel):
 
 
 @router.get("/choices")
-def list_choices() -> Choices:
+def list_choices() -> IdentifyChoices:
     """Allowed values of a request."""
     names = {name: part(name).add_on for name in available_parts()}
-    return Choices(
+    return IdentifyChoices(
         models=[name for name, add_on in names.items() if not add_on],
         add_ons=[name for name, add_on in names.items() if add_on],
         options=form_of(FitOptions),

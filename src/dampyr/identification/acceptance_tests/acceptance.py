@@ -120,7 +120,7 @@ class AcceptOptions(Options):
 
 
 @dataclass(frozen=True)
-class Point:
+class AcceptancePoint:
     """One quantity of one cycle, SI; forces in compression are negative.
 
     ``cycle`` counts from 1, ``speed`` is the peak velocity in that direction (of ``energy``: the faster of the two)
@@ -202,7 +202,7 @@ class Acceptance(Shown):
     tolerance: Tolerance
     quantities: tuple[str, ...]
     offset: float | None
-    points: tuple[Point, ...]
+    points: tuple[AcceptancePoint, ...]
     reason: str = ""
     level: float = 1.0
     levels: tuple[JudgedLevel, ...] = ()
@@ -229,18 +229,18 @@ class Acceptance(Shown):
         return tuple(each for each in self.levels if False in each.inside.values())
 
     @property
-    def judged(self) -> tuple[Point, ...]:
+    def judged(self) -> tuple[AcceptancePoint, ...]:
         """The points that have a reference value."""
         return tuple(p for p in self.points if p.inside is not None)
 
     @property
-    def outside(self) -> tuple[Point, ...]:
+    def outside(self) -> tuple[AcceptancePoint, ...]:
         """The points outside the band, the worst first."""
         points = [p for p in self.points if p.inside is False]
         return tuple(sorted(points, key=lambda p: -abs(p.used or 0.0)))
 
     @property
-    def worst(self) -> Point | None:
+    def worst(self) -> AcceptancePoint | None:
         """The judged point that uses most of its band, inside or outside."""
         return max(self.judged, key=lambda p: abs(p.used or 0.0), default=None)
 
@@ -314,13 +314,15 @@ def relevelled(one: Acceptance, cycles: int) -> Acceptance:
     return _with_verdict(replace(one, points=points, levels=levels, level=level), "")
 
 
-def _point(quantity: str, cycle: Cycle, expectation: Expected, tolerance: Tolerance) -> Point:
+def _point(quantity: str, cycle: Cycle, expectation: Expected, tolerance: Tolerance) -> AcceptancePoint:
     measured = {"extension": cycle.force_out, "compression": cycle.force_in, "energy": cycle.energy}[quantity]
     error = {"extension": cycle.error_out, "compression": cycle.error_in, "energy": cycle.energy_error}[quantity]
     speeds = {"extension": cycle.speed_out, "compression": -cycle.speed_in}
     speed = speeds.get(quantity, max(speeds.values()))
     value, reason = expectation
-    made = Point(cycle.number, quantity, speed, cycle.stroke_m, measured, reason=reason, level=cycle.level, error=error)
+    made = AcceptancePoint(
+        cycle.number, quantity, speed, cycle.stroke_m, measured, reason=reason, level=cycle.level, error=error
+    )
     if value is None:
         return made
     half = tolerance.half(quantity, value)
@@ -363,7 +365,7 @@ def _with_verdict(one: Acceptance, reason: str) -> Acceptance:
     )  # fmt: skip
 
 
-def _half(points: Sequence[Point]) -> float:
+def _half(points: Sequence[AcceptancePoint]) -> float:
     """Half the width of the band about the mean of points that have a reference value."""
     return float(np.mean([0.5 * (p.high - p.low) for p in points if p.low is not None and p.high is not None]))
 
@@ -372,14 +374,14 @@ def _allowed(half: float, error: float, z: float) -> float:
     return min(z * error, NOISE_SHARE * half)
 
 
-def _placed(p: Point, z: float) -> Point:
+def _placed(p: AcceptancePoint, z: float) -> AcceptancePoint:
     if p.low is None or p.high is None:
         return p
     allowance = _allowed(0.5 * (p.high - p.low), p.error or 0.0, z)
     return replace(p, allowance=allowance, inside=p.low - allowance <= p.measured <= p.high + allowance)
 
 
-def _level(level: JudgedLevel, points: Sequence[Point], requested: Sequence[str], z: float) -> JudgedLevel:
+def _level(level: JudgedLevel, points: Sequence[AcceptancePoint], requested: Sequence[str], z: float) -> JudgedLevel:
     """A level with what its points say together."""
     cycles = {p.cycle for p in points}
     judged = sum(all(p.inside is not None for p in points if p.cycle == k) for k in cycles)
@@ -408,7 +410,7 @@ def _level(level: JudgedLevel, points: Sequence[Point], requested: Sequence[str]
     return replace(level, judged=judged, deviation=deviation, scatter=scatter, inside=inside, reason=why)
 
 
-def _scatter(points: Sequence[Point]) -> float | None:
+def _scatter(points: Sequence[AcceptancePoint]) -> float | None:
     """The standard deviation of single values, N or J: by their errors, or by successive cycles where these differ more.
 
     Differences of successive cycles hold no drift, and their median no single cycle that is off.
@@ -422,7 +424,9 @@ def _scatter(points: Sequence[Point]) -> float | None:
     return max(by_cycles, by_error or 0.0)
 
 
-def _risks(levels: Sequence[JudgedLevel], points: Sequence[Point], z: float) -> tuple[float | None, float | None]:
+def _risks(
+    levels: Sequence[JudgedLevel], points: Sequence[AcceptancePoint], z: float
+) -> tuple[float | None, float | None]:
     """The chances of a wrong rejection and of a wrong acceptance, see `Acceptance`; None where a scatter is not known."""
     right, wrong = 0.0, 0.0  # logarithm of the chance that all pass; the largest chance to pass
     judged = [(each, q) for each in levels for q, inside in each.inside.items() if inside is not None]

@@ -109,10 +109,10 @@ def _of_records(
     reference = [cycle for one in same for cycle in _cycles(one, offset) if cycle.level]
     if not reference:
         return _nothing(len(table), "the reference has no whole cycle")
-    out = Curve(np.array([(c.speed_out, c.force_out) for c in reference]))
-    back = Curve(np.array([(-c.speed_in, c.force_in) for c in reference]))
+    out = ReferenceLine(np.array([(c.speed_out, c.force_out) for c in reference]))
+    back = ReferenceLine(np.array([(-c.speed_in, c.force_in) for c in reference]))
     closed = [c for c in reference if c.open_m <= OPEN * c.stroke_m] or reference
-    loops = Curve(np.array([(_fastest(c), c.energy / c.stroke_m, c.stroke_m) for c in closed]))
+    loops = ReferenceLine(np.array([(_fastest(c), c.energy / c.stroke_m, c.stroke_m) for c in closed]))
     return {
         "extension": [out.at(c.speed_out) for c in table],
         "compression": [back.at(-c.speed_in) for c in table],
@@ -120,7 +120,7 @@ def _of_records(
     }
 
 
-class Curve:
+class ReferenceLine:
     """Points of a reference (rows of speed and values) as a line, straight between groups of one speed; it has two ends."""
 
     def __init__(self, points: Array) -> None:
@@ -141,7 +141,7 @@ class Curve:
         return self.rows[max(after - 1, 0) : after + 1]
 
 
-def _energy(cycle: Cycle, loops: Curve) -> Expected:
+def _energy(cycle: Cycle, loops: ReferenceLine) -> Expected:
     if cycle.open_m > OPEN * cycle.stroke_m:
         return None, f"the cycle ends {1e3 * cycle.open_m:.3g} mm from where it began"
     value, reason = loops.at(_fastest(cycle))

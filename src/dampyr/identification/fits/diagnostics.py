@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dampyr.findings import Finding
-from dampyr.identification.fits.residuals import Group, RecordResidual, Residuals
+from dampyr.identification.fits.residuals import RecordResidual, ResidualGroup, Residuals
 from dampyr.identification.parameter_uncertainty.uncertainty import MIN_CYCLES, Uncertainty
 from dampyr.identification.parameter_uncertainty.uncertainty import MIN_RECORDS as MIN_INTERVAL_RECORDS
 from dampyr.identification.search.fit_data import Piece
@@ -238,7 +238,7 @@ def _uneven(residuals: Residuals) -> list[str]:
     ]
 
 
-def _share(group: Group) -> float:
+def _share(group: ResidualGroup) -> float:
     """Of the residual's variance that is even."""
     return (group.asymmetry / group.rms) ** 2 if group.rms > 0.0 else 0.0
 

@@ -74,9 +74,10 @@ def fit(
     ------
     InputError
         a record without input, without motion, with a constant force, or of mixed inputs; simulated records among others; an
-        unknown name or law; a bandwidth that a record's samples do not carry; all before anything is fitted. And
-        `dampyr.identification.model_choice.leaderboard.Cut`, with what was finished, where ``seconds`` ended the search for a
-        model.
+        unknown name or law; a bandwidth that a record's samples do not carry; all before anything is fitted.
+    SearchTimedOut
+        ``seconds`` ended the search for a model (`dampyr.identification.model_choice.leaderboard`); ``board`` is what was
+        finished.
 
     Examples
     --------

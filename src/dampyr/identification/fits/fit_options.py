@@ -13,10 +13,10 @@ from dampyr.identification.scoring.scoring_window import SETTLING
 from dampyr.identification.search.variable_projection import MAX_ITERATIONS
 from dampyr.models import compose
 from dampyr.models.part import part
-from dampyr.options import Group, Options, ShownIn, Terminal
+from dampyr.options import FormGroup, Options, ShownIn, Terminal
 from dampyr.units import Quantity
 
-SEARCH, CHOICE = Group("Search"), Group("Choice of a model")
+SEARCH, CHOICE = FormGroup("Search"), FormGroup("Choice of a model")
 BUDGET = 480.0  # counted s: two cores take four minutes for it, with what compiles and the last fits five
 ADD_ONS = ("compliance", "spring", "delay", "lag")  # tried in this order: what matters most comes before work is short
 FINALISTS = 5  # each costs a fit and two cross-validations of all records

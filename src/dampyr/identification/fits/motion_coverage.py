@@ -24,7 +24,7 @@ MARGIN = 0.8  # of the smallest that was measured: records differ by as much fro
 
 
 @dataclass(frozen=True)
-class Reversals:
+class Strokes:
     """The parts of a motion between turning points: strokes in m, mean speeds in m/s and durations in s, each (k,)."""
 
     stroke: Array
@@ -32,13 +32,13 @@ class Reversals:
     duration: Array
 
 
-def reversals(record: Record) -> Reversals:
+def reversals(record: Record) -> Strokes:
     """The parts of a record's motion between its turning points, but for those that noise may have made."""
     x = record.displacement
     threshold = max(NOISE * rest_tolerance(x), SMALLEST * float(np.ptp(x)))
     points = turning_points(record, threshold) if threshold > 0.0 else np.empty(0, dtype=int)
     stroke, duration = np.abs(np.diff(x[points])), np.diff(record.time[points])
-    return Reversals(stroke, stroke / duration, duration)
+    return Strokes(stroke, stroke / duration, duration)
 
 
 def beyond_the_fitted(fitted: Sequence[Record], planned: Sequence[Record]) -> dict[str, str]:

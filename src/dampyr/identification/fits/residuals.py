@@ -132,7 +132,7 @@ class Side:
 
 
 @dataclass(frozen=True)
-class Curve:
+class ResidualCurve:
     """Median and quartiles of the residual in N over `BINS` bins of velocity (centres in m/s, alike on both sides of zero).
 
     NaN in bins of fewer than `MIN_BIN_SAMPLES` samples; ``counts`` says how many there are.
@@ -146,7 +146,7 @@ class Curve:
 
 
 @dataclass(frozen=True)
-class Group:
+class ResidualGroup:
     """The records at one input, or all of them (``input_value`` None).
 
     ``rms`` and ``asymmetry`` in N; ``chance`` is the share of the variance
@@ -158,7 +158,7 @@ class Group:
     records: tuple[str, ...]
     rms: float
     sides: dict[str, Side]
-    curves: dict[str, Curve]
+    curves: dict[str, ResidualCurve]
     asymmetry: float
     chance: float
 
@@ -169,8 +169,8 @@ class Residuals(Shown):
 
     unit: str
     records: tuple[RecordResidual, ...]
-    whole: Group
-    groups: tuple[Group, ...]
+    whole: ResidualGroup
+    groups: tuple[ResidualGroup, ...]
     origin: Origin = NOT_STATED
 
     @property
@@ -224,7 +224,7 @@ def analyse(traces: Sequence[Trace], unit: str = "V") -> Residuals:
     for one in sorted(traces, key=lambda one: one.input_value):
         inputs.setdefault(round(one.input_value, 9), []).append(one)
 
-    def of(some: Sequence[Trace], u: float | None) -> Group:
+    def of(some: Sequence[Trace], u: float | None) -> ResidualGroup:
         return group(some, sum(by_name[one.name].effective for one in some), u)
 
     return Residuals(unit, tuple(by_name.values()), of(traces, None), tuple(of(some, u) for u, some in inputs.items()))
@@ -292,7 +292,7 @@ def _repeats(rho: Array, one: Trace) -> float:
     return float(np.interp(lag, np.arange(rho.size), unbiased))
 
 
-def group(traces: Sequence[Trace], effective: float, input_value: float | None = None) -> Group:
+def group(traces: Sequence[Trace], effective: float, input_value: float | None = None) -> ResidualGroup:
     """The residuals of some records by direction; ``effective`` is their effective sample size."""
     r = np.concatenate([one.residual for one in traces])
     v = np.concatenate([one.velocity for one in traces])
@@ -303,7 +303,7 @@ def group(traces: Sequence[Trace], effective: float, input_value: float | None =
     for branch in BRANCHES:
         here = joined[f"out, {branch}"] | joined[f"in, {branch}"]
         curves[branch] = _curve(v[here], r[here], reach)
-    return Group(
+    return ResidualGroup(
         input_value=input_value,
         records=tuple(one.name for one in traces),
         rms=_rms(r),
@@ -329,17 +329,17 @@ def _side(r: Array) -> Side:
     return Side(r.size, float(np.mean(r)), _rms(r))
 
 
-def _curve(v: Array, r: Array, reach: float) -> Curve:
+def _curve(v: Array, r: Array, reach: float) -> ResidualCurve:
     edges = np.linspace(-reach, reach, BINS + 1)
     number = np.clip(np.searchsorted(edges, v, side="right") - 1, 0, BINS - 1)
     quartiles = np.full((3, BINS), np.nan)
     counts = np.bincount(number, minlength=BINS)
     for k in np.flatnonzero(counts >= MIN_BIN_SAMPLES):
         quartiles[:, k] = np.quantile(r[number == k], (0.25, 0.5, 0.75))
-    return Curve(0.5 * (edges[1:] + edges[:-1]), quartiles[0], quartiles[1], quartiles[2], counts)
+    return ResidualCurve(0.5 * (edges[1:] + edges[:-1]), quartiles[0], quartiles[1], quartiles[2], counts)
 
 
-def _asymmetry(curves: Sequence[Curve]) -> float:
+def _asymmetry(curves: Sequence[ResidualCurve]) -> float:
     """The rms of the medians' even part, weighted by the samples that both of its bins hold; 0 where there is none."""
     even = np.concatenate([0.5 * (c.median + c.median[::-1]) for c in curves])
     weights = np.concatenate([np.minimum(c.counts, c.counts[::-1]) for c in curves]).astype(float)

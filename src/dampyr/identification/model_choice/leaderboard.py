@@ -78,7 +78,7 @@ LEAST_WORK = 5.0  # counted s that a fit to all records has however little is le
 
 
 @dataclass(frozen=True, repr=False)
-class Entry(Shown):
+class Finalist(Shown):
     """A finalist. ``error`` is what the ranking goes by; ``l1``, ``nrmse``, ``pointwise`` and ``energy`` (its size) are means
     over records that were left out, ``unseen_input`` the mean L1 ratio over inputs that were left out (NaN where there are
     fewer than three). ``standard_error`` is that of ``error``; ``not_for_buildings`` says why the model must not stand in for a
@@ -124,7 +124,7 @@ class Leaderboard(Shown):
     fits have spent, counted s (`dampyr.identification.search.work`).
     """
 
-    entries: tuple[Entry, ...]
+    entries: tuple[Finalist, ...]
     screened: tuple[Screened, ...]
     bandwidth: float | None
     left_out: tuple[str, ...]
@@ -136,27 +136,27 @@ class Leaderboard(Shown):
     origin: Origin = NOT_STATED
 
     @property
-    def best(self) -> Entry:
+    def best(self) -> Finalist:
         """The lowest validation error."""
         return self.entries[0]
 
     @property
-    def winner(self) -> Entry:
+    def winner(self) -> Finalist:
         """The one that is chosen: of those within one standard error of the lowest error, the simplest.
 
         Raises :class:`~dampyr.errors.InputError` where the search was cut.
         """
         if self.cut:
-            raise Cut(self)
+            raise SearchTimedOut(self)
         return simplest(self.entries)
 
     @property
-    def runner_up(self) -> Entry | None:
+    def runner_up(self) -> Finalist | None:
         """The lowest error but for the winner."""
         return next((one for one in self.entries if one is not self.winner), None)
 
     @property
-    def for_building(self) -> Entry | None:
+    def for_building(self) -> Finalist | None:
         """The winner where it may stand in for a damper of a building, else the best that may, chosen in the same way."""
         if not self.winner.not_for_buildings:
             return self.winner
@@ -164,7 +164,7 @@ class Leaderboard(Shown):
         return simplest(suited) if suited else None
 
 
-class Cut(InputError):
+class SearchTimedOut(InputError):
     """A choice was asked of a search that a limit in seconds ended; ``board`` is what it had finished."""
 
     def __init__(self, board: Leaderboard) -> None:
@@ -331,7 +331,7 @@ def _judged(
     budget: float,
     report: Callable[[float], None],
     deadline: float,
-) -> list[Entry]:
+) -> list[Finalist]:
     """Every finalist on all records, each fold and each fit to all records a job of its own, so that no core waits.
 
     The fits are to the ``whole`` records, of which ``records`` may be pieces. ``remaining`` is counted work, s, of which the
@@ -374,14 +374,14 @@ def _timed_fit(model: str, records: list[Record], options: FitOptions) -> tuple[
     return fit_model(model, records, options), time.perf_counter() - begun
 
 
-def _entry(model: str, validations: list[Validation], fit_result: Fit, seconds: float) -> Entry:
+def _entry(model: str, validations: list[Validation], fit_result: Fit, seconds: float) -> Finalist:
     scores = list(validations[0].scores.values())
 
     def mean(key: str) -> float:
         values = np.array([abs(getattr(one, key)) for one in scores])
         return float(np.nanmean(values)) if np.any(np.isfinite(values)) else float("nan")
 
-    return Entry(
+    return Finalist(
         model=model,
         error=validation_error(validations) if fit_result.bare is not None else float("inf"),
         standard_error=standard_error(validations),
@@ -420,7 +420,7 @@ def standard_error(validations: Sequence[Validation]) -> float:
     return math.sqrt(len(values) * float(np.var(values, ddof=1))) if len(values) > 1 else float("nan")
 
 
-def simplest(entries: Sequence[Entry]) -> Entry:
+def simplest(entries: Sequence[Finalist]) -> Finalist:
     """Of the entries, by rising error, that within one standard error of the first which has the fewest parameters; among those
     with equally many one that is for buildings, then the lowest error."""
     first = entries[0]
@@ -429,7 +429,7 @@ def simplest(entries: Sequence[Entry]) -> Entry:
     return min(near, key=lambda one: (one.parameters, bool(one.not_for_buildings), one.error))
 
 
-def optimism(entries: Sequence[Entry]) -> float:
+def optimism(entries: Sequence[Finalist]) -> float:
     """By how much the lowest error is too low: the choice by four parts of the records scored on the fifth, less that by all
     scored on all; NaN for a single finalist or parts without scores."""
     ranked = [one for one in entries if np.isfinite(one.error)]
@@ -458,7 +458,7 @@ def _cut_words(screened: Sequence[Screened], missing: Sequence[str], seconds: fl
     )
 
 
-def _stopped(screened: Sequence[Screened], unfinished: Sequence[str], entries: Sequence[Entry]) -> list[str]:
+def _stopped(screened: Sequence[Screened], unfinished: Sequence[str], entries: Sequence[Finalist]) -> list[str]:
     """What the work did not suffice for."""
     notes = []
     trials = [trial.model for one in screened for trial in one.trials if OUT_OF_WORK in trial.reason]

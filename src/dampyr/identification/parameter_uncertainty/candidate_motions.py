@@ -32,7 +32,7 @@ SEED = 0  # of the phases of a random motion: the same proposal each time
 
 
 @dataclass(frozen=True)
-class Envelope:
+class MotionReach:
     """What the records reach: amplitude m, speed m/s, acceleration m/s2."""
 
     amplitude: float
@@ -41,7 +41,7 @@ class Envelope:
 
 
 @dataclass(frozen=True)
-class Motion:
+class CandidateMotion:
     """A motion: its ``kind``, amplitude m (half the stroke), frequency Hz (the highest of a random one), samples (n,)."""
 
     kind: str
@@ -62,14 +62,14 @@ class Motion:
         return f"a {self.kind} of {size}, {f},"
 
 
-def envelope_of(pieces: Sequence[Piece]) -> Envelope:
+def envelope_of(pieces: Sequence[Piece]) -> MotionReach:
     """What several records reach together."""
     speed = max(float(np.quantile(np.abs(one.v), PEAK)) for one in pieces)
     acceleration = max(float(np.quantile(np.abs(np.gradient(one.v, one.t)), PEAK)) for one in pieces)
-    return Envelope(max(0.5 * float(np.ptp(one.x)) for one in pieces), speed, acceleration)
+    return MotionReach(max(0.5 * float(np.ptp(one.x)) for one in pieces), speed, acceleration)
 
 
-def candidate_motions(envelope: Envelope, beyond: float = 1.0) -> Iterator[Motion]:
+def candidate_motions(envelope: MotionReach, beyond: float = 1.0) -> Iterator[CandidateMotion]:
     """Sines, triangles, two sines and random motions inside an envelope; the stroke may be ``beyond`` times as large."""
     for share in AMPLITUDES:
         amplitude = _rounded(beyond * share * envelope.amplitude)
@@ -90,14 +90,14 @@ def _rounded(value: float) -> float:
     return float(f"{math.floor(value / digits + 1e-9) * digits:.6g}")
 
 
-def _two_sines_frequency(envelope: Envelope, amplitude: float) -> float:
+def _two_sines_frequency(envelope: MotionReach, amplitude: float) -> float:
     slow, fast = (1.0 - SHARE) * amplitude, SHARE * amplitude
     by_speed = envelope.speed / (2.0 * math.pi * (slow + RATIO * fast))
     by_acceleration = math.sqrt(envelope.acceleration / (slow + RATIO**2 * fast)) / (2.0 * math.pi)
     return _rounded(min(by_speed, by_acceleration))
 
 
-def _random_frequency(envelope: Envelope, amplitude: float) -> float:
+def _random_frequency(envelope: MotionReach, amplitude: float) -> float:
     """The highest one of a random motion inside the envelope: its speed goes with it, its acceleration with its square."""
     one = _made("random", amplitude, 1.0)
     by_speed = envelope.speed / float(np.max(np.abs(one.v)))
@@ -105,7 +105,7 @@ def _random_frequency(envelope: Envelope, amplitude: float) -> float:
     return _rounded(min(by_speed, by_acceleration))
 
 
-def _made(kind: str, amplitude: float, frequency: float) -> Motion:
+def _made(kind: str, amplitude: float, frequency: float) -> CandidateMotion:
     periods, fastest = PERIODS.get(kind, (CYCLES, 1.0))
     t = np.linspace(0.0, periods / frequency, int(periods * fastest * PER_CYCLE))
     w = 2.0 * math.pi * frequency * t
@@ -123,4 +123,4 @@ def _made(kind: str, amplitude: float, frequency: float) -> Motion:
         x = np.sum(np.sin(2.0 * math.pi * tones * t[:, None] + phases) / tones, axis=1)
         x = (x - x[0]) / float(np.max(np.abs(x - x[0])))
         v = np.gradient(x, t)
-    return Motion(kind, amplitude, frequency, t, amplitude * x, amplitude * v)
+    return CandidateMotion(kind, amplitude, frequency, t, amplitude * x, amplitude * v)

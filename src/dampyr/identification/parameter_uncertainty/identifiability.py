@@ -24,13 +24,18 @@ from numpy.typing import NDArray
 from dampyr.identification.fits.diagnostics import CONFOUNDED
 from dampyr.identification.fits.residuals import motion
 from dampyr.identification.fits.result import Fit
-from dampyr.identification.parameter_uncertainty.candidate_motions import PEAK, Motion, candidate_motions, envelope_of
+from dampyr.identification.parameter_uncertainty.candidate_motions import (
+    PEAK,
+    CandidateMotion,
+    candidate_motions,
+    envelope_of,
+)
 from dampyr.identification.parameter_uncertainty.profile_likelihood import scaled_inverse
 from dampyr.identification.parameter_uncertainty.uncertainty import MIN_RECORDS, uncertainty
 from dampyr.identification.search.fit_data import Piece
 from dampyr.identification.search.normal_equations import linearise, modelled_force
 from dampyr.identification.search.optimum import Optimum
-from dampyr.identification.search.problem import Point, Problem
+from dampyr.identification.search.problem import Problem, SearchPoint
 from dampyr.models.damper import INPUTS
 from dampyr.phrases import counted, listing
 from dampyr.records import Record
@@ -288,7 +293,7 @@ def _best_test(
 class _Candidate:
     """A motion that could be tested at an ``input``, and the ``information`` (G, G) of one record of it on its block."""
 
-    motion: Motion
+    motion: CandidateMotion
     input: float
     information: Array
 
@@ -303,7 +308,7 @@ def _candidates(optimum: Optimum, blocks: Sequence[Optimum], beyond: float = 1.0
     if not pieces:
         return []
     problem = replace(optimum.problem, pieces=pieces)
-    start = Point(optimum.point.theta, np.zeros((len(pieces), problem.locals)))
+    start = SearchPoint(optimum.point.theta, np.zeros((len(pieces), problem.locals)))
     forces = [modelled_force(problem, start, r) for r in range(len(pieces))]
     spreads = [float(np.std(force)) for force in forces]
     usable = [r for r, spread in enumerate(spreads) if math.isfinite(spread) and spread > 0.0]
@@ -312,7 +317,7 @@ def _candidates(optimum: Optimum, blocks: Sequence[Optimum], beyond: float = 1.0
         weighted = [
             replace(pieces[r], force=forces[r], spread=spreads[r], weight=pieces[r].weight / spreads[r]) for r in usable
         ]
-        start = Point(start.theta, start.local[usable])
+        start = SearchPoint(start.theta, start.local[usable])
         information[usable] = linearise(replace(problem, pieces=weighted), start).reduced.by_record
     candidates: dict[Optimum, list[_Candidate]] = {block: [] for block in blocks}
     for (block, tried, u), added in zip(tests, information, strict=True):
@@ -320,7 +325,7 @@ def _candidates(optimum: Optimum, blocks: Sequence[Optimum], beyond: float = 1.0
     return list(candidates.values())
 
 
-def _motions_and_inputs(problem: Problem, beyond: float) -> list[tuple[Motion, float]]:
+def _motions_and_inputs(problem: Problem, beyond: float) -> list[tuple[CandidateMotion, float]]:
     """Motions and inputs that are tried for a block."""
     inputs = sorted({round(float(np.mean(one.u)), 6) for one in problem.pieces})
     if len(inputs) > INPUTS_TRIED:
@@ -330,7 +335,7 @@ def _motions_and_inputs(problem: Problem, beyond: float) -> list[tuple[Motion, f
     return [(one, float(exact.get(u, u))) for u in inputs for one in motions]
 
 
-def _candidate_piece(problem: Problem, motion: Motion, u: float) -> Piece:
+def _candidate_piece(problem: Problem, motion: CandidateMotion, u: float) -> Piece:
     """A motion as a record of a block whose force spreads by 1 N, with the median weight of the block's records."""
     n = motion.t.size
     whole = float(np.median([np.mean(one.weight**2) * one.spread**2 * one.count for one in problem.pieces]))

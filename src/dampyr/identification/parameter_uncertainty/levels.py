@@ -279,7 +279,7 @@ def _high(problem: Problem, pieces: Sequence[int]) -> float:
 
 
 @dataclass(frozen=True)
-class Spread:
+class LevelSpread:
     """Standard deviations of the logarithms of levels, and their degrees of freedom, infinite where they are stated."""
 
     record: float
@@ -289,7 +289,7 @@ class Spread:
     reml: float
 
 
-def _spread(y: Array, shown: Array, members: Array, repeated: bool, prior: float) -> Spread:
+def _spread(y: Array, shown: Array, members: Array, repeated: bool, prior: float) -> LevelSpread:
     """The spread of records and of sessions from the levels ``y`` (n,), of which a fit shows (I - H): ``shown``."""
     left, values, right = np.linalg.svd(shown)
     seen = values > SEEN
@@ -297,17 +297,17 @@ def _spread(y: Array, shown: Array, members: Array, repeated: bool, prior: float
     V = right[seen]
     stated = prior, math.inf, math.nan
     if z.size == 0:
-        return Spread(PRIOR_RECORD, math.inf, *stated)
+        return LevelSpread(PRIOR_RECORD, math.inf, *stated)
     strength, turned = np.linalg.eigh(V @ members @ members.T @ V.T)
     w = turned.T @ z
     strength = np.where(strength > SEEN, strength, 0.0)
     within = strength == 0.0
     if not repeated or within.all() or prior == 0.0:
-        return Spread(float(np.sqrt(np.mean(z**2))), float(z.size), *stated)
+        return LevelSpread(float(np.sqrt(np.mean(z**2))), float(z.size), *stated)
     return _posterior(w, strength, prior)
 
 
-def _posterior(w: Array, strength: Array, prior: float) -> Spread:
+def _posterior(w: Array, strength: Array, prior: float) -> LevelSpread:
     """The posterior of both standard deviations on a grid, as scaled inverse chi-square distributions."""
     size = max(float(np.sqrt(np.mean(w**2))), 1e-4)
     record, session = np.geomspace(0.05 * size, 5.0 * size, GRID), np.geomspace(*SPAN, GRID)
@@ -319,7 +319,7 @@ def _posterior(w: Array, strength: Array, prior: float) -> Spread:
     log_prior = -PRIOR_FREEDOM * np.log(session) - 0.5 * PRIOR_FREEDOM * prior**2 / session**2
     weight = np.exp(likelihood + log_prior - (likelihood + log_prior).max())
     one = _inverse_chi_square(record, weight.sum(axis=1))
-    return Spread(*one, *_inverse_chi_square(session, weight.sum(axis=0)), reml)
+    return LevelSpread(*one, *_inverse_chi_square(session, weight.sum(axis=0)), reml)
 
 
 def _inverse_chi_square(values: Array, weight: Array) -> tuple[float, float]:
@@ -336,7 +336,7 @@ def _words(
     session: Mapping[str, str],
     named: bool,
     repeats: Mapping[float, Sequence[str]],
-    spread: Spread,
+    spread: LevelSpread,
     prior: float,
 ) -> tuple[str, str]:
     """What is known of the level between sessions, and the test that would settle it."""

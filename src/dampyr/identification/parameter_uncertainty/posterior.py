@@ -32,7 +32,7 @@ from dampyr.identification.fits.result import Fit
 from dampyr.identification.parameter_uncertainty.profile_likelihood import coordinate_scale
 from dampyr.identification.search.normal_equations import linearise, step_point
 from dampyr.identification.search.optimum import Optimum
-from dampyr.identification.search.problem import Point, with_held
+from dampyr.identification.search.problem import SearchPoint, with_held
 from dampyr.models import Damper
 from dampyr.origin import Origin
 from dampyr.phrases import listing
@@ -292,7 +292,7 @@ class _Target:
         step[self.free] = coordinates - self.best
         held = with_held(self.problem, dict(enumerate(theta.tolist())))
         local = np.clip(self.start.local - self.by_theta @ step, *self.problem.local_limits)
-        point, cost = Point(theta, local), math.inf
+        point, cost = SearchPoint(theta, local), math.inf
         for _ in range(PASSES):
             here = linearise(held, point)
             if not here.finite or here.cost > cost:

@@ -25,7 +25,7 @@ from dampyr.errors import InputError
 from dampyr.findings import Finding, handed_on, worst_first
 from dampyr.identification.fits.result import Fit
 from dampyr.identification.search.optimum import Optimum
-from dampyr.identification.search.problem import Point, Problem, with_held
+from dampyr.identification.search.problem import Problem, SearchPoint, with_held
 from dampyr.identification.search.variable_projection import WARM_DAMPING, levenberg_marquardt
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.phrases import listing
@@ -157,13 +157,13 @@ class _Path:
         low, high = (float(side[k]) for side in self.problem.inner_limits)
         self.ends = (math.log(low) if low > 0.0 else -math.inf) if log else low, math.log(high) if log else high
         self.best = self.coordinate_of(float(start.theta[k]))
-        self.seen: dict[float, tuple[float, Point]] = {}
+        self.seen: dict[float, tuple[float, SearchPoint]] = {}
         self._evaluate(self.best, start)
         self._scale(fit, block, label)
         if block.is_robust:
             self.notes.append("the weights of the robust loss stay as they are at the optimum")
 
-    def _evaluate(self, coordinate: float, near: Point | None = None) -> float:
+    def _evaluate(self, coordinate: float, near: SearchPoint | None = None) -> float:
         """The lowest cost with the coefficient held there, started from the nearest point that is known."""
         if coordinate not in self.seen:
             if near is None:
@@ -171,7 +171,7 @@ class _Path:
             theta, value = near.theta.copy(), self.value_of(coordinate)
             theta[self.k] = value
             held = with_held(self.problem, {self.k: value})
-            end = levenberg_marquardt(held, Point(theta, near.local), None, TIGHT, damping=WARM_DAMPING)
+            end = levenberg_marquardt(held, SearchPoint(theta, near.local), None, TIGHT, damping=WARM_DAMPING)
             self.seen[coordinate] = end.cost, end.point
         return self.seen[coordinate][0]
 
@@ -288,7 +288,7 @@ def variance_ratios(fit: Fit, block: Optimum) -> tuple[dict[int, float], dict[in
     return ratios, freedoms
 
 
-def coordinate_scale(problem: Problem, point: Point) -> Array:
+def coordinate_scale(problem: Problem, point: SearchPoint) -> Array:
     """What a step of each search coordinate is worth in SI units, (G,): the value where it is logarithmic, else 1."""
     return np.where(problem.is_logarithmic, point.theta, 1.0)
 

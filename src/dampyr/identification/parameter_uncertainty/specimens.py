@@ -47,7 +47,7 @@ ERRORS = ("pooled", "own")
 
 
 @dataclass(frozen=True, repr=False)
-class Spread(Shown):
+class SpecimenSpread(Shown):
     """One number over the specimens, SI units.
 
     ``mean`` (geometric where ``relative``), its ``mean_interval``, the ``spread`` between specimens with ``spread_interval``
@@ -79,7 +79,7 @@ class Specimens(Shown):
     ``not_estimated`` the numbers that fewer than three specimens determine, with the reason.
     """
 
-    spreads: dict[str, Spread]
+    spreads: dict[str, SpecimenSpread]
     fits: dict[str, Fit]
     left_out: dict[str, str]
     not_estimated: dict[str, str]
@@ -225,7 +225,7 @@ class Specimens(Shown):
         return np.array([one.relative for one in self._in_order])
 
     @property
-    def _in_order(self) -> list[Spread]:
+    def _in_order(self) -> list[SpecimenSpread]:
         return [self.spreads[label] for label in self._reference.parameters]
 
     @property
@@ -373,7 +373,7 @@ def group_by_specimen(records: Sequence[Record]) -> dict[str, list[Record]]:
 def _over_specimens(fits: dict[str, Fit], left_out: dict[str, str], level: float, pooled: bool) -> Specimens:
     factors = _pooling_factors(fits) if pooled else {}
     labels = list(dict.fromkeys(label for one in fits.values() for label in one.parameters))
-    spreads, effects, missing = dict[str, Spread](), dict[str, RandomEffects](), dict[str, str]()
+    spreads, effects, missing = dict[str, SpecimenSpread](), dict[str, RandomEffects](), dict[str, str]()
     for label in labels:
         some = {name: one for name, one in fits.items() if not _why_not(one, label)}
         without = {name: why for name, one in fits.items() if (why := _why_not(one, label))}
@@ -388,7 +388,7 @@ def _over_specimens(fits: dict[str, Fit], left_out: dict[str, str], level: float
         made = random_effects(y, errors / values if relative else errors, level)
         back: Callable[[float], float] = math.exp if relative else float
         effects[label] = made
-        spreads[label] = Spread(
+        spreads[label] = SpecimenSpread(
             label=label,
             unit=next(iter(some.values())).units[label],
             relative=relative,

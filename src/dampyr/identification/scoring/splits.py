@@ -22,14 +22,14 @@ class Target:
 
 
 @dataclass(frozen=True)
-class Task:
+class FoldTask:
     """One fold: fit these, predict those."""
 
     fitted: tuple[Record, ...]
     predicted: tuple[Target, ...]
 
 
-def split_tasks(records: Sequence[Record], split: str, folds: int = 5, seed: int = 0) -> list[Task]:
+def split_tasks(records: Sequence[Record], split: str, folds: int = 5, seed: int = 0) -> list[FoldTask]:
     """The folds of a split: see `dampyr.identification.cross_validate`."""
     if split != "time" and split not in PARTS:
         raise InputError(f"{split!r} is an unknown split; choose {', '.join([*PARTS, 'time'])}")
@@ -39,20 +39,20 @@ def split_tasks(records: Sequence[Record], split: str, folds: int = 5, seed: int
     return [_apart(listed, part) for part in PARTS[split](listed, folds, seed)]
 
 
-def _apart(records: list[Record], part: list[int]) -> Task:
+def _apart(records: list[Record], part: list[int]) -> FoldTask:
     held = set(part)
     rest = tuple(record for k, record in enumerate(records) if k not in held)
-    return Task(rest, tuple(Target(records[k]) for k in part))
+    return FoldTask(rest, tuple(Target(records[k]) for k in part))
 
 
-def _early(records: list[Record]) -> Task:
+def _early(records: list[Record]) -> FoldTask:
     """Every record's first part is fitted and its last part predicted."""
     cuts = []
     for record in records:
         start, end = motion_start(record), float(record.time[-1])
         cuts.append(start + FITTED_SHARE * (end - start))
     fitted = tuple(record.until(cut) for record, cut in zip(records, cuts, strict=True))
-    return Task(fitted, tuple(Target(record, cut) for record, cut in zip(records, cuts, strict=True)))
+    return FoldTask(fitted, tuple(Target(record, cut) for record, cut in zip(records, cuts, strict=True)))
 
 
 def _enough(records: list[Record], folds: int) -> None:

@@ -19,7 +19,7 @@ from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.least_squares import check_records_and_model, fit_model, one_thread
 from dampyr.identification.scoring.score import Score, score
 from dampyr.identification.scoring.scoring_window import scorable
-from dampyr.identification.scoring.splits import Target, Task, split_tasks
+from dampyr.identification.scoring.splits import FoldTask, Target, split_tasks
 from dampyr.models import Composition, Damper
 from dampyr.origin import NOT_STATED, Origin, check_one_kind, combined
 from dampyr.records import Record, motion_start
@@ -151,7 +151,9 @@ def _fold_by_one_thread(*arguments: Any) -> Fold:
         return _fold(*arguments)
 
 
-def _fold(model: str | Composition | Damper, task: Task, not_scored: Mapping[str, str], options: FitOptions) -> Fold:
+def _fold(
+    model: str | Composition | Damper, task: FoldTask, not_scored: Mapping[str, str], options: FitOptions
+) -> Fold:
     fit_result = fit_model(model, list(task.fitted), options)
     names = tuple(_named(r, task) for r in task.fitted)
     skipped = tuple(t.record.name for t in task.predicted if t.record.name in not_scored)
@@ -174,7 +176,7 @@ def _fold(model: str | Composition | Damper, task: Task, not_scored: Mapping[str
     return Fold(names, scores, fit_result.converged, fit_result.reason, outside, skipped, work)
 
 
-def _named(record: Record, task: Task) -> str:
+def _named(record: Record, task: FoldTask) -> str:
     """What was fitted, in words: a name, and until when where the rest of the record is predicted."""
     again = any(t.record.name == record.name for t in task.predicted)
     return f"{record.name} until {record.time[-1]:.4g} s" if again else record.name

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from dampyr.identification.search.fit_data import Piece, thinned
-from dampyr.identification.search.problem import Point, Problem, independent_blocks
+from dampyr.identification.search.problem import Problem, SearchPoint, independent_blocks
 from dampyr.identification.search.variable_projection import (
     COARSE_TOLERANCE,
     levenberg_marquardt,
@@ -26,7 +26,7 @@ START_SPREAD = 1.0  # standard deviation of the logarithm by which random starts
 SCANNED_SAMPLES = 3000  # of each record on which the proposals are tried
 
 
-def begin(problem: Problem, work: Work | None = None) -> Point:
+def begin(problem: Problem, work: Work | None = None) -> SearchPoint:
     """The point where the search begins: the best of the parts' proposals, tried at each input separately.
 
     Parts in series with something that stretches begin where they end without it. What it takes is counted as ``work``.
@@ -52,7 +52,7 @@ def begin(problem: Problem, work: Work | None = None) -> Point:
     return replace(neutral, theta=theta)
 
 
-def _from_rigid(problem: Problem, work: Work) -> Point:
+def _from_rigid(problem: Problem, work: Work) -> SearchPoint:
     """The fit without what stretches, and a stretch that is small against the stroke."""
     soft = [p.name for p in problem.composition.parts if p.stretch]
     chosen = [k for k, c in enumerate(problem.columns) if c.name.partition(".")[0] not in soft]
@@ -65,18 +65,18 @@ def _from_rigid(problem: Problem, work: Work) -> Point:
     for k, span in zip(chosen, rigid.slices, strict=True):
         theta[problem.slices[k]] = rigid_point.theta[span]
     local[:, : rigid.locals] = rigid_point.local
-    return Point(problem.inside(theta), local)
+    return SearchPoint(problem.inside(theta), local)
 
 
-def _neutral(problem: Problem) -> Point:
+def _neutral(problem: Problem) -> SearchPoint:
     theta = np.maximum(problem.inner_limits[0], 0.0)
     local = np.zeros((len(problem.pieces), problem.locals))
     if "offset" in problem.common:
         local[:, 0] = [float(np.mean(p.force)) for p in problem.pieces]
-    return Point(theta, local)
+    return SearchPoint(theta, local)
 
 
-def best_of(problem: Problem, starts: int, seed: int, work: Work) -> tuple[Point, int]:
+def best_of(problem: Problem, starts: int, seed: int, work: Work) -> tuple[SearchPoint, int]:
     """The best of several starts, and how many ended in the same optimum (in the block where fewest did).
 
     Each independent block has its own starts: from the parts' proposals, the best first, then from random points
@@ -92,10 +92,10 @@ def best_of(problem: Problem, starts: int, seed: int, work: Work) -> tuple[Point
         best = min(ends, key=lambda end: end.cost)
         agreed = min(agreed, sum(end.cost <= (1.0 + SAME) * best.cost + 1e-12 for end in ends))
         theta[block.coefficients], local[block.records] = best.point.theta, best.point.local
-    return Point(theta, local), agreed
+    return SearchPoint(theta, local), agreed
 
 
-def _several(problem: Problem, starts: int, rng: np.random.Generator, work: Work) -> list[Point]:
+def _several(problem: Problem, starts: int, rng: np.random.Generator, work: Work) -> list[SearchPoint]:
     """The best proposals in their order, then random points around the first."""
     neutral = _neutral(problem)
     points = [_with(problem, neutral, proposal) for proposal in _proposals(problem, problem.pieces)]
@@ -110,7 +110,7 @@ def _several(problem: Problem, starts: int, rng: np.random.Generator, work: Work
     return start_points
 
 
-def _with(problem: Problem, neutral: Point, proposal: dict[str, float]) -> Point:
+def _with(problem: Problem, neutral: SearchPoint, proposal: dict[str, float]) -> SearchPoint:
     theta = neutral.theta.copy()
     for column, span in zip(problem.columns, problem.slices, strict=True):
         if column.size and column.name in proposal:

@@ -23,8 +23,8 @@ from dampyr.identification.search.parametrisation import bases
 from dampyr.identification.search.problem import (
     MISFIT,
     PRIOR,
-    Point,
     Problem,
+    SearchPoint,
     SummationPlan,
     has_lag,
     input_at,
@@ -50,7 +50,7 @@ MAX_TURNS = 12  # of letting nuisances go to their limits and back
 RIDGE = 1e-13  # of each record's nuisances, so that two with the same derivatives share their step
 
 
-def products(problem: Problem, point: Point, by_cluster: bool = False) -> list[Array]:
+def products(problem: Problem, point: SearchPoint, by_cluster: bool = False) -> list[Array]:
     """The sums of products of each record over [nuisances, coefficients, residual], (groups, K, K) with K = L + G + 1.
 
     One group, or one per cluster of the record's samples. The residual is measured less model.
@@ -58,7 +58,7 @@ def products(problem: Problem, point: Point, by_cluster: bool = False) -> list[A
     return [_products_of_record(problem, point, r, by_cluster) for r in range(len(problem.pieces))]
 
 
-def _products_of_record(problem: Problem, point: Point, r: int, by_cluster: bool) -> Array:
+def _products_of_record(problem: Problem, point: SearchPoint, r: int, by_cluster: bool) -> Array:
     one, u = problem.pieces[r], input_at(problem, point, r)
     values, gain = values_at(problem, point, r, u), point.nuisance(problem, r, "gain")
     states, force = point.states(problem, r), one.force - point.nuisance(problem, r, "offset")
@@ -78,7 +78,7 @@ def _products_of_record(problem: Problem, point: Point, r: int, by_cluster: bool
     return np.asarray(matrix.T @ sums @ matrix)
 
 
-def _derivative_by_lag(problem: Problem, point: Point, r: int) -> Array:
+def _derivative_by_lag(problem: Problem, point: SearchPoint, r: int) -> Array:
     """The derivative (n,) of the force of the parts by the lag, by a difference."""
     one, sides = problem.pieces[r], []
     for more in (LAG_STEP, 0.0):
@@ -88,7 +88,7 @@ def _derivative_by_lag(problem: Problem, point: Point, r: int) -> Array:
 
 
 def _with_gain_and_temperature(
-    problem: Problem, point: Point, r: int, plan: SummationPlan, values: Array, gain: float
+    problem: Problem, point: SearchPoint, r: int, plan: SummationPlan, values: Array, gain: float
 ) -> tuple[Array, Array]:
     """The factors and the matrix of a plan with what changes from point to point: gain, temperature."""
     if not {"gain", "temperature"} & set(problem.common):
@@ -105,7 +105,7 @@ def _with_gain_and_temperature(
     return np.ascontiguousarray(factor), matrix
 
 
-def _by_temperature(problem: Problem, point: Point, plan: SummationPlan, values: Array, warmth: float) -> Array:
+def _by_temperature(problem: Problem, point: SearchPoint, plan: SummationPlan, values: Array, warmth: float) -> Array:
     """What multiplies each column so that their sum is the derivative by the logarithm of the viscosity's factor."""
     if not problem.varying:
         return np.where(plan.parameter >= 0, values[plan.parameter], 0.0) / warmth
@@ -155,7 +155,7 @@ def _products_of_stored(
     return np.stack([part.T @ part for part in np.split(table, ends[:-1])])
 
 
-def with_priors(problem: Problem, point: Point, sums: Array) -> Array:
+def with_priors(problem: Problem, point: SearchPoint, sums: Array) -> Array:
     """The sums (M, K, K) with the priors of gains and temperatures, as one more row each."""
     out = sums
     for name, spread in PRIOR.items():
@@ -167,7 +167,7 @@ def with_priors(problem: Problem, point: Point, sums: Array) -> Array:
     return out
 
 
-def modelled_force(problem: Problem, point: Point, record: int) -> Array:
+def modelled_force(problem: Problem, point: SearchPoint, record: int) -> Array:
     """The force (n,) that the fit gives for a record, its own offset, gain and states included, N.
 
     Through the moving average of the measured force, where that holds one.
@@ -181,7 +181,7 @@ def modelled_force(problem: Problem, point: Point, record: int) -> Array:
 
 
 @dataclass(frozen=True)
-class Step:
+class SearchStep:
     """Of the coefficients (G,) and of each record's nuisances (M, L)."""
 
     theta: Array
@@ -213,11 +213,11 @@ class NormalEquations:
         """Whether the model could be evaluated there."""
         return isfinite(self.cost)
 
-    def reduction(self, step: Step) -> float:
+    def reduction(self, step: SearchStep) -> float:
         """By how much a step lowers the cost, as the linear model has it."""
         return float(compile_cached(predicted_reduction)(self.sums, step.theta, step.local))
 
-    def after(self, step: Step) -> NormalEquations:
+    def after(self, step: SearchStep) -> NormalEquations:
         """The normal equations after a step of unknowns that the force is affine in, the other derivatives as they are."""
         sums = np.empty_like(self.sums)
         compile_cached(sums_after_step)(self.sums, step.theta, step.local, sums)
@@ -229,7 +229,7 @@ class NormalEquations:
         )
         return NormalEquations(sums, self.linear, self.local_linear, *limits)
 
-    def _solve_one(self, only_linear: bool, damping: float, curvature: Array | None) -> Step:
+    def _solve_one(self, only_linear: bool, damping: float, curvature: Array | None) -> SearchStep:
         """As `solve`, for one record: its nuisances are unknowns like the others."""
         L, S = self.local_low.shape[1], self.sums[0]
         if curvature is not None:
@@ -242,7 +242,7 @@ class NormalEquations:
         row = only_linear, below, above, chosen
         compile_cached(unknowns_of_record)(self.low, self.high, self.linear, *own, *row)
         step = solve_bounded(S, damping, below, above, chosen)
-        return Step(step[L:], step[None, :L])
+        return SearchStep(step[L:], step[None, :L])
 
     @cached_property
     def reduced(self) -> Eliminated:
@@ -250,7 +250,7 @@ class NormalEquations:
         free = (self.local_low < -1e-12) & (self.local_high > 1e-12)
         return eliminated(self.sums, free, np.zeros_like(self.local_low))
 
-    def _to_release(self, step: Step, free: Bools, only_linear: bool) -> Bools:
+    def _to_release(self, step: SearchStep, free: Bools, only_linear: bool) -> Bools:
         """Which nuisances are at a limit that they would leave to lower the cost."""
         if only_linear or np.all(free):
             return np.zeros_like(free)
@@ -262,10 +262,10 @@ class NormalEquations:
         off_high = (step.local >= self.local_high) & (slope < -small)
         return ~free & movable & (off_low | off_high)
 
-    def _rows(self, step: Step) -> Array:
+    def _rows(self, step: SearchStep) -> Array:
         return np.concatenate((step.local, np.broadcast_to(step.theta, (len(self.sums), step.theta.size))), axis=1)
 
-    def solve(self, only_linear: bool = False, damping: float = 0.0, curvature: Array | None = None) -> Step:
+    def solve(self, only_linear: bool = False, damping: float = 0.0, curvature: Array | None = None) -> SearchStep:
         """The step to the lowest cost inside the limits, of all unknowns or of the linear ones.
 
         ``damping`` as in Levenberg-Marquardt, a part of each diagonal element; ``curvature`` (G, G) is added to the normal
@@ -284,12 +284,12 @@ class NormalEquations:
             theta = solve_bounded(np.column_stack((H, left.target)), 0.0, self.low, self.high, chosen)
             local = left.nuisances(theta)
             beyond = (local < self.local_low) | (local > self.local_high)
-            released = self._to_release(Step(theta, local), free, only_linear) & (turn < MAX_TURNS // 2)
+            released = self._to_release(SearchStep(theta, local), free, only_linear) & (turn < MAX_TURNS // 2)
             if not np.any(beyond | released):
                 break
             free = (free & ~beyond) | released
             fixed = np.where(free, 0.0, np.where(beyond, np.clip(local, self.local_low, self.local_high), fixed))
-        return Step(theta, np.clip(local, self.local_low, self.local_high))
+        return SearchStep(theta, np.clip(local, self.local_low, self.local_high))
 
 
 @dataclass(frozen=True)
@@ -340,12 +340,12 @@ def with_curvature(H: Array, curvature: Array, least_part: float = 0.2, largest_
     return np.asarray((full * np.clip(1.0 + seen, least_part, largest_part)) @ full.T * np.outer(d, d))
 
 
-def linearise(problem: Problem, point: Point) -> NormalEquations:
+def linearise(problem: Problem, point: SearchPoint) -> NormalEquations:
     """The normal equations around ``point``."""
     return of_sums(problem, point, with_priors(problem, point, np.concatenate(products(problem, point))))
 
 
-def of_sums(problem: Problem, point: Point, sums: Array) -> NormalEquations:
+def of_sums(problem: Problem, point: SearchPoint, sums: Array) -> NormalEquations:
     """The normal equations of the sums of products (M, K, K) of each record around ``point``, which are changed in place."""
     below, above = np.empty((2, problem.size))
     compile_cached(to_search_coordinates)(sums, point.theta, problem.is_logarithmic, *problem.limits, below, above)
@@ -354,12 +354,12 @@ def of_sums(problem: Problem, point: Point, sums: Array) -> NormalEquations:
     return NormalEquations(sums, problem.is_linear, problem.is_local_linear, *bounds)
 
 
-def step_point(problem: Problem, point: Point, step: Step) -> Point:
+def step_point(problem: Problem, point: SearchPoint, step: SearchStep) -> SearchPoint:
     """``point`` after a step (a factor exp(step) of a logarithmic coefficient), inside the limits to rounding."""
     theta, local = np.empty(problem.size), np.empty_like(point.local)
     given = point.theta, step.theta, problem.is_logarithmic, *problem.inner_limits, theta
     compile_cached(add_step)(*given, point.local, step.local, *problem.local_limits, local)
-    return Point(theta, local)
+    return SearchPoint(theta, local)
 
 
 def half_sum_of_squares(sums: Array) -> float:

@@ -17,7 +17,7 @@ from dampyr.identification.search.normal_equations import (
     products,
     with_priors,
 )
-from dampyr.identification.search.problem import Block, Point, Problem, independent_blocks
+from dampyr.identification.search.problem import Block, Problem, SearchPoint, independent_blocks
 from dampyr.models import Damper
 
 Array = NDArray[np.float64]
@@ -31,7 +31,7 @@ class Optimum:
     """
 
     problem: Problem
-    point: Point
+    point: SearchPoint
     part_of: tuple[Optimum, Block] | None = None
 
     @cached_property
@@ -125,7 +125,7 @@ class Optimum:
         return list(range(self.problem.size)) if self.part_of is None else self.part_of[1].coefficients
 
 
-def _by_cluster(problem: Problem, point: Point) -> list[Array]:
+def _by_cluster(problem: Problem, point: SearchPoint) -> list[Array]:
     cluster_sums = products(problem, point, by_cluster=True)
     first = with_priors(problem, point, np.stack([sums[0] for sums in cluster_sums]))
     for sums, changed in zip(cluster_sums, first, strict=True):

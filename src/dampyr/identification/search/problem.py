@@ -181,7 +181,7 @@ def summation_plan(problem: Problem, at_input: Sequence[Array | None]) -> Summat
 
 
 @dataclass(frozen=True)
-class Point:
+class SearchPoint:
     """A point of the search: all coefficients (G,), and each record's nuisances (M, L), gains by their logarithm."""
 
     theta: Array
@@ -210,9 +210,9 @@ class Point:
         log = problem.is_logarithmic
         return np.where(log, np.log(np.where(log, self.theta, 1.0)), self.theta)
 
-    def in_block(self, block: Block) -> Point:
+    def in_block(self, block: Block) -> SearchPoint:
         """The part of this point that belongs to a block of its problem."""
-        return Point(self.theta[block.coefficients], self.local[block.records])
+        return SearchPoint(self.theta[block.coefficients], self.local[block.records])
 
 
 def has_lag(problem: Problem) -> bool:
@@ -220,7 +220,7 @@ def has_lag(problem: Problem) -> bool:
     return problem.composition.lag is not None and problem.varying
 
 
-def input_at(problem: Problem, point: Point, record: int, more: float = 0.0) -> Array | float:
+def input_at(problem: Problem, point: SearchPoint, record: int, more: float = 0.0) -> Array | float:
     """The input of a record, behind its command by the lag of the point and ``more`` s where there is a lag."""
     one, k = problem.pieces[record], problem.composition.lag
     if k is None or not problem.varying:
@@ -229,7 +229,7 @@ def input_at(problem: Problem, point: Point, record: int, more: float = 0.0) -> 
     return lagged(one.t, one.u, tau)
 
 
-def values_at(problem: Problem, point: Point, record: int, u: Array | float) -> Array:
+def values_at(problem: Problem, point: SearchPoint, record: int, u: Array | float) -> Array:
     """The parameter vector (P,) of a record, or (n, P) where its input ``u`` varies, its own viscosity included."""
     if problem.varying:
         owned = zip(problem.owners, point.of(problem), strict=True)

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.identification.search.fit_data import first_part
-from dampyr.identification.search.normal_equations import NormalEquations, Step, linearise, step_point
+from dampyr.identification.search.normal_equations import NormalEquations, SearchStep, linearise, step_point
 from dampyr.identification.search.optimum import Optimum
-from dampyr.identification.search.problem import Point, Problem, independent_blocks
+from dampyr.identification.search.problem import Problem, SearchPoint, independent_blocks
 from dampyr.identification.search.work import Work
 
 Array = NDArray[np.float64]
@@ -54,14 +54,14 @@ class Outcome:
     work: float = 0.0
 
     @property
-    def point(self) -> Point:
+    def point(self) -> SearchPoint:
         """The point where it ended."""
         return self.optimum.point
 
 
 def search(
     problem: Problem,
-    point: Point,
+    point: SearchPoint,
     progress: Callable[[int, float], None] | None = None,
     tolerance: float = TOLERANCE,
     max_iterations: int = MAX_ITERATIONS,
@@ -76,13 +76,13 @@ def search(
     outcomes = []
     blocks = independent_blocks(problem)
     for k, block in enumerate(blocks):
-        start = Point(theta[block.coefficients], local[block.records])
+        start = SearchPoint(theta[block.coefficients], local[block.records])
         share = work.share(len(blocks) - k)
         outcome = _search_in_stages(block.problem, start, progress, tolerance, max_iterations, share)
         work.spent += share.spent
         theta[block.coefficients], local[block.records] = outcome.point.theta, outcome.point.local
         outcomes.append((block, outcome))
-    end = Point(theta, local)
+    end = SearchPoint(theta, local)
     failed = [(block, outcome) for block, outcome in outcomes if not outcome.converged]
     block, reported = (failed or outcomes)[0]
     where = f" (records at {np.mean(block.problem.pieces[0].u):g} {block.problem.pieces[0].unit})"
@@ -98,7 +98,7 @@ def search(
 
 def _search_in_stages(
     problem: Problem,
-    point: Point,
+    point: SearchPoint,
     progress: Callable[[int, float], None] | None,
     tolerance: float,
     max_iterations: int,
@@ -137,7 +137,7 @@ def decimated_problem(problem: Problem) -> Problem | None:
 
 def levenberg_marquardt(
     problem: Problem,
-    point: Point,
+    point: SearchPoint,
     progress: Callable[[int, float], None] | None,
     tolerance: float,
     max_iterations: int = MAX_ITERATIONS,
@@ -204,7 +204,7 @@ def levenberg_marquardt(
     return Outcome(Optimum(problem, point), here.cost, converged, reason, iteration, _at_limit(problem, point))
 
 
-def more_damping(here: NormalEquations, step: Step, damping: float) -> float:
+def more_damping(here: NormalEquations, step: SearchStep, damping: float) -> float:
     """The damping after a step that was refused: tens more until the step is another one.
 
     Where the damping is far below the smallest eigenvalue of the scaled normal equations, ten times more changes nothing, and
@@ -221,7 +221,7 @@ def more_damping(here: NormalEquations, step: Step, damping: float) -> float:
     return damping
 
 
-def solve_linear_parameters(problem: Problem, point: Point, work: Work) -> tuple[Point, NormalEquations]:
+def solve_linear_parameters(problem: Problem, point: SearchPoint, work: Work) -> tuple[SearchPoint, NormalEquations]:
     """``point`` with its linear unknowns at their optimum, and the normal equations around it.
 
     The residual there is exact, the force being affine in these unknowns. Where their step was small, so are the changes of
@@ -260,13 +260,13 @@ def update_secant_hessian(curvature: Array | None, old: NormalEquations, new: No
     return np.asarray(curvature + update / along - float(step @ rest) * np.outer(change, change) / along**2)
 
 
-def _at_limit(problem: Problem, point: Point) -> tuple[int, ...]:
+def _at_limit(problem: Problem, point: SearchPoint) -> tuple[int, ...]:
     low, high = problem.limits
     near = (point.theta <= low + 2e-9) | (point.theta >= high)
     return tuple(int(k) for k in np.flatnonzero(near & ~np.isnan(low)))
 
 
-def projected_cost(problem: Problem, point: Point, work: Work) -> float:
+def projected_cost(problem: Problem, point: SearchPoint, work: Work) -> float:
     """The cost at ``point`` with the linear unknowns at their optimum, without moving there."""
     work.count(problem)
     here = linearise(problem, point)

@@ -28,7 +28,7 @@ def write_step_block(layout: Layout) -> tuple[list[str], Function, int]:
     """The functions that ``step_block`` calls, as text, ``step_block`` itself, and how many rows of workspace it needs."""
     if layout.in_series:
         return [], _sample_by_sample(layout), 0
-    writer = Writer(layout)
+    writer = BlockWriter(layout)
     step_block = writer.step_block()
     return writer.functions, step_block, writer.workspace_rows
 
@@ -43,7 +43,7 @@ def _sample_by_sample(layout: Layout) -> Function:
     return _step_block(_loop(*moved, *filled))
 
 
-class Writer:
+class BlockWriter:
     """Writes ``step_block`` of one composition; ``workspace`` (rows, BLOCK) passes values from one of its loops to the next."""
 
     def __init__(self, layout: Layout) -> None:

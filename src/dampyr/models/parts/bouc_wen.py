@@ -60,7 +60,7 @@ def starts(scale: Scale) -> Iterator[dict[str, float]]:
 
 
 @dataclass(frozen=True)
-class Printed:
+class PrintedBoucWen:
     r"""The letters of (2.1) and (2.2), with alpha z in the force (the printed alpha dz/dt has the wrong units).
 
     .. math:: F = c_0 v + k_0 (x - x_0) + \alpha z, \quad
@@ -94,19 +94,19 @@ def from_printed(c0: float, k0: float, alpha: float, A: float, beta: float, gamm
     ``gamma`` multiplies \|v\| z and ``beta`` multiplies v \|z\|^n, as in (2.2); Ikhouane and Rodellar and OpenSees swap
     the two. Raises :class:`~dampyr.errors.InputError` where the set is unbounded or makes energy (gamma <= 0).
     """
-    z_max = Printed(c0, k0, alpha, A, beta, gamma, n).z_max
+    z_max = PrintedBoucWen(c0, k0, alpha, A, beta, gamma, n).z_max
     if gamma <= 0:
         raise InputError(f"gamma = {gamma:g} gives sigma <= 0: the loop makes energy; gamma must be greater than 0")
     return BoucWen(c0=c0, k0=k0, kw=alpha * z_max, rho=A / z_max, sigma=gamma / (beta + gamma), n=n)
 
 
-def to_printed(model: BoucWen, A: float = 1.0) -> Printed:
+def to_printed(model: BoucWen, A: float = 1.0) -> PrintedBoucWen:
     """The printed letters of a normalised model, with the free scale of z fixed by ``A``."""
     if A <= 0:
         raise InputError(f"A = {A:g} is not allowed; the scale of z must be greater than 0")
     z_max = A / model.rho
     total = A / z_max**model.n
-    return Printed(
+    return PrintedBoucWen(
         c0=model.c0,
         k0=model.k0,
         alpha=model.kw / z_max,

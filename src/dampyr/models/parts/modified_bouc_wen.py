@@ -104,7 +104,7 @@ def starts(scale: Scale) -> Iterator[dict[str, float]]:
 
 
 @dataclass(frozen=True)
-class Printed:
+class PrintedModifiedBoucWen:
     r"""The letters of the source, whose state is z.
 
     .. math:: \dot z = -\gamma|\dot x - \dot y| z |z|^{n-1} - \beta(\dot x - \dot y)|z|^n + A(\dot x - \dot y)
@@ -121,7 +121,7 @@ class Printed:
     n: float
 
 
-def from_printed(printed: Printed) -> ModifiedBoucWen:
+def from_printed(printed: PrintedModifiedBoucWen) -> ModifiedBoucWen:
     """The part with the source's letters, in SI units; :class:`~dampyr.errors.InputError` for what it cannot have."""
     p = printed
     if p.c1 <= 0:
@@ -139,9 +139,11 @@ def from_printed(printed: Printed) -> ModifiedBoucWen:
     )
 
 
-def to_printed(model: ModifiedBoucWen, A: float = 1.0) -> Printed:
+def to_printed(model: ModifiedBoucWen, A: float = 1.0) -> PrintedModifiedBoucWen:
     """The source's letters of a part, with the free scale of z fixed by ``A``."""
     c1 = model.kw / model.vc
     element = bouc_wen.BoucWen(model.r * c1, model.kappa * model.kw, model.kw, model.rho, model.sigma, model.n)
     inner = bouc_wen.to_printed(element, A)
-    return Printed(inner.c0, c1, inner.k0, model.k1, inner.alpha, inner.A, inner.beta, inner.gamma, inner.n)
+    return PrintedModifiedBoucWen(
+        inner.c0, c1, inner.k0, model.k1, inner.alpha, inner.A, inner.beta, inner.gamma, inner.n
+    )

@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from dampyr.models.damper import Damper
-from dampyr.models.published._conversion import LENGTHS, MODELS, Printed
+from dampyr.models.published._conversion import LENGTHS, MODELS, PrintedSet
 from dampyr.origin import DERIVED
 
 
 @dataclass(frozen=True)
-class Motion:
+class SourceMotion:
     """A sine that the source runs: ``amplitude`` m, ``frequency`` Hz, and the ``inputs`` (V or A) it is run at."""
 
     amplitude: float
@@ -65,7 +65,7 @@ class About:
     printed: Mapping[str, tuple[float, str]]
     limits: tuple[float, float]
     limits_from: str
-    motion: Motion
+    motion: SourceMotion
     model: str
     length: str
     description: str
@@ -94,7 +94,7 @@ class About:
 
     def damper(self) -> Damper:
         """The damper in SI, which says where it comes from."""
-        laws = MODELS[self.model](Printed(self.numbers, self.letters, LENGTHS[self.length]), self.limits)
+        laws = MODELS[self.model](PrintedSet(self.numbers, self.letters, LENGTHS[self.length]), self.limits)
         source = {"paper": self.paper, "where": self.where, "read": self.read, "device": self.device}
         source |= {"limits": self.limits_from}
         source["motion"] = (
@@ -126,7 +126,7 @@ def _about(table: dict[str, Any]) -> About:
     if "angular_frequency" in motion:
         motion["frequency"] = motion.pop("angular_frequency") / (2.0 * pi)
     read = {
-        "motion": Motion(motion["amplitude"], motion["frequency"], tuple(motion["inputs"])),
+        "motion": SourceMotion(motion["amplitude"], motion["frequency"], tuple(motion["inputs"])),
         "printed": {letter: (number, unit) for letter, (number, unit) in table["printed"].items()},
         "limits": tuple(table["limits"]),
         "notes": tuple(table["notes"]),

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dampyr.models.laws import Constant, Interpolation, Law, Polynomial
-from dampyr.models.parts.bouc_wen import Printed as BoucWenPrinted
+from dampyr.models.parts.bouc_wen import PrintedBoucWen as BoucWenPrinted
 
 KNOTS = 65  # of a ratio; they keep it within 1e-4
 LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3}  # m
@@ -24,7 +24,7 @@ Laws = dict[str, Law | float]
 
 
 @dataclass(frozen=True)
-class Printed:
+class PrintedSet:
     """The printed numbers of a set by the letters of the models, gamma with \\|v\\| z, in SI.
 
     ``numbers`` has them by the letters of the source, ``letters`` the letters that differ, ``length`` the unit of length in m.
@@ -66,7 +66,7 @@ class Printed:
         }
 
 
-def bouc_wen(p: Printed, limits: tuple[float, float]) -> Laws:
+def bouc_wen(p: PrintedSet, limits: tuple[float, float]) -> Laws:
     """The laws of `bouc_wen` without its spring."""
     return {
         "bouc_wen.c0": Polynomial(tuple(p.polynomial("c0")), *limits),
@@ -76,7 +76,7 @@ def bouc_wen(p: Printed, limits: tuple[float, float]) -> Laws:
     }
 
 
-def modified_bouc_wen(p: Printed, limits: tuple[float, float]) -> Laws:
+def modified_bouc_wen(p: PrintedSet, limits: tuple[float, float]) -> Laws:
     """The laws of `modified_bouc_wen`, and of an `offset`: the printed f0, or that of the spring k1 (x - x0)."""
     kw, c1 = [a * p.z_max for a in p.polynomial("alpha")], p.polynomial("c1")
     laws: Laws = {

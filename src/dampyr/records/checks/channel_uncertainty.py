@@ -12,7 +12,7 @@ from dampyr.errors import InputError
 
 
 @dataclass(frozen=True)
-class Uncertainty:
+class ChannelUncertainty:
     r"""The standard uncertainty (one sigma) of a channel of a record, in the channel's unit.
 
     .. math:: u = \sqrt{\textstyle\sum_k u_k^2}
@@ -29,8 +29,8 @@ class Uncertainty:
                 raise InputError(f"uncertainty {name} = {value} is not allowed; it must be finite and 0 or more")
         object.__setattr__(self, "parts", MappingProxyType({name: float(value) for name, value in self.parts.items()}))
 
-    def __reduce__(self) -> tuple[type[Uncertainty], tuple[dict[str, float]]]:
-        return Uncertainty, (dict(self.parts),)
+    def __reduce__(self) -> tuple[type[ChannelUncertainty], tuple[dict[str, float]]]:
+        return ChannelUncertainty, (dict(self.parts),)
 
     @property
     def standard(self) -> float:

@@ -21,7 +21,7 @@ from dampyr.records.record import Array, Record
 
 
 @dataclass(frozen=True)
-class Delay:
+class ForceLag:
     """The lag from velocity zero to force zero, s.
 
     ``seconds`` is the mean of ``after_upper`` and ``after_lower``, the medians behind upper and lower turning
@@ -42,7 +42,7 @@ class Delay:
         )
 
 
-def estimate_delay(record: Record) -> Delay:
+def estimate_delay(record: Record) -> ForceLag:
     """The lag of the force behind the velocity over the whole cycles; the record stays as it is.
 
     Raises
@@ -69,7 +69,7 @@ def estimate_delay(record: Record) -> Delay:
         )
     upper_lag, lower_lag = float(np.median(lags[1])), float(np.median(lags[-1]))
     apart = np.abs(np.r_[np.array(lags[1]) - upper_lag, np.array(lags[-1]) - lower_lag])
-    return Delay(0.5 * (upper_lag + lower_lag), upper_lag, lower_lag, float(np.median(apart)), len(apart))
+    return ForceLag(0.5 * (upper_lag + lower_lag), upper_lag, lower_lag, float(np.median(apart)), len(apart))
 
 
 def correct_delay(record: Record, seconds: float) -> Record:

@@ -64,7 +64,7 @@ class DataFile:
 
 
 @dataclass(frozen=True)
-class Group:
+class FileGroup:
     """Files that lie in one place, ``prefix``, and whose sha256 nobody gives."""
 
     names: tuple[str, ...]
@@ -101,7 +101,7 @@ class DataSet:
     reading: str = ""
     notes: tuple[str, ...] = ()
     files: tuple[DataFile, ...] = ()
-    groups: tuple[Group, ...] = ()
+    groups: tuple[FileGroup, ...] = ()
 
     @property
     def contents(self) -> tuple[DataFile, ...]:

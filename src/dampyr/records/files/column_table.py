@@ -49,7 +49,7 @@ HALF_A_DAY = 43200.0  # s: a clock that goes back by more has passed midnight, o
 
 
 @dataclass(frozen=True)
-class Table:
+class ColumnTable:
     """Columns as a file has them: names, units ("" unknown), both empty without a header, and ``(n, m)`` values.
 
     ``kinds`` says what each column holds: "number"; or s, of a "clock" since midnight, of a "stamp" and a "date" since the
@@ -81,7 +81,7 @@ class Table:
         return ", ".join(words[:MAX_NAMED]) + (f" and {count - MAX_NAMED} more" if count > MAX_NAMED else "")
 
 
-def record_of(path: Path, table: Table, request: ReadOptions, kind: str) -> Record:
+def record_of(path: Path, table: ColumnTable, request: ReadOptions, kind: str) -> Record:
     """The record in a table, every channel in SI; ``kind`` is the name of the format."""
     used = _columns(path, table, request)
     _check_needed(path, table, used, request)
@@ -116,7 +116,7 @@ def name_and_unit(cell: str) -> tuple[str, str]:
     return (match[1].strip(), match[2].strip()) if match else (cell.strip(), "")
 
 
-def _columns(path: Path, table: Table, request: ReadOptions) -> dict[str, int]:
+def _columns(path: Path, table: ColumnTable, request: ReadOptions) -> dict[str, int]:
     """Which column each channel is: as declared, else by the words of the header among the columns that are left."""
     declared = {channel: said for channel, said in request.columns.items() if said != ""}
     used: dict[str, int] = {}
@@ -135,7 +135,7 @@ def _columns(path: Path, table: Table, request: ReadOptions) -> dict[str, int]:
     return {channel: used[channel] for channel in CHANNELS if channel in used}
 
 
-def guess_channels(path: Path, table: Table) -> dict[str, int]:
+def guess_channels(path: Path, table: ColumnTable) -> dict[str, int]:
     """Channel -> the column that its header's words say it is; those that are not certain are left out."""
     guessed: dict[str, int] = {}
     for channel in CHANNELS:
@@ -145,7 +145,7 @@ def guess_channels(path: Path, table: Table) -> dict[str, int]:
     return guessed
 
 
-def _declared_column(path: Path, table: Table, channel: str, said: str | int) -> int:
+def _declared_column(path: Path, table: ColumnTable, channel: str, said: str | int) -> int:
     count = table.values.shape[1]
     if isinstance(said, str):
         fits = _called(table, said)
@@ -164,7 +164,7 @@ def _declared_column(path: Path, table: Table, channel: str, said: str | int) ->
     return said
 
 
-def _by_words(path: Path, table: Table, channel: str, taken: set[int]) -> int | None:
+def _by_words(path: Path, table: ColumnTable, channel: str, taken: set[int]) -> int | None:
     lower = [name.lower() for name in table.names]
     fits = [k for word in WORDS[channel] for k, name in enumerate(lower) if name == word and k not in taken]
     if len(fits) > 1:
@@ -177,7 +177,7 @@ def _by_words(path: Path, table: Table, channel: str, taken: set[int]) -> int | 
     return fits[0] if fits else None
 
 
-def _called(table: Table, said: str) -> list[int]:
+def _called(table: ColumnTable, said: str) -> list[int]:
     """The columns of this header; else of this name with its unit; else of this name, in upper or lower case."""
     exact = [k for k, (name, full) in enumerate(zip(table.names, table.headers())) if said in (name, full)]
     if len(exact) == 1:
@@ -190,7 +190,7 @@ def _called(table: Table, said: str) -> list[int]:
     return with_unit or called
 
 
-def _check_needed(path: Path, table: Table, used: dict[str, int], request: ReadOptions) -> None:
+def _check_needed(path: Path, table: ColumnTable, used: dict[str, int], request: ReadOptions) -> None:
     """Time (or ``dt``), force, and displacement or velocity have to be there."""
     if request.dt is not None and "time" in used:
         there = repr(table.names[used["time"]]) if table.names else f"number {used['time']}"
@@ -212,7 +212,7 @@ def _check_needed(path: Path, table: Table, used: dict[str, int], request: ReadO
         )
 
 
-def _check_kinds(path: Path, table: Table, used: dict[str, int]) -> None:
+def _check_kinds(path: Path, table: ColumnTable, used: dict[str, int]) -> None:
     for channel, column in used.items():
         if channel != "time" and _kind(table, column) != "number":
             raise FileError(
@@ -222,7 +222,7 @@ def _check_kinds(path: Path, table: Table, used: dict[str, int]) -> None:
             )
 
 
-def _check_empty(path: Path, table: Table, used: dict[str, int]) -> None:
+def _check_empty(path: Path, table: ColumnTable, used: dict[str, int]) -> None:
     for channel, column in used.items():
         if column in table.empty:
             raise FileError(
@@ -230,11 +230,11 @@ def _check_empty(path: Path, table: Table, used: dict[str, int]) -> None:
             )
 
 
-def _kind(table: Table, column: int) -> str:
+def _kind(table: ColumnTable, column: int) -> str:
     return table.kinds[column] if table.kinds else "number"
 
 
-def _check_units(path: Path, table: Table, used: dict[str, int], request: ReadOptions) -> None:
+def _check_units(path: Path, table: ColumnTable, used: dict[str, int], request: ReadOptions) -> None:
     """Raise :class:`FileError` with every column that has no unit, not the first one only."""
     used = {channel: column for channel, column in used.items() if _kind(table, column) == "number"}
     stated = {channel: table.units[column] if table.units else "" for channel, column in used.items()}
@@ -259,7 +259,7 @@ def _check_one_input(path: Path, inputs: dict[str, Any]) -> None:
 
 
 def _time(
-    path: Path, table: Table, column: int | None, request: ReadOptions
+    path: Path, table: ColumnTable, column: int | None, request: ReadOptions
 ) -> tuple[Array, dict[str, str], tuple[str, ...]]:
     """The time in s, the text of its first stamp for the provenance, and what the history says of it."""
     if column is None:
@@ -295,7 +295,7 @@ def _time(
     return seconds - seconds[0], {"first_sample": first} | date, (note,)
 
 
-def _in_si(path: Path, table: Table, channel: str, column: int, request: ReadOptions) -> Array:
+def _in_si(path: Path, table: ColumnTable, channel: str, column: int, request: ReadOptions) -> Array:
     stated = table.units[column] if table.units else ""
     declared = request.units.get(channel, "")
     if stated and declared and _spelled(stated, channel) != _spelled(declared, channel):

@@ -62,7 +62,7 @@ DECIMAL = re.compile(r"[,pPxX]")
 
 
 @dataclass(frozen=True)
-class Section:
+class PatternSection:
     """What is said of the files that one of the ``patterns`` matches, by the names of `KEYS`."""
 
     path: Path
@@ -113,8 +113,8 @@ class FolderReading:
     """What ``reading.toml`` says about the files of its folder; nothing where there is none."""
 
     path: Path
-    base: Section
-    sections: tuple[Section, ...] = ()
+    base: PatternSection
+    sections: tuple[PatternSection, ...] = ()
     validation: tuple[str, ...] = ()
     ignore: tuple[str, ...] = ()
 
@@ -160,7 +160,7 @@ class _Together:
     said: dict[str, Any] = field(default_factory=dict)
     by: dict[str, str] = field(default_factory=dict)
 
-    def add(self, section: Section, said: Mapping[str, Any]) -> None:
+    def add(self, section: PatternSection, said: Mapping[str, Any]) -> None:
         """Enter what a section says; :class:`FileError` where another one has said something else."""
         pattern = next(each for each in section.patterns if matches(self.file, each))
         for name, value in said.items():
@@ -199,7 +199,7 @@ def reading_of(folder: Path) -> FolderReading:
     """
     path = folder / NAME
     if not path.is_file():
-        return FolderReading(path, Section(path, (), {}))
+        return FolderReading(path, PatternSection(path, (), {}))
     try:
         settings = parse_toml(path.read_text("utf-8"))
     except InputError as problem:
@@ -242,7 +242,7 @@ def _section_patterns(path: Path, table: Mapping[str, Any], number: int) -> tupl
     return tuple(patterns)
 
 
-def _section(path: Path, table: Mapping[str, Any], patterns: tuple[str, ...], where: str) -> Section:
+def _section(path: Path, table: Mapping[str, Any], patterns: tuple[str, ...], where: str) -> PatternSection:
     values = {}
     for name, check in KEYS.items():
         if name in table:
@@ -254,7 +254,7 @@ def _section(path: Path, table: Mapping[str, Any], patterns: tuple[str, ...], wh
         raise FileError(
             path, f"{where}voltage and current are both given; a record has one input, so leave one of them out"
         )
-    return Section(path, patterns, values)
+    return PatternSection(path, patterns, values)
 
 
 def _expression(pattern: str) -> str:

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError
 from dampyr.origin import NOT_STATED, Origin
-from dampyr.records.checks.channel_uncertainty import Uncertainty
+from dampyr.records.checks.channel_uncertainty import ChannelUncertainty
 from dampyr.records.files.new_file import new_file, reserve
 from dampyr.records.formats.h5 import FORMAT, PIECE, SCHEMA, Raw, fill
 from dampyr.records.record import CHANNELS, GROUPS, Array, Label, Record, Role
@@ -55,7 +55,7 @@ class RawChannel:
 
 
 @dataclass(frozen=True)
-class Header:
+class RecordingHeader:
     """What is known of a test before it begins; ``constants`` are channels that are one number, ``derived`` those that only the
     finished file has."""
 
@@ -90,7 +90,7 @@ class Header:
 class Recording:
     """A file under way. ``rows`` samples are acknowledged: they survive whatever happens to this process."""
 
-    def __init__(self, path: str | Path, capacity: int, header: Header) -> None:
+    def __init__(self, path: str | Path, capacity: int, header: RecordingHeader) -> None:
         """Make the file with room for ``capacity`` samples, and reserve as much again for the copy that finishes it.
 
         Raises :class:`~dampyr.errors.FileError` where the disk has no space for both, or the file is there already.
@@ -165,7 +165,7 @@ class Recording:
         refine: Refine | None = None,
         margin: int = 0,
         marks: tuple[str, ...] = (),
-        uncertainty: Mapping[str, Uncertainty] | None = None,
+        uncertainty: Mapping[str, ChannelUncertainty] | None = None,
         constants: Mapping[str, float] | None = None,
     ) -> Path:
         """Close the file and write it anew with what became known, whole or not at all, a piece of it at a time.
@@ -220,7 +220,7 @@ class Recording:
             raise FileError(self.path, f"{what}: {' '.join(str(problem).split())}") from problem
 
 
-def check_disk_space(folder: Path, what: str, header: Header, capacity: int) -> None:
+def check_disk_space(folder: Path, what: str, header: RecordingHeader, capacity: int) -> None:
     """Reserve the room for a recording and the copy that finishes it, and give it back.
 
     Raises :class:`~dampyr.errors.FileError` where the disk, a quota or the limit of a file's length does not allow it.
@@ -296,14 +296,14 @@ def _raw(values: _Column, channel: RawChannel) -> Raw:
     return Raw(values, channel.unit, channel.gain, channel.offset, channel.calibrated_unit, channel.delay)
 
 
-def _names(header: Header) -> list[str]:
+def _names(header: RecordingHeader) -> list[str]:
     return [*(f"calibrated/{name}" for name in header.channels), *(f"raw/{name}" for name in header.raw)]
 
 
 Place = tuple[int, "np.dtype[Any]"]
 
 
-def _made(path: Path, capacity: int, header: Header) -> tuple[dict[str, Place], int]:
+def _made(path: Path, capacity: int, header: RecordingHeader) -> tuple[dict[str, Place], int]:
     """The file with everything but samples, whole and synced before anyone sees it under its name.
 
     Where each dataset begins in it, with its type, and where the number of rows stands.

@@ -24,7 +24,7 @@ import numpy as np
 
 from dampyr.errors import FileError
 from dampyr.origin import ORIGIN_KINDS
-from dampyr.records.files.column_table import SPELLINGS, TEMPERATURES, Table, name_and_unit, record_of
+from dampyr.records.files.column_table import SPELLINGS, TEMPERATURES, ColumnTable, name_and_unit, record_of
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import GROUPS, Array, Record
 
@@ -72,7 +72,7 @@ def has_numbers(path: Path) -> bool:
     return any(_is_too_wide(line) or _is_row(line) for line in lines)
 
 
-def read_table(path: Path, header: int | None = None, by_number: bool = False) -> Table:
+def read_table(path: Path, header: int | None = None, by_number: bool = False) -> ColumnTable:
     """The numbers of a text file with the header above them.
 
     ``header`` is the line of the names, from 1, or 0 where there is none; None: the last before the numbers, or before a line
@@ -84,7 +84,7 @@ def read_table(path: Path, header: int | None = None, by_number: bool = False) -
 
 def table_of_text(
     path: Path, text: str, header: int | None = None, by_number: bool = False, notes: tuple[str, ...] = ()
-) -> Table:
+) -> ColumnTable:
     """As `read_table`, of a text that came from ``path``; ``notes`` go to the record's history."""
     remaining = io.StringIO(text, newline=None)
     lines, first = _first_row(path, remaining, header)
@@ -94,7 +94,7 @@ def table_of_text(
     cells = [] if header == 0 else _header(path, lines[:first], header, delimiter, values.shape[1], by_number)
     pairs = [name_and_unit(cell) for cell in cells]
     texts = _texts(lines[first], delimiter)
-    return Table(
+    return ColumnTable(
         names=tuple(name for name, _ in pairs),
         units=tuple(unit for _, unit in pairs),
         values=values,

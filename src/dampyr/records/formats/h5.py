@@ -37,7 +37,7 @@ import numpy as np
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
 from dampyr.origin import Origin, as_origin, of_board
-from dampyr.records.checks.channel_uncertainty import Uncertainty
+from dampyr.records.checks.channel_uncertainty import ChannelUncertainty
 from dampyr.records.conditioning.moving_average import Alignment, MovingAverage
 from dampyr.records.files.checksums import REPAIR, Attributes, Checksums, Stored, attributes_of
 from dampyr.records.files.new_file import new_file
@@ -93,7 +93,7 @@ class FewSamples(FileError):
 
 
 @dataclass(frozen=True)
-class State:
+class FileState:
     """What a folder needs to know of a file: is it complete, of which test is it which try."""
 
     complete: bool
@@ -155,7 +155,7 @@ def _origin(root: Mapping[str, Any], provenance: Mapping[str, str]) -> Origin:
     return as_origin(str(root["origin"])) if "origin" in root else of_board(provenance.get("board", ""))
 
 
-def _uncertainty(path: Path, attributes: Attributes) -> dict[str, Uncertainty]:
+def _uncertainty(path: Path, attributes: Attributes) -> dict[str, ChannelUncertainty]:
     """The standard uncertainty of each channel that states it."""
     stated = {}
     for name in CHANNELS:
@@ -165,7 +165,7 @@ def _uncertainty(path: Path, attributes: Attributes) -> dict[str, Uncertainty]:
         unit = str(attributes[f"calibrated/{name}"].get("unit", "")) or CHANNELS[name]
         size = float(to_si(1.0, unit, CHANNELS[name]) - to_si(0.0, unit, CHANNELS[name]))
         try:
-            stated[name] = Uncertainty({part: size * value for part, value in json.loads(text).items()})
+            stated[name] = ChannelUncertainty({part: size * value for part, value in json.loads(text).items()})
         except (ValueError, TypeError, AttributeError) as problem:
             raise FileError(
                 path, f"/calibrated/{name} states no uncertainty that can be read ({problem}); {REPAIR}"
@@ -234,11 +234,11 @@ def _texts(file: Any, name: str, stored: Stored) -> tuple[str, ...]:
     return texts
 
 
-def state(path: str | Path) -> State:
+def state(path: str | Path) -> FileState:
     """Whether the file is complete, and of which test it is which try."""
     with _open(Path(path)) as file:
         test = str(file.attrs.get("test", file.attrs["name"]))
-        return State(_is_complete(file), test, int(file.attrs.get("try", 1)))
+        return FileState(_is_complete(file), test, int(file.attrs.get("try", 1)))
 
 
 def provenance(path: str | Path) -> dict[str, str]:

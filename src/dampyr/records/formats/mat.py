@@ -21,7 +21,7 @@ import numpy as np
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
 from dampyr.origin import ORIGIN_KINDS
-from dampyr.records.files.column_table import Table, record_of
+from dampyr.records.files.column_table import ColumnTable, record_of
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.self_contained import check_contained
 from dampyr.records.record import COMMENTS, GROUPS, Array, Record, stated
@@ -66,7 +66,7 @@ def read(path: Path, request: ReadOptions) -> Record:
     return _of_the_campaign(path, stored, request)
 
 
-def _table(path: Path, stored: _Stored, request: ReadOptions) -> Table:
+def _table(path: Path, stored: _Stored, request: ReadOptions) -> ColumnTable:
     """One matrix, or one column for each variable that is declared."""
     if request.variable is not None:
         matrix = _real(path, stored, request.variable)
@@ -77,7 +77,7 @@ def _table(path: Path, stored: _Stored, request: ReadOptions) -> Table:
                 f"the variable {request.variable} has the shape {matrix.shape}; its rows must be the samples, so "
                 "save its transpose",
             )
-        return Table((), (), matrix, groups=stored.groups())
+        return ColumnTable((), (), matrix, groups=stored.groups())
     numbers = [f"{channel} = {column}" for channel, column in request.columns.items() if isinstance(column, int)]
     if numbers:
         raise FileError(
@@ -98,7 +98,7 @@ def _table(path: Path, stored: _Stored, request: ReadOptions) -> Table:
         if vector.size != n:
             raise FileError(path, f"{name} has {vector.size} samples and {first} has {n}; export the test again")
     values = np.column_stack([vector.ravel() for vector in vectors.values()]) if vectors else np.empty((0, 0))
-    return Table(tuple(vectors), ("",) * len(vectors), values, groups=stored.groups())
+    return ColumnTable(tuple(vectors), ("",) * len(vectors), values, groups=stored.groups())
 
 
 def _of_the_campaign(path: Path, stored: _Stored, request: ReadOptions) -> Record:

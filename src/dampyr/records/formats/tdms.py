@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from dampyr.errors import FileError, InputError, install_line
-from dampyr.records.files.column_table import WORDS, Table, name_and_unit, record_of
+from dampyr.records.files.column_table import WORDS, ColumnTable, name_and_unit, record_of
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import GROUPS, Record
 
@@ -63,7 +63,7 @@ def _group(path: Path, file: Any, wanted: str | None) -> Any:
 
 def _table(
     path: Path, group: str, channels: list[Any], properties: dict[str, Any], declared: float | None
-) -> tuple[Table, float | None]:
+) -> tuple[ColumnTable, float | None]:
     """The channels as columns, and the interval [s] of the waveforms where they have one; ``declared`` is that of a person."""
     increments = {channel.name: declared or float(channel.properties.get(INTERVAL, 0.0)) for channel in channels}
     intervals = {value for value in increments.values() if value > 0.0}
@@ -100,7 +100,7 @@ def _table(
         columns, note = _aligned(path, group, columns, starts, interval)
         notes.append(note)
     cells = [(name_and_unit(channel.name), str(channel.properties.get(UNIT, "")).strip()) for channel in channels]
-    return Table(
+    return ColumnTable(
         names=tuple(name for (name, _), _ in cells),
         units=tuple(stated or unit for (_, unit), stated in cells),
         values=np.column_stack(columns),
@@ -168,7 +168,7 @@ def _aligned(
     return aligned, note
 
 
-def _has_time(table: Table, request: ReadOptions) -> bool:
+def _has_time(table: ColumnTable, request: ReadOptions) -> bool:
     if "time" in request.columns:
         return request.columns["time"] not in (None, "-")
     return any(name.lower() in WORDS["time"] for name in table.names)

@@ -116,7 +116,7 @@ BODIES: dict[Request | Reply, struct.Struct] = {
 
 
 @dataclass(frozen=True)
-class Frame:
+class SerialFrame:
     """One request or reply: its type, its number, and the values of its body."""
 
     kind: Request | Reply
@@ -151,7 +151,7 @@ class Status:
     proven: bool = False
 
 
-def status_of(frame: Frame) -> Status:
+def status_of(frame: SerialFrame) -> Status:
     """The status in a STATUS reply."""
     time, state, faults, position, speed, duty, flags, free, nxt, bad, shift, passes = frame.values
     enabled, homed, limited = bool(flags & ENABLED), bool(flags & HOMED), bool(flags & LIMITED)
@@ -163,7 +163,7 @@ def status_of(frame: Frame) -> Status:
     )  # fmt: skip
 
 
-def encode(frame: Frame) -> bytes:
+def encode(frame: SerialFrame) -> bytes:
     """The bytes of a frame with its closing 0."""
     if frame.kind == Request.SETPOINTS:
         first, *points = frame.values
@@ -174,7 +174,7 @@ def encode(frame: Frame) -> bytes:
     return stuffed(payload + struct.pack("<H", crc(payload))) + b"\0"
 
 
-def decode(block: bytes) -> Frame | None:
+def decode(block: bytes) -> SerialFrame | None:
     """The frame in the bytes before a 0; None where they are none."""
     raw = unstuffed(block)
     if raw is None or not 4 <= len(raw) <= MAX_BODY + 4 or crc(raw[:-2]) != int.from_bytes(raw[-2:], "little"):
@@ -182,18 +182,18 @@ def decode(block: bytes) -> Frame | None:
     return _frame(raw[0], raw[1], raw[2:-2])
 
 
-def _frame(kind: int, number: int, body: bytes) -> Frame | None:
+def _frame(kind: int, number: int, body: bytes) -> SerialFrame | None:
     if kind == Request.SETPOINTS:
         count = body[4] if len(body) > 4 else 0
         if not 1 <= count <= MAX_POINTS or len(body) != 5 + 4 * count:
             return None
-        return Frame(
+        return SerialFrame(
             Request.SETPOINTS, number, (int.from_bytes(body[:4], "little"), *struct.unpack(f"<{count}i", body[5:]))
         )
     frame_kind = next((each for each in BODIES if each == kind), None)
     if frame_kind is None or len(body) != BODIES[frame_kind].size:
         return None
-    return Frame(frame_kind, number, BODIES[frame_kind].unpack(body))
+    return SerialFrame(frame_kind, number, BODIES[frame_kind].unpack(body))
 
 
 class Reader:
@@ -203,7 +203,7 @@ class Reader:
         self.bad = 0
         self._waiting = bytearray()
 
-    def feed(self, data: bytes) -> list[Frame]:
+    def feed(self, data: bytes) -> list[SerialFrame]:
         """The frames that are whole with these bytes."""
         *blocks, rest = (bytes(self._waiting) + data).split(b"\0")
         self._waiting = bytearray(rest[-2 * MAX_BODY :])

@@ -20,11 +20,11 @@ from dampyr.rig.firmware.protocol import (
     PROVEN,
     VERSION,
     Fault,
-    Frame,
     Reader,
     Reason,
     Reply,
     Request,
+    SerialFrame,
     State,
     encode,
 )
@@ -95,7 +95,7 @@ class Twin:
         """Bytes from the host -> the replies to what is whole with them."""
         return b"".join(map(self.answer, self.reader.feed(data)))
 
-    def answer(self, frame: Frame) -> bytes:
+    def answer(self, frame: SerialFrame) -> bytes:
         """The reply to one request; a repeated request is answered again and not carried out again."""
         if not isinstance(frame.kind, Request):
             self.reader.bad += 1
@@ -105,17 +105,17 @@ class Twin:
             self.last_request = (frame.kind, frame.number)
         return self.last_reply
 
-    def _reply(self, frame: Frame) -> Frame:
+    def _reply(self, frame: SerialFrame) -> SerialFrame:
         kind = Request(frame.kind)
         reason = self._refused(kind, frame.values)
         if reason is not None:
-            return Frame(Reply.NAK, frame.number, (kind, reason))
+            return SerialFrame(Reply.NAK, frame.number, (kind, reason))
         getattr(self, f"_{kind.name.lower()}")(*frame.values)
         if kind == Request.HELLO:
-            return Frame(Reply.HELLO, frame.number, (VERSION, FIRMWARE[0] << 8 | FIRMWARE[1], c.RATE, c.QUEUE))
+            return SerialFrame(Reply.HELLO, frame.number, (VERSION, FIRMWARE[0] << 8 | FIRMWARE[1], c.RATE, c.QUEUE))
         if kind == Request.HEARTBEAT:
-            return Frame(Reply.STATUS, frame.number, self._status())
-        return Frame(Reply.ACK, frame.number, (kind, self.free))
+            return SerialFrame(Reply.STATUS, frame.number, self._status())
+        return SerialFrame(Reply.ACK, frame.number, (kind, self.free))
 
     def _refused(self, kind: Request, values: tuple[int, ...]) -> Reason | None:
         """Why a request cannot be carried out; the first reason of the order in the document."""

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 
-class EventLog:
+class EventFile:
     """A file with a line of JSON per event; None: none is written."""
 
     def __init__(self, path: str | Path | None) -> None:

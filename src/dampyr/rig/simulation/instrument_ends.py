@@ -14,7 +14,7 @@ from dampyr.rig.instruments.catalogue import part, place
 from dampyr.rig.instruments.connection import assembled, roles_of
 from dampyr.rig.instruments.contract import Board, TableDrive
 from dampyr.rig.settings import RigSettings
-from dampyr.rig.simulation.event_log import EventLog
+from dampyr.rig.simulation.event_log import EventFile
 from dampyr.rig.simulation.faults import FaultSpec
 from dampyr.rig.simulation.real_time import RealTimeSimulator
 from dampyr.rig.simulation.simulator import Simulator
@@ -49,7 +49,7 @@ class Simulation:
         return self._made(RealTimeSimulator)
 
     def _made(self, cls: type[S]) -> S:
-        log = None if self.black_box is None else EventLog(self.black_box)
+        log = None if self.black_box is None else EventFile(self.black_box)
         return cls(self.settings, self.seed, self.faults, self.specimen, on_event=log, chip=self.chip)
 
 

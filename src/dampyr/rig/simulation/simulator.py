@@ -51,7 +51,7 @@ BUFFER = 10.0  # s of samples that the board buffers: what the driver asks NI-DA
 
 
 @dataclass
-class Task:
+class SampledTask:
     """The sampled task: its start [s], its period, and the samples not read yet."""
 
     start: float
@@ -102,7 +102,7 @@ class Simulator:
         self.noise_rng, self.loss_rng, self.wander_rng = (np.random.default_rng([seed, k]) for k in range(3))
         self.twin: Twin | ChipFirmware = Twin(self._on_heartbeat)
         self.truth_log = TruthLog(on_event)
-        self._task: Task | None = None
+        self._task: SampledTask | None = None
         self._index_taken = 0
         self.timed: TimedCommand | None = None
         self._commanded = 0.0
@@ -186,7 +186,7 @@ class Simulator:
         if not 0.0 < rate <= 250000.0:
             raise InputError(f"rate = {rate:g} Hz is not allowed; it must be greater than 0 and at most 250000")
         self.counters[plant.N_NI] = -self.counters[plant.N_SHOWN]
-        self._task, self._index_taken = Task(self.time, 1.0 / rate), int(self.counters[plant.N_LATCHED])
+        self._task, self._index_taken = SampledTask(self.time, 1.0 / rate), int(self.counters[plant.N_LATCHED])
 
     def stop(self) -> None:
         """Stop the sampled task, if one runs; samples not read are lost."""
@@ -215,13 +215,13 @@ class Simulator:
     def read_now(self) -> tuple[Array, int]:
         """Volts (channels,) and the count of now, without a clock and without moving it; BoardError as for `read`."""
         self._apply_faults()
-        self._apply_board_faults(Task(self.time, 1.0))
+        self._apply_board_faults(SampledTask(self.time, 1.0))
         cell_faults = self._cell_faults()
         readings = self.plant[[plant.Y_CELL, plant.Y_COIL, plant.Y_CURRENT]].reshape(3, 1)
-        volts = self._volts(Task(self.time, 0.0), readings, *cell_faults)
+        volts = self._volts(SampledTask(self.time, 0.0), readings, *cell_faults)
         return volts[:, 0], int(self.counters[plant.N_SHOWN] + self.counters[plant.N_NI])
 
-    def _apply_board_faults(self, task: Task) -> None:
+    def _apply_board_faults(self, task: SampledTask) -> None:
         """Raise the error, or wait, as the board's active faults demand of a read."""
         if self._active_fault("board-timeout"):
             raise BoardError(TIMEOUT)
@@ -350,12 +350,12 @@ class Simulator:
             taken = self.counters[plant.N_TAKEN]
             self._buffer(task, self._volts(task, readings[:, :taken], *cell_faults), counts[:taken])
 
-    def _due(self, task: Task, until: int) -> int:
+    def _due(self, task: SampledTask, until: int) -> int:
         """The number of samples of ``task`` in the steps up to ``until``, or one more."""
         last = (until * self.constants.dt - task.start) / task.period
         return max(0, int(np.floor(last + 1e-6)) - task.taken)
 
-    def _buffer(self, task: Task, volts: Array, counts: NDArray[np.int64]) -> None:
+    def _buffer(self, task: SampledTask, volts: Array, counts: NDArray[np.int64]) -> None:
         """Append samples to those not read yet."""
         task.taken += counts.size
         task.volts = volts if task.volts is None else np.concatenate((task.volts, volts), axis=1)
@@ -367,7 +367,7 @@ class Simulator:
 
     def _volts(
         self,
-        task: Task,
+        task: SampledTask,
         readings: Array,
         broken: FaultSpec | None,
         drifting: FaultSpec | None,

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.origin import SIMULATED
 from dampyr.records import Record
-from dampyr.rig.drive import Reversals
-from dampyr.rig.firmware.protocol import VERSION, Frame, Reader, Reason, Reply, Request, encode
+from dampyr.rig.drive import DutyReversals
+from dampyr.rig.firmware.protocol import VERSION, Reader, Reason, Reply, Request, SerialFrame, encode
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation.simulator import Simulator
 
@@ -112,7 +112,12 @@ def _step(values: Array) -> float:
 
 
 def open_loop(
-    settings: RigSettings, drive: Reversals, voltage: float, seconds: float = 15.0, rate: float = 100.0, seed: int = 0
+    settings: RigSettings,
+    drive: DutyReversals,
+    voltage: float,
+    seconds: float = 15.0,
+    rate: float = 100.0,
+    seed: int = 0,
 ) -> Record:
     """A record of the simulated rig as the original took them: at rest for a second, then reversals, ``rate`` samples a second.
 
@@ -126,7 +131,7 @@ def open_loop(
 
 
 def _record_from(
-    settings: RigSettings, drive: Reversals, voltage: float, start: float, seconds: float, rate: float, seed: int
+    settings: RigSettings, drive: DutyReversals, voltage: float, start: float, seconds: float, rate: float, seed: int
 ) -> Record:
     """A record that begins ``start`` m from the middle."""
     rig = Simulator(settings, seed, position=start)
@@ -165,7 +170,7 @@ def _request_sender(rig: Simulator) -> Callable[..., None]:
     reader, numbers = Reader(), count()
 
     def ask(kind: Request, *values: int) -> None:
-        (reply,) = reader.feed(rig.serial(encode(Frame(kind, next(numbers) % 256, values))))
+        (reply,) = reader.feed(rig.serial(encode(SerialFrame(kind, next(numbers) % 256, values))))
         if reply.kind is Reply.NAK:
             raise InputError(f"the rig refuses {kind.name} {values}: {Reason(reply.values[1]).name}; change the drive")
 

@@ -6,7 +6,7 @@ from collections import Counter
 
 from dampyr.campaigns.campaign import Campaign, Test
 from dampyr.phrases import counted, listing
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.table import Table
 
 
@@ -46,8 +46,8 @@ def describe_campaign(campaign: Campaign) -> Description:
     )
 
 
-def _columns(campaign: Campaign) -> Frame:
+def _columns(campaign: Campaign) -> DataFrameColumns:
     """The tests in the order in which they run."""
     names = ("number", "step_number", "kind", "repeat", "words")
     columns = {name: [getattr(test, name) for test in campaign.tests] for name in names}
-    return Frame(columns, [test.name for test in campaign.tests], "test")
+    return DataFrameColumns(columns, [test.name for test in campaign.tests], "test")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 
 from dampyr.campaigns.journal import Journal
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.table import Cell, Table
 
 
@@ -32,8 +32,8 @@ def _table(journal: Journal) -> Table:
     return Table(("test", "state", "attempt", "reason"), rows)
 
 
-def _columns(journal: Journal) -> Frame:
+def _columns(journal: Journal) -> DataFrameColumns:
     """The tests in their order: state, attempt and reason."""
     entries = journal.tests()
     columns = {name: [getattr(entry, name) for entry in entries] for name in ("state", "attempt", "reason")}
-    return Frame(columns, [entry.name for entry in entries], "test")
+    return DataFrameColumns(columns, [entry.name for entry in entries], "test")

@@ -6,7 +6,7 @@ from typing import Any
 
 from dampyr.campaigns.planned_tests import Plan, PlannedTest
 from dampyr.phrases import counted, sentence
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.rig.drive import describe_drive
 from dampyr.show.table import Cell, Table
 
@@ -99,7 +99,7 @@ def _numbers(plan: Plan) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _columns(plan: Plan) -> Frame:
+def _columns(plan: Plan) -> DataFrameColumns:
     """The tests in SI units: what each asks of the rig, and why it is refused."""
     names = {
         "kind": "kind", "words": "words", "duration": "duration_s", "peak_position": "peak_position_m",
@@ -107,4 +107,4 @@ def _columns(plan: Plan) -> Frame:
         "energy": "energy_J", "refusal": "refusal",
     }  # fmt: skip
     columns = {head: [getattr(each, name) for each in plan.tests] for name, head in names.items()}
-    return Frame(columns, [each.name for each in plan.tests], "test")
+    return DataFrameColumns(columns, [each.name for each in plan.tests], "test")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dampyr.campaigns.run_control import Control, Progress
+from dampyr.campaigns.run_control import Progress, RunControl
 from dampyr.show.descriptions import Description, describe
 
 
@@ -22,7 +22,7 @@ def describe_progress(progress: Progress) -> Description:
 
 
 @describe.register
-def describe_control(control: Control) -> Description:
+def describe_control(control: RunControl) -> Description:
     """Which buttons are pressed."""
     pressed = ["pause"] * control.paused + ["stop"] * control.stopped + ["abort"] * control.aborted
-    return Description("Control", [("pressed", ", ".join(pressed) or "nothing")])
+    return Description("RunControl", [("pressed", ", ".join(pressed) or "nothing")])

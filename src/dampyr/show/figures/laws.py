@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Law(Shown):
+class LawPanel(Shown):
     """One parameter over the input, for one panel.
 
     ``axis`` names it and its unit; ``curve`` (inputs, values) is the law; ``points`` (inputs, values) are
@@ -38,15 +38,15 @@ class Law(Shown):
 
 
 @describe.register
-def describe_law(law: Law) -> Description:
+def describe_law(law: LawPanel) -> Description:
     """How many inputs the curve and the points have; the law by itself."""
     rows = [("curve", law.curve), ("points", law.points), *law.others.items()]
     shown = [(name, f"{np.size(each[0])} inputs") for name, each in rows if each is not None]
-    return Description(f"Law {law.axis.label!r}", shown, figure=lambda: parameters_against_input([law]))
+    return Description(f"LawPanel {law.axis.label!r}", shown, figure=lambda: parameters_against_input([law]))
 
 
 def parameters_against_input(
-    laws: Sequence[Law],
+    laws: Sequence[LawPanel],
     calibrated: tuple[float, float] | None = None,
     axis: Axis = VOLTAGE,
     title: str = "",

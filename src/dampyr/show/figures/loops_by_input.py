@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Loop:
+class RecordLoop:
     """A record's displacement m and measured force N, and the force N of each model by its name, ``(n,)`` each."""
 
     displacement: ArrayLike
@@ -24,7 +24,7 @@ class Loop:
     models: Mapping[str, ArrayLike]
 
 
-def loops_by_input(loops: Mapping[str, Loop], record_origin: Origin = NOT_STATED) -> Figure:
+def loops_by_input(loops: Mapping[str, RecordLoop], record_origin: Origin = NOT_STATED) -> Figure:
     """A panel for each of ``loops``, under its name, such as ``1.98 V``; one scale of force for all of them."""
     fig, axes = style.figure(2.2, 1, len(loops), sharey=True)
     with style.style():

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Motion:
+class MotionStretch:
     """A stretch of a record: time s, displacement m, force N, ``(n,)`` each."""
 
     time: ArrayLike
@@ -23,7 +23,7 @@ class Motion:
     force: ArrayLike
 
 
-def side_by_side(pairs: Sequence[tuple[str, Motion, Motion]]) -> Figure:
+def side_by_side(pairs: Sequence[tuple[str, MotionStretch, MotionStretch]]) -> Figure:
     """Pairs of a name, what was measured and what was simulated: displacement over time, and force over displacement."""
     fig, axes = style.figure(0.6 + 1.9 * len(pairs), len(pairs), 2, width_ratios=(1.6, 1.0))
     with style.style():

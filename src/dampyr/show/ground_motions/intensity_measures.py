@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dampyr.ground_motions.intensity_measures import Measures
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.table import Cell, Table
 from dampyr.units import STANDARD_GRAVITY
 
@@ -50,7 +50,7 @@ def measures_table(measures: Measures) -> Table:
     )
 
 
-def _columns(measures: Measures) -> Frame:
+def _columns(measures: Measures) -> DataFrameColumns:
     """The measures in SI units, in one row."""
     values = {
         "pga_m_per_s2": measures.pga,
@@ -61,4 +61,4 @@ def _columns(measures: Measures) -> Frame:
         "duration_5_75_s": measures.duration_5_75,
         "cumulative_absolute_velocity_m_per_s": measures.cumulative_absolute_velocity,
     }
-    return Frame({name: [value] for name, value in values.items()})
+    return DataFrameColumns({name: [value] for name, value in values.items()})

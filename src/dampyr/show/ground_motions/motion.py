@@ -10,7 +10,7 @@ import numpy as np
 from dampyr.ground_motions.intensity_measures import measures
 from dampyr.ground_motions.motion import GroundMotion
 from dampyr.phrases import sentence
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
 from dampyr.show.figures.ground_histories import ground_histories
 from dampyr.show.figures.ground_motion import ground_motion
@@ -36,7 +36,7 @@ def describe_motion(motion: GroundMotion) -> Description:
         verdict=[*map(sentence, motion.history), *([sentence(drift)] if drift else [])],
         tables=[lambda: motion_table(motion)],
         figure=lambda: ground_motion(motion.time, motion.acceleration),
-        frame=lambda: Frame({"time_s": motion.time, "acceleration_m_per_s2": motion.acceleration}),
+        frame=lambda: DataFrameColumns({"time_s": motion.time, "acceleration_m_per_s2": motion.acceleration}),
     )
 
 

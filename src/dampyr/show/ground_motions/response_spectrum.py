@@ -12,7 +12,7 @@ from dampyr.data_frames import column_name
 from dampyr.errors import InputError
 from dampyr.ground_motions.response_spectrum import UNITS, Spectrum
 from dampyr.phrases import extent, listing
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
 from dampyr.show.figures.response_spectrum import PSEUDO_ACCELERATION, SPECTRAL_DISPLACEMENT, response_spectrum
 from dampyr.show.plots import Plots, plots
@@ -69,12 +69,12 @@ def spectrum_table(spectrum: Spectrum) -> Table:
     )
 
 
-def _peaks(spectrum: Spectrum) -> Frame:
+def _peaks(spectrum: Spectrum) -> DataFrameColumns:
     """All peaks: one row a damping and period."""
     dampings, periods = np.atleast_1d(spectrum.damping), np.atleast_1d(spectrum.periods)
     columns = {"damping": np.repeat(dampings, periods.size), "period_s": np.tile(periods, dampings.size)}
     peaks = {column_name(name, unit): np.ravel(getattr(spectrum, name)) for name, unit in UNITS.items()}
-    return Frame(columns | peaks)
+    return DataFrameColumns(columns | peaks)
 
 
 def _drawn(spectrum: Spectrum, quantity: str) -> tuple[Array, dict[str, Array]]:

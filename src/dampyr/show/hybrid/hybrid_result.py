@@ -8,7 +8,7 @@ import numpy as np
 
 from dampyr.findings import as_dicts
 from dampyr.hybrid.hybrid_result import HybridResult
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures.building import building_response
 from dampyr.show.table import Cell, Table
 
@@ -98,10 +98,10 @@ def _numbers(result: HybridResult) -> dict[str, Any]:
     }
 
 
-def _histories(result: HybridResult) -> Frame:
+def _histories(result: HybridResult) -> DataFrameColumns:
     """The histories in SI units, one row a step."""
     floors = {f"floor_{name}_m": row for name, row in zip(result.computed.floors, result.displacement, strict=True)}
-    return Frame(
+    return DataFrameColumns(
         {
             "time_s": result.time,
             **floors,

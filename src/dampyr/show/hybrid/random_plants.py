@@ -6,7 +6,7 @@ import numpy as np
 
 from dampyr.hybrid.criteria import CRITERIA
 from dampyr.hybrid.random_plants import PLANT, BatchResult
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.table import Cell, Table
 
 
@@ -33,9 +33,9 @@ def _criteria(batch: BatchResult) -> Table:
     return Table(("criterion", "median", "95 %", "worst", "of plant"), rows)
 
 
-def _plants(batch: BatchResult) -> Frame:
+def _plants(batch: BatchResult) -> DataFrameColumns:
     """Plants and criteria, one row a plant."""
     columns = {name: batch.plants[:, k] for k, name in enumerate(PLANT)}
     columns |= {name: batch.true[:, k] for k, name in enumerate(CRITERIA)}
     columns |= {f"{name}_measured": batch.measured[:, k] for k, name in enumerate(CRITERIA[:5])}
-    return Frame(columns | {"radius": batch.radius, "at_limit": batch.at_limit, "diverged": batch.diverged})
+    return DataFrameColumns(columns | {"radius": batch.radius, "at_limit": batch.at_limit, "diverged": batch.diverged})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dampyr.hybrid.virtual_test import VirtualRun
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 
 
 @describe.register
@@ -21,9 +21,9 @@ def describe_run(run: VirtualRun) -> Description:
     return Description(f"VirtualRun of {run.setup.structure.name!r}", rows, frame=lambda: _histories(run))
 
 
-def _histories(run: VirtualRun) -> Frame:
+def _histories(run: VirtualRun) -> DataFrameColumns:
     """The histories, one row a sample."""
-    return Frame(
+    return DataFrameColumns(
         {
             "time_s": run.time,
             "target_m": run.target,

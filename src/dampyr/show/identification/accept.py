@@ -11,7 +11,7 @@ from dampyr.findings import as_dicts
 from dampyr.identification.acceptance_tests.accept import Accepted
 from dampyr.identification.acceptance_tests.acceptance import BEYOND, Acceptance, JudgedLevel
 from dampyr.phrases import counted, sentence
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures.acceptance import band_used
 from dampyr.show.identification.acceptance import AcceptancePlots, in_short, input_words, percent, used_of_band
 from dampyr.show.plots import plots
@@ -214,7 +214,7 @@ def _numbers(accepted: Accepted) -> dict[str, Any]:
     return dict(plain(answer | more))
 
 
-def _columns(accepted: Accepted) -> Frame:
+def _columns(accepted: Accepted) -> DataFrameColumns:
     """The judgement of each record; ``worst_deviation`` is a ratio."""
     results = accepted.results
     columns = {
@@ -231,7 +231,7 @@ def _columns(accepted: Accepted) -> Frame:
         "wrong_rejection": [acceptance.wrong_rejection for acceptance in results],
         "wrong_acceptance": [acceptance.wrong_acceptance for acceptance in results],
     }
-    return Frame(columns, [acceptance.record for acceptance in results], "record")
+    return DataFrameColumns(columns, [acceptance.record for acceptance in results], "record")
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.identification.acceptance_tests.acceptance import UNITS, Acceptance, Point
+from dampyr.identification.acceptance_tests.acceptance import UNITS, Acceptance, AcceptancePoint
 from dampyr.identification.acceptance_tests.reference_cycles import SAME, groups
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
 from dampyr.show.figures.acceptance import band_used, peak_velocity_band
 from dampyr.show.plots import Plots, plots
@@ -77,7 +77,7 @@ def _numbers(acceptance: Acceptance) -> dict[str, Any]:
     }
 
 
-def _columns(acceptance: Acceptance) -> Frame:
+def _columns(acceptance: Acceptance) -> DataFrameColumns:
     """The points: SI units, forces in compression negative."""
     names = {
         "cycle": "cycle", "level": "level", "quantity": "quantity", "speed": "speed_m_per_s", "stroke_m": "stroke_m",
@@ -85,7 +85,7 @@ def _columns(acceptance: Acceptance) -> Frame:
         "deviation": "deviation", "reason": "reason",
     }  # fmt: skip
     columns = {head: [getattr(p, name) for p in acceptance.points] for name, head in names.items()}
-    return Frame(columns | {"unit": [UNITS[p.quantity] for p in acceptance.points]})
+    return DataFrameColumns(columns | {"unit": [UNITS[p.quantity] for p in acceptance.points]})
 
 
 def input_words(acceptance: Acceptance) -> str:
@@ -116,7 +116,7 @@ def band(acceptances: Iterable[Acceptance], quantity: str) -> list[tuple[float, 
 
 def forces_and_band(acceptances: Sequence[Acceptance]) -> tuple[list[list[tuple[float, float, float, float]]], Drawn]:
     """The bands of extension and compression, and peak speeds m/s and forces N of the points inside, outside and not judged."""
-    points: dict[bool | None, list[Point]] = {True: [], False: [], None: []}
+    points: dict[bool | None, list[AcceptancePoint]] = {True: [], False: [], None: []}
     for acceptance in acceptances:
         for p in acceptance.points:
             if p.quantity != "energy":
@@ -128,7 +128,7 @@ def forces_and_band(acceptances: Sequence[Acceptance]) -> tuple[list[list[tuple[
 def used_of_band(
     acceptances: Sequence[Acceptance],
 ) -> tuple[dict[str, dict[str, list[float]]], dict[str, dict[str, list[bool]]]]:
-    """Record -> quantity -> what each judged cycle uses of the band (see `Point.used`), and whether it lies outside."""
+    """Record -> quantity -> what each judged cycle uses of the band (`AcceptancePoint.used`), and whether it lies outside."""
     used: dict[str, dict[str, list[float]]] = {
         acceptance.record: {
             q: [p.used or 0.0 for p in acceptance.judged if p.quantity == q] for q in acceptance.quantities

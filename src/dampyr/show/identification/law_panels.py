@@ -8,14 +8,14 @@ import numpy as np
 
 from dampyr.identification.search.optimum import Optimum
 from dampyr.models import Damper
-from dampyr.show.figures.laws import Law
+from dampyr.show.figures.laws import LawPanel
 from dampyr.show.figures.style import Axis
 from dampyr.units import for_people
 
 CURVE = 200  # inputs of a law's curve
 
 
-def law_panels(optimum: Optimum, intervals: Mapping[str, tuple[float, float]], damper: Damper) -> list[Law]:
+def law_panels(optimum: Optimum, intervals: Mapping[str, tuple[float, float]], damper: Damper) -> list[LawPanel]:
     """One panel for each parameter that was fitted, for `dampyr.show.figures.laws.parameters_against_input`."""
     start, end = damper.range
     usual = damper.at_mean_temperature
@@ -33,7 +33,7 @@ def law_panels(optimum: Optimum, intervals: Mapping[str, tuple[float, float]], d
         if column.size == 1:
             points = (np.array([0.5 * (start + end)]), points[1])
         panels.append(
-            Law(
+            LawPanel(
                 Axis(name if short.count(name) == 1 else column.name, unit, factor),
                 curve=(inputs, usual.all_laws[column.name](inputs)),
                 points=points,

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.identification.model_choice.leaderboard import Entry, Leaderboard
+from dampyr.identification.model_choice.leaderboard import Finalist, Leaderboard
 from dampyr.phrases import counted, listing, percent, sentence
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures.leaderboard import leaderboard_figure
 from dampyr.show.table import Cell, Table
 
@@ -21,10 +21,10 @@ ENTRY_KEYS = (
 
 
 @describe.register
-def describe_entry(entry: Entry) -> Description:
+def describe_entry(entry: Finalist) -> Description:
     """The errors of a finalist and its fit."""
     return Description(
-        f"Entry {entry.model!r}",
+        f"Finalist {entry.model!r}",
         [
             (
                 "error",
@@ -140,11 +140,11 @@ def _numbers(board: Leaderboard) -> dict[str, Any]:
     }
 
 
-def _columns(board: Leaderboard) -> Frame:
+def _columns(board: Leaderboard) -> DataFrameColumns:
     """The finalists, the best first; errors are ratios, ``seconds`` s."""
     keys = [key for key in ENTRY_KEYS if key != "model"]
     columns = {key: [getattr(entry, key) for entry in board.entries] for key in keys}
-    return Frame(columns, [entry.model for entry in board.entries], "model")
+    return DataFrameColumns(columns, [entry.model for entry in board.entries], "model")
 
 
 def screened_errors(board: Leaderboard) -> tuple[list[str], list[float], list[float]]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from dampyr.errors import InputError
 from dampyr.identification.parameter_uncertainty.posterior import Posterior
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
 from dampyr.show.figures.sample_pairs import sample_pairs
 from dampyr.show.figures.symbols import label_as_mathtext
@@ -37,7 +37,7 @@ def describe_posterior(posterior: Posterior) -> Description:
         tables=[lambda: _intervals(posterior)],
         figure=lambda: sample_pairs(*_drawn(posterior, 2)),
         data=lambda: _numbers(posterior),
-        frame=lambda: Frame(posterior.samples),
+        frame=lambda: DataFrameColumns(posterior.samples),
     )
 
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.identification.fits.residuals import Group, Residuals, Trace
+from dampyr.identification.fits.residuals import ResidualGroup, Residuals, Trace
 from dampyr.phrases import counted, extent, percent
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
 from dampyr.show.figures.autocorrelation import memory
 from dampyr.show.figures.residual_sizes import residual_sizes
@@ -72,7 +72,7 @@ def _table(residuals: Residuals) -> Table:
     )
 
 
-def _columns(residuals: Residuals) -> Frame:
+def _columns(residuals: Residuals) -> DataFrameColumns:
     """The numbers of each record, SI units."""
     names = {
         "input_value": f"input_{residuals.unit}", "stroke": "stroke_m", "frequency": "frequency_Hz", "samples": "samples",
@@ -80,10 +80,10 @@ def _columns(residuals: Residuals) -> Frame:
         "effective": "effective_samples", "repeats": "repeats", "misfit": "misfit",
     }  # fmt: skip
     columns = {head: [getattr(record, name) for record in residuals.records] for name, head in names.items()}
-    return Frame(columns, [record.name for record in residuals.records], "record")
+    return DataFrameColumns(columns, [record.name for record in residuals.records], "record")
 
 
-def groups_of_a_figure(residuals: Residuals) -> dict[str, Group]:
+def groups_of_a_figure(residuals: Residuals) -> dict[str, ResidualGroup]:
     """The groups by their input while a figure can show that many, else all records as one."""
     if len(residuals.groups) > MAX_PANELS:
         return {"all records": residuals.whole}

@@ -14,7 +14,7 @@ from dampyr.errors import InputError
 from dampyr.findings import as_dicts
 from dampyr.identification.fits.result import Fit
 from dampyr.phrases import counted, extent, listing, percent, rounded
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
 from dampyr.show.figures.history import history
 from dampyr.show.figures.laws import parameters_against_input
@@ -165,7 +165,7 @@ def _error(fit: Fit, label: str) -> str:
     return f"{rounded(factor * error, 2)} ({rounded(factor * naive, 2)}){where}"
 
 
-def _parameters(fit: Fit) -> Frame:
+def _parameters(fit: Fit) -> DataFrameColumns:
     """The fitted numbers in SI units: value, errors, 95 % interval, unit; a row a parameter."""
     spans = fit.intervals()
     columns = {
@@ -176,7 +176,7 @@ def _parameters(fit: Fit) -> Frame:
         "high_95": [spans[label][1] for label in fit.parameters],
         "unit": [fit.units[label] for label in fit.parameters],
     }
-    return Frame(columns, list(fit.parameters), "parameter")
+    return DataFrameColumns(columns, list(fit.parameters), "parameter")
 
 
 def _numbers(fit: Fit) -> dict[str, Any]:

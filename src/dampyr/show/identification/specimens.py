@@ -8,9 +8,9 @@ from typing import Any
 
 from dampyr.errors import InputError
 from dampyr.findings import as_dicts
-from dampyr.identification.parameter_uncertainty.specimens import Specimens, Spread
+from dampyr.identification.parameter_uncertainty.specimens import Specimens, SpecimenSpread
 from dampyr.phrases import listing
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
 from dampyr.show.figures.specimens import Estimates, specimen_estimates
 from dampyr.show.figures.symbols import label_as_mathtext
@@ -23,7 +23,7 @@ SHOWN = 6  # parameters that a short text lists, and panels of a figure
 
 
 @describe.register
-def describe_spread(number: Spread) -> Description:
+def describe_spread(number: SpecimenSpread) -> Description:
     """The mean, the spread and the interval of a new specimen, with their specimens and those left out."""
     shown, factor = for_people(number.unit)
     (low, high), (bottom, top) = (
@@ -37,7 +37,7 @@ def describe_spread(number: Spread) -> Description:
         ("specimens", listing(list(number.estimates), 6)),
     ]
     without = [(f"without {name}", why) for name, why in number.left_out.items()]
-    return Description(f"Spread {number.label!r}", [*rows, *without])
+    return Description(f"SpecimenSpread {number.label!r}", [*rows, *without])
 
 
 @describe.register
@@ -96,7 +96,7 @@ def mean_and_spread(specimens: Specimens) -> Table:
     )
 
 
-def _spread(number: Spread) -> tuple[str, str]:
+def _spread(number: SpecimenSpread) -> tuple[str, str]:
     """The spread and its interval: in percent where it is relative, else in the unit for people."""
     shown, factor = ("%", 100.0) if number.relative else for_people(number.unit)
     low, high = (factor * each for each in number.spread_interval)
@@ -123,7 +123,7 @@ def _numbers(specimens: Specimens) -> dict[str, Any]:
     )
 
 
-def _columns(specimens: Specimens) -> Frame:
+def _columns(specimens: Specimens) -> DataFrameColumns:
     """Mean, spread and their intervals, SI units: a row a number."""
     each = list(specimens.spreads.values())
     columns = {
@@ -137,7 +137,7 @@ def _columns(specimens: Specimens) -> Frame:
         "specimens": [len(number.estimates) for number in each],
         "unit": [number.unit for number in each],
     }
-    return Frame(columns, list(specimens.spreads), "parameter")
+    return DataFrameColumns(columns, list(specimens.spreads), "parameter")
 
 
 def _panels(specimens: Specimens, labels: Sequence[str]) -> list[Estimates]:

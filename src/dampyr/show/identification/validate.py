@@ -11,7 +11,7 @@ from dampyr.findings import as_dicts
 from dampyr.identification.scoring.prediction_band import Band
 from dampyr.identification.scoring.validate import Validated
 from dampyr.phrases import counted, percent, sentence
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
 from dampyr.show.figures.history import history
 from dampyr.show.figures.loops import loops
@@ -171,10 +171,10 @@ def _numbers(validated: Validated) -> dict[str, Any]:
     return dict(plain(answer | more))
 
 
-def _columns(validated: Validated) -> Frame:
+def _columns(validated: Validated) -> DataFrameColumns:
     """The score of each record: ratios, and the offset in N."""
     columns = {f"input_{validated.damper.input}": [record.input_value for record in validated.records]}
-    return Frame(columns | score_columns(validated.scores), list(validated.scores), "record")
+    return DataFrameColumns(columns | score_columns(validated.scores), list(validated.scores), "record")
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import numpy as np
 from dampyr.identification.scoring.score import Score
 from dampyr.identification.scoring.validation import Fold, Validation
 from dampyr.phrases import counted, listing, percent
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures.scores import scores
 from dampyr.show.table import Table
 
@@ -82,14 +82,14 @@ def _numbers(validation: Validation) -> dict[str, Any]:
     }
 
 
-def _columns(validation: Validation) -> Frame:
+def _columns(validation: Validation) -> DataFrameColumns:
     """The score of each predicted record: ratios, the offset in N, and which part it was in."""
     part = {name: k for k, fold in enumerate(validation.folds, 1) for name in fold.scores}
     columns = {
         "part": list(part.values()),
         f"input_{validation.unit}".rstrip("_"): [validation.inputs.get(name) for name in part],
     }
-    return Frame(columns | score_columns(validation.scores), list(part), "record")
+    return DataFrameColumns(columns | score_columns(validation.scores), list(part), "record")
 
 
 def score_table(scores: Mapping[str, Score], caption: str = "") -> Table:

@@ -15,7 +15,7 @@ from dampyr.models.prediction_error import session_words
 from dampyr.phrases import extent, listing
 from dampyr.show.descriptions import Description, describe
 from dampyr.show.figures import style
-from dampyr.show.figures.laws import Law as Panel
+from dampyr.show.figures.laws import LawPanel as Panel
 from dampyr.show.figures.laws import parameters_against_input
 from dampyr.show.figures.loops import loops
 from dampyr.show.plots import Plots, plots

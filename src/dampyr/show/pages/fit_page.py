@@ -12,7 +12,7 @@ from dampyr.identification import Fit, Validation, identifiability
 from dampyr.identification.fits.diagnostics import findings
 from dampyr.phrases import counted, rounded, sentence
 from dampyr.show.figures.loops import loops
-from dampyr.show.figures.loops_by_input import Loop, loops_by_input
+from dampyr.show.figures.loops_by_input import RecordLoop, loops_by_input
 from dampyr.show.identification.fit_predictions import mean_l1, prediction_in_words
 from dampyr.show.identification.result import measured_and_fitted, parameter_table
 from dampyr.show.identification.score import input_words
@@ -106,7 +106,7 @@ def _loops(fit: Fit) -> FigureBlock:
     drawn = {name: numbers[len(numbers) // 2] for name, numbers in medians.items()}
     pieces = {name: fit.problem.pieces[k] for name, k in drawn.items()}
     figure = loops_by_input(
-        {name: Loop(pieces[name].x, pieces[name].force, {"fit": fit.forces[k]}) for name, k in drawn.items()},
+        {name: RecordLoop(pieces[name].x, pieces[name].force, {"fit": fit.forces[k]}) for name, k in drawn.items()},
         fit.origin,
     )
     records = ", ".join(fit.records[k].name for k in drawn.values())

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dampyr.show.figures.fragility import MAX_CURVES, axis_of, fragility_curves
 from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text
 from dampyr.show.structures.fragility import LEVEL, comparisons, curve_table, drawn_curves, limit_in_words
-from dampyr.structures import Curve, Fragility
+from dampyr.structures import Fragility, FragilityCurve
 
 FEW = " From fewer than 40 motions the band is too narrow away from the median."
 
@@ -28,7 +28,7 @@ def fragility_section(fragility: Fragility, colours: Mapping[str, str] | None = 
 
 def _figures(fragility: Fragility, caption: str, colours: Mapping[str, str] | None) -> list[Block]:
     axis = axis_of(fragility.intensity)
-    parts: list[Sequence[Curve]] = [
+    parts: list[Sequence[FragilityCurve]] = [
         fragility.curves[k : k + MAX_CURVES] for k in range(0, len(fragility.curves), MAX_CURVES)
     ]
     return [FigureBlock(fragility_curves(drawn_curves(part), axis, colours=colours), caption) for part in parts]

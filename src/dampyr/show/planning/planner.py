@@ -9,7 +9,7 @@ import numpy as np
 from dampyr.findings import as_dicts
 from dampyr.phrases import counted, sentence
 from dampyr.planning.planner import Planned, Round
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures.expected_widths import expected_widths
 from dampyr.show.planning.proposal import half_width
 from dampyr.show.table import Cell, Table
@@ -87,7 +87,7 @@ def _number_of_tests(planned: Planned) -> int:
     return sum(len(planned_round.tests) for planned_round in planned.rounds)
 
 
-def _columns(planned: Planned) -> Frame:
+def _columns(planned: Planned) -> DataFrameColumns:
     """Expected and achieved half widths in percent, one row a coefficient of a round."""
     pairs = [(planned_round, label) for planned_round in planned.rounds for label in planned_round.achieved]
     columns = {
@@ -96,7 +96,7 @@ def _columns(planned: Planned) -> Frame:
         "expected [%]": [100 * planned_round.expected.get(label, np.nan) for planned_round, label in pairs],
         "achieved [%]": [100 * planned_round.achieved[label] for planned_round, label in pairs],
     }
-    return Frame(columns)
+    return DataFrameColumns(columns)
 
 
 def _numbers(planned: Planned) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import numpy as np
 from dampyr.findings import as_dicts
 from dampyr.phrases import counted, sentence
 from dampyr.planning.proposal import Proposal, ProposedTest, half_in_percent
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures.planned_tests import planned_tests
 from dampyr.show.table import Cell, Table
 
@@ -108,7 +108,7 @@ def _outcome(proposal: Proposal) -> list[str]:
     return [*map(sentence, proposal.notes), *reached]
 
 
-def _columns(proposal: Proposal) -> Frame:
+def _columns(proposal: Proposal) -> DataFrameColumns:
     """The tests: what each does, its duration and what it is good for."""
     tests = proposal.tests
     columns = {
@@ -116,7 +116,7 @@ def _columns(proposal: Proposal) -> Frame:
         "time [s]": [test.candidate.duration for test in tests],
         "without it wider": [test.why for test in tests],
     }
-    return Frame(columns)
+    return DataFrameColumns(columns)
 
 
 def _numbers(proposal: Proposal) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from dampyr.data_frames import column_name
 from dampyr.errors import InputError
 from dampyr.phrases import extent
 from dampyr.records.record import CHANNELS, GROUPS, Record
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
 from dampyr.show.figures.history import history
 from dampyr.show.figures.loops import loops
@@ -59,10 +59,12 @@ def describe_record(record: Record) -> Description:
     )
 
 
-def _channels(record: Record) -> Frame:
+def _channels(record: Record) -> DataFrameColumns:
     """One row a sample, one column a channel, named as ``displacement_m``."""
     channels = {name: getattr(record, name) for name in CHANNELS if getattr(record, name) is not None}
-    return Frame({column_name(name, CHANNELS[name]): np.broadcast_to(v, (record.n,)) for name, v in channels.items()})
+    return DataFrameColumns(
+        {column_name(name, CHANNELS[name]): np.broadcast_to(v, (record.n,)) for name, v in channels.items()}
+    )
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dampyr.phrases import extent
 from dampyr.rig.drive import Drive
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures.planned_drive import planned_drive
 
 
@@ -31,6 +31,6 @@ def describe_drive(drive: Drive) -> Description:
     )
 
 
-def _set_points(drive: Drive) -> Frame:
+def _set_points(drive: Drive) -> DataFrameColumns:
     """The set points in SI units, one row a set point."""
-    return Frame({"time_s": drive.time, "displacement_m": drive.displacement, "voltage_V": drive.voltage})
+    return DataFrameColumns({"time_s": drive.time, "displacement_m": drive.displacement, "voltage_V": drive.voltage})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dampyr.rig.session import Rig, Table
+from dampyr.rig.session import ArmedRig, Rig
 from dampyr.show.descriptions import Description, describe
 from dampyr.show.rig.settings import limits_of_motion
 
@@ -25,10 +25,10 @@ def describe_rig(rig: Rig) -> Description:
 
 
 @describe.register
-def describe_table(table: Table) -> Description:
+def describe_table(table: ArmedRig) -> Description:
     """Position and temperature of an armed table."""
     return Description(
-        f"Table of {table.rig.settings.name!r}, armed",
+        f"ArmedRig {table.rig.settings.name!r}, armed",
         [
             ("position", f"{1e3 * table.position:.4g} mm, {'homed' if table.homed else 'not homed'}"),
             (

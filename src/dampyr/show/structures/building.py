@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dampyr.phrases import extent, listing
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.structures.building import Building
 
 FEW = 4  # floors and modes that a short text lists one by one
@@ -27,9 +27,9 @@ def describe_building(building: Building) -> Description:
     return Description(f"{type(building).__name__} {building.name!r}", rows, frame=lambda: _columns(building))
 
 
-def _columns(building: Building) -> Frame:
+def _columns(building: Building) -> DataFrameColumns:
     """The modes: frequency, period and damping ratio, one row a mode."""
     f = building.frequencies
     with np.errstate(divide="ignore"):
         columns = {"frequency_Hz": f, "period_s": 1.0 / f, "damping_ratio": building.damping_ratios}
-    return Frame(columns, range(1, building.n + 1), "mode")
+    return DataFrameColumns(columns, range(1, building.n + 1), "mode")

@@ -11,13 +11,13 @@ from dampyr.errors import InputError
 from dampyr.findings import as_dicts
 from dampyr.ground_motions import end_in_words
 from dampyr.phrases import counted, listing
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.plots import Plots, plots
 from dampyr.show.structures.fragility import comparisons, curve_table, first_curves, limit_in_words
 from dampyr.show.table import Cell, Table
 from dampyr.structures.ensembles.ensemble_accuracy import BOUNDS, FLOOR, truncation_in_words
 from dampyr.structures.ensembles.ensemble_result import EnsembleResult
-from dampyr.structures.ensembles.fragility import Curve, Fragility
+from dampyr.structures.ensembles.fragility import Fragility, FragilityCurve
 from dampyr.structures.ensembles.incremental import incremental
 from dampyr.structures.ensembles.peak_limits import UNITS
 from dampyr.structures.ensembles.summary import summary
@@ -118,7 +118,7 @@ def trust(dataset: Any) -> list[str]:
     return [measured, fast if attributes["accuracy"] == "fast" else strict, *reduced, end, *lost]
 
 
-def _peaks(result: EnsembleResult) -> Frame:
+def _peaks(result: EnsembleResult) -> DataFrameColumns:
     """Medians and 84 % fractiles of the peaks, SI units: one row a case and scale."""
     rows = summary(result.dataset)
     columns: dict[str, Any] = {"case": [row.name for row in rows], "scale": [row.scale for row in rows]}
@@ -126,7 +126,7 @@ def _peaks(result: EnsembleResult) -> Frame:
         pairs = [row.peaks[quantity] or (None, None) for row in rows]
         for k, part in enumerate(("median", "fractile_84")):
             columns[column_name(f"{quantity}_{part}", UNITS[quantity])] = [pair[k] for pair in pairs]
-    return Frame(columns)
+    return DataFrameColumns(columns)
 
 
 def _numbers(result: EnsembleResult) -> dict[str, Any]:
@@ -144,7 +144,7 @@ def _numbers(result: EnsembleResult) -> dict[str, Any]:
     return dict(plain({**attributes, "peaks": summary(result.dataset), "fragility": curves}))
 
 
-def _curve_as_dict(curve: Curve) -> dict[str, Any]:
+def _curve_as_dict(curve: FragilityCurve) -> dict[str, Any]:
     return {
         "name": curve.name,
         "theta": curve.theta,

@@ -10,12 +10,12 @@ import numpy as np
 
 from dampyr.errors import InputError
 from dampyr.phrases import counted, listing, sentence
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
 from dampyr.show.figures.fragility import MAX_CURVES, Fragile, axis_of, fragility_curves
 from dampyr.show.plots import Plots, plots
 from dampyr.show.table import Cell, Table
-from dampyr.structures.ensembles.fragility import Curve, Fragility
+from dampyr.structures.ensembles.fragility import Fragility, FragilityCurve
 from dampyr.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
@@ -26,9 +26,9 @@ FULL = 3.3  # standard deviations above the median: how far a figure goes
 
 
 @describe.register
-def describe_curve(curve: Curve) -> Description:
+def describe_curve(curve: FragilityCurve) -> Description:
     """What was counted, the curve with the band of its median, or why there is none."""
-    title = f"Curve {curve.name!r}"
+    title = f"FragilityCurve {curve.name!r}"
     rows = [
         ("cases", f"{int(curve.of.sum())}, {int(curve.exceeding.sum())} exceed the limit, {curve.unbounded} unbounded")
     ]
@@ -128,14 +128,14 @@ def comparisons(fragility: Fragility) -> list[str]:
     return [sentence(note) for note in notes]
 
 
-def _censored(c: Curve) -> str:
+def _censored(c: FragilityCurve) -> str:
     held, all_ = c.capacities, c.capacities.value.size
     parts = [f"{held.above} never exceed the limit"] * bool(held.above)
     parts += [f"{held.below} do at the weakest scale already"] * bool(held.below)
     return f"{c.name}: of {all_} sweeps {' and '.join(parts)}"
 
 
-def _columns(fragility: Fragility) -> Frame:
+def _columns(fragility: Fragility) -> DataFrameColumns:
     """One row a curve: theta and its 90 % band in SI, beta, and what was counted."""
     curves = fragility.curves
     bands = [curve.theta_band(LEVEL) for curve in curves]
@@ -149,23 +149,23 @@ def _columns(fragility: Fragility) -> Frame:
         "unbounded": [curve.unbounded for curve in curves],
         "reason": [curve.reason for curve in curves],
     }
-    return Frame(columns, [curve.name for curve in curves], "curve")
+    return DataFrameColumns(columns, [curve.name for curve in curves], "curve")
 
 
-def drawn_curves(curves: Sequence[Curve]) -> dict[str, Fragile]:
+def drawn_curves(curves: Sequence[FragilityCurve]) -> dict[str, Fragile]:
     """Curves, bands and counted shares as `dampyr.show.figures.fragility.fragility_curves` draws them, over one range."""
     reach = _reach(curves)
     return {curve.name: _fragile(curve, reach) for curve in curves}
 
 
-def _reach(curves: Sequence[Curve]) -> float:
+def _reach(curves: Sequence[FragilityCurve]) -> float:
     """How far a figure goes: to where the last curve is nearly 1, at most as far as the motions."""
     max_level = max(float(c.levels.max()) for c in curves)
     full = [c.theta * np.exp(FULL * c.beta) for c in curves]
     return max_level if np.isnan(full).any() else float(min(max_level, max(full)))
 
 
-def _fragile(c: Curve, reach: float) -> Fragile:
+def _fragile(c: FragilityCurve, reach: float) -> Fragile:
     x = np.linspace(0.0, reach, 301)[1:]
     at, share, _ = c.shares()
     near = at <= reach

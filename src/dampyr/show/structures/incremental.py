@@ -11,15 +11,15 @@ from dampyr.show.figures import style
 from dampyr.show.figures.fragility import axis_of
 from dampyr.show.figures.incremental import incremental_curves
 from dampyr.show.plots import Plots, plots
-from dampyr.structures.ensembles.incremental import Incremental, Sweep
+from dampyr.structures.ensembles.incremental import Incremental, IncrementalCurves
 from dampyr.units import for_people
 
 
 @describe.register
-def describe_sweep(sweep: Sweep) -> Description:
+def describe_sweep(sweep: IncrementalCurves) -> Description:
     """How many curves there are, the extents of intensity and peaks, and what is unusual of them."""
     return Description(
-        f"Sweep {sweep.name!r}, SI",
+        f"IncrementalCurves {sweep.name!r}, SI",
         [
             ("curves", f"{sweep.peaks.shape[0]} of {counted(sweep.peaks.shape[1], 'scale')}"),
             ("intensity", extent(sweep.intensity, "")),
@@ -45,7 +45,7 @@ def describe_incremental(incremental: Incremental) -> Description:
     )
 
 
-def _drawn(incremental: Incremental, sweep: Sweep) -> dict[str, Any]:
+def _drawn(incremental: Incremental, sweep: IncrementalCurves) -> dict[str, Any]:
     fractiles = {f"{100 * p:g} %": sweep.fractiles[k] for k, p in enumerate(incremental.fractions)}
     return {
         "intensity": sweep.intensity, "peaks": sweep.peaks, "levels": sweep.levels, "fractiles": fractiles,

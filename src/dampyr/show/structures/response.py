@@ -13,7 +13,7 @@ from dampyr.errors import InputError
 from dampyr.findings import as_dicts
 from dampyr.ground_motions import end_in_words
 from dampyr.phrases import extent, listing
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
 from dampyr.show.figures.building import building_response
 from dampyr.show.figures.energy import energy_over_time
@@ -152,14 +152,14 @@ def _numbers(response: Response) -> dict[str, Any]:
     }
 
 
-def _columns(response: Response) -> Frame:
+def _columns(response: Response) -> DataFrameColumns:
     """The peaks, one row a floor and the storey below it."""
     columns = {
         "peak_displacement_m": response.peak_displacement,
         "peak_drift_m": response.peak_drift,
         "peak_acceleration_m_per_s2": response.peak_acceleration,
     }
-    return Frame(columns, response.floors, "floor")
+    return DataFrameColumns(columns, response.floors, "floor")
 
 
 @dataclass(frozen=True)

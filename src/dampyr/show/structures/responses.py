@@ -9,7 +9,7 @@ from typing import Any
 from dampyr.errors import InputError
 from dampyr.ground_motions import end_in_words
 from dampyr.phrases import sentence
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
 from dampyr.show.figures.building import building_response
 from dampyr.show.figures.peaks import peaks_by_floor
@@ -155,10 +155,10 @@ def _numbers(responses: Responses) -> dict[str, Any]:
     return dict(plain(cases))
 
 
-def _columns(responses: Responses) -> Frame:
+def _columns(responses: Responses) -> DataFrameColumns:
     """The peaks of each case and floor, SI units."""
     rows = [(case, floor, r, k) for case, r in responses.cases.items() for k, floor in enumerate(r.floors)]
-    return Frame(
+    return DataFrameColumns(
         {
             "case": [case for case, *_ in rows],
             "floor": [floor for _, floor, *_ in rows],

@@ -41,7 +41,7 @@ from dampyr.models.codegen.composition import Composition
 from dampyr.structures.batch.branchless_math import BLOCK_WIDTH
 from dampyr.structures.batch.damper_step import Half, half_step
 from dampyr.structures.batch.loop_fission import Loops
-from dampyr.structures.batch.modal import Step
+from dampyr.structures.batch.modal import ModalStep
 
 Array = NDArray[np.float64]
 QUANTITIES = ("displacement", "drift", "acceleration", "force", "stroke", "energy")
@@ -81,7 +81,7 @@ class KernelText:
     ring of past forces.
     """
 
-    step: Step
+    step: ModalStep
     compositions: tuple[Composition, ...]
     quantities: tuple[str, ...]
     block_width: int = BLOCK_WIDTH

@@ -26,7 +26,7 @@ WORST_CONDITION = 1e6  # of the modes; beyond it two of them are nearly one, and
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class ModalStep:
     """One step of a building with N sites, in D coordinates.
 
     ``end`` (D, D + 2 + 3N) takes (state, a0, a1, f0, fh, f1) to the state after ``h`` seconds; ``sites`` (2N, D) takes a
@@ -42,7 +42,7 @@ class Step:
     acceleration: Array
 
 
-def step(building: Building, connections: Array, h: float, basis: Array | None = None) -> Step:
+def step(building: Building, connections: Array, h: float, basis: Array | None = None) -> ModalStep:
     """The step of ``h`` seconds in ``basis`` (2n, 2n): columns are the coordinates' shapes (default: the physical ones)."""
     n = building.n
     T = np.eye(2 * n) if basis is None else basis
@@ -53,7 +53,7 @@ def step(building: Building, connections: Array, h: float, basis: Array | None =
     end = np.hstack([inverse @ whole[:, : 2 * n] @ T, inverse @ whole[:, 2 * n :]])
     drift, floors = np.eye(n) - np.eye(n, k=-1), building.n_floors
     look = np.hstack([a[n:] @ T, b[n:], building.ground_terms()[0][:, None]])
-    return Step(h, _clean(end, basis), both @ T, T[:floors].copy(), (drift @ T[:n])[:floors], look[:floors])
+    return ModalStep(h, _clean(end, basis), both @ T, T[:floors].copy(), (drift @ T[:n])[:floors], look[:floors])
 
 
 def _clean(end: Array, basis: Array | None) -> Array:

@@ -30,7 +30,7 @@ from dampyr.structures.ensembles.ensemble_grid import STEPS, STEPS_IN_SERIES, ST
 from dampyr.structures.sites import Site, calibrated_displacements, connections, laws_of
 from dampyr.structures.time_history.kernel_run import runner
 from dampyr.structures.time_history.modal_coordinates import refinements
-from dampyr.structures.time_history.response import Run, relative_change
+from dampyr.structures.time_history.response import Integration, relative_change
 from dampyr.structures.time_history.step_size import (
     ACCURACIES,
     difference_slopes,
@@ -355,7 +355,7 @@ def _one_by_one(cases: Cases, members: list[Member], done: Shard) -> None:
                 _judge_truncation(fewer, peaks, building, done)
 
 
-def _halved(once: Any, motion: Any, m: int, accuracy: str, done: Shard) -> Run:
+def _halved(once: Any, motion: Any, m: int, accuracy: str, done: Shard) -> Integration:
     """A case under control laws, its step halved until the peaks stop changing: where a decision falls the other way the
     response is another one, so that no step chosen beforehand is small enough for all cases."""
     made = halve_under_laws(once, motion, ACCURACIES[accuracy], m)

@@ -34,7 +34,7 @@ from dampyr.shown import Shown
 from dampyr.structures.ensembles.lognormal import Lognormal, by_capacity, fit_binomial, none
 from dampyr.structures.ensembles.peak_limits import UNITS
 from dampyr.structures.ensembles.store import dataset_of
-from dampyr.structures.time_history.peaks import INTENSITIES, Group, groups
+from dampyr.structures.time_history.peaks import INTENSITIES, PeakGroup, groups
 
 Array = NDArray[np.float64]
 LEAST_SHARE = 0.95  # of the draws must give a curve, else there is no band: the lost ones would be its tail
@@ -71,7 +71,7 @@ class Capacities:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Curve(Shown):
+class FragilityCurve(Shown):
     """One curve: ``theta`` the median intensity, ``beta`` the spread of its logarithm; NaN with a ``reason`` where
     the cases determine none. ``direct`` is the same from first exceedances (beta with n - 1), ``capacities`` these.
     ``draws`` (n, 2) are theta and beta of the bootstrap, NaN where one gave no curve. ``levels``, ``exceeding``,
@@ -132,7 +132,7 @@ class Fragility(Shown):
     The draws of all curves are those of the same motions, so that curves compare as pairs: `ratio`.
     """
 
-    curves: tuple[Curve, ...]
+    curves: tuple[FragilityCurve, ...]
     quantity: str
     limit: float
     limit_unit: str
@@ -142,7 +142,7 @@ class Fragility(Shown):
     seed: int
     origin: Origin = NOT_STATED
 
-    def __getitem__(self, name: str) -> Curve:
+    def __getitem__(self, name: str) -> FragilityCurve:
         for curve in self.curves:
             if curve.name == name:
                 return curve
@@ -246,7 +246,7 @@ def fragility(
     )
 
 
-def _curve(group: Group, limit: float, weights: Array) -> Curve:
+def _curve(group: PeakGroup, limit: float, weights: Array) -> FragilityCurve:
     lost = np.isnan(group.peaks)
     exceeds = lost | (group.peaks > limit)
     count = _Counts(group.intensity, exceeds.sum(axis=0), exceeds.shape[0])
@@ -259,7 +259,7 @@ def _curve(group: Group, limit: float, weights: Array) -> Curve:
         for k, weight in enumerate(weights):
             one = fit_binomial(*count.of(weight))
             drawn[k] = one.theta, one.beta
-    return Curve(
+    return FragilityCurve(
         group.name, curve.theta, curve.beta, curve.reason, direct, reached, levels, yes, of, int(lost.sum()), drawn,
         _why_no_band(curve, drawn, len(group.intensity)),
     )  # fmt: skip
@@ -274,7 +274,7 @@ def _direct(reached: Capacities) -> Lognormal:
     return replace(curve, beta=curve.beta * math.sqrt(n / (n - 1))) if curve.exists else curve
 
 
-def capacities(group: Group, limit: float) -> Capacities:
+def capacities(group: PeakGroup, limit: float) -> Capacities:
     """First exceedances, by rising intensity: between the last scale that held and the first that exceeded the peak is taken
     as linear; where the latter grew without bound, their geometric mean is taken. Later returns below the limit do not count.
     """

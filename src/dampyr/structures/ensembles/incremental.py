@@ -22,7 +22,7 @@ from dampyr.origin import NOT_STATED, Origin
 from dampyr.shown import Shown
 from dampyr.structures.ensembles.peak_limits import UNITS
 from dampyr.structures.ensembles.store import dataset_of
-from dampyr.structures.time_history.peaks import INTENSITIES, Group, groups
+from dampyr.structures.time_history.peaks import INTENSITIES, PeakGroup, groups
 
 Array = NDArray[np.float64]
 LEVELS = 40  # of intensity at which fractiles are taken: a smooth line in a figure
@@ -30,7 +30,7 @@ BEYOND = 1e300  # stands for infinity while fractiles are interpolated
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Sweep(Shown):
+class IncrementalCurves(Shown):
     """The curves of one group: ``peaks`` (curves, scales) over ``intensity`` (curves, scales), by rising intensity; NaN where a
     case grew without bound. ``fractiles`` (fractions, levels) of the peaks at each of ``levels``, inf where so many of the
     cases grew without bound; levels are those that every motion reaches."""
@@ -56,7 +56,7 @@ class Sweep(Shown):
 class Incremental(Shown):
     """Sweeps of one quantity over one intensity; ``fractions`` such as 0.16, 0.5, 0.84."""
 
-    sweeps: tuple[Sweep, ...]
+    sweeps: tuple[IncrementalCurves, ...]
     quantity: str
     quantity_unit: str
     intensity: str
@@ -64,7 +64,7 @@ class Incremental(Shown):
     fractions: tuple[float, ...]
     origin: Origin = NOT_STATED
 
-    def __getitem__(self, name: str) -> Sweep:
+    def __getitem__(self, name: str) -> IncrementalCurves:
         for sweep in self.sweeps:
             if sweep.name == name:
                 return sweep
@@ -108,7 +108,7 @@ def incremental(
     )
 
 
-def _sweep(group: Group, fractions: tuple[float, ...]) -> Sweep:
+def _sweep(group: PeakGroup, fractions: tuple[float, ...]) -> IncrementalCurves:
     order = np.argsort(group.intensity, axis=1, kind="stable")
     x = np.take_along_axis(group.intensity, order, axis=1)
     peaks = np.take_along_axis(group.peaks, np.broadcast_to(order, group.peaks.shape), axis=2)
@@ -120,7 +120,7 @@ def _sweep(group: Group, fractions: tuple[float, ...]) -> Sweep:
         low, high = x[:, 0].max(), x[:, -1].min()
         levels = np.linspace(low, high, LEVELS) if high > low else np.zeros(0)
         at = np.array([_between(levels, a, b) for a, b in zip(each, peaks)])
-    return Sweep(group.name, each, peaks, levels, _fractiles(at, fractions))
+    return IncrementalCurves(group.name, each, peaks, levels, _fractiles(at, fractions))
 
 
 def _between(levels: Array, x: Array, peaks: Array) -> Array:

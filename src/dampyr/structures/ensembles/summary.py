@@ -17,7 +17,7 @@ SHOWN = 6  # scales: with more, a row for each would make a table that nobody re
 
 
 @dataclass(frozen=True)
-class Row:
+class SummaryRow:
     """One group at one scale: quantity -> (median, 84 % fractile) of the worst storey, floor or damper, SI; None for a
     quantity that the group has not. ``cases`` are all, ``unbounded`` those without peaks, which count as infinite."""
 
@@ -28,7 +28,7 @@ class Row:
     peaks: dict[str, tuple[float, float] | None]
 
 
-def summary(dataset: Any) -> list[Row]:
+def summary(dataset: Any) -> list[SummaryRow]:
     """A row for each building and input (and the bare building) at every scale; of more than six, at the one nearest 1."""
     dataset = dataset_of(dataset)
     scales = np.asarray(dataset.scale.values)
@@ -44,7 +44,7 @@ def summary(dataset: Any) -> list[Row]:
                 q: _two(groups_by_quantity[q][name].peaks[..., s]) if name in groups_by_quantity[q] else None
                 for q in quantities
             }
-            rows.append(Row(name, float(scales[s]), group.peaks[..., s].size, lost, peaks))
+            rows.append(SummaryRow(name, float(scales[s]), group.peaks[..., s].size, lost, peaks))
     return rows
 
 

@@ -20,7 +20,7 @@ from dampyr.structures.control_laws import gains, lag_of, settings, source
 from dampyr.structures.propagator import propagator, system
 from dampyr.structures.sites import Site, connections, describe_place, drifts
 from dampyr.structures.time_history.linear_response import bare_response
-from dampyr.structures.time_history.response import Decisions, Output, Run, output
+from dampyr.structures.time_history.response import Decisions, Integration, Output, output
 
 Array = NDArray[np.float64]
 
@@ -107,7 +107,7 @@ class Scratch(NamedTuple):
 def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) -> Any:
     """A function of the steps per sample that integrates once; of the motion times ``scale`` where that is given."""
     if not sites:
-        return lambda m, scale=1.0: Run(bare_response(building, motion.scaled(scale), m), motion.dt / m)
+        return lambda m, scale=1.0: Integration(bare_response(building, motion.scaled(scale), m), motion.dt / m)
     from dampyr.models.codegen.kernels import bind
     from dampyr.structures.time_history.time_stepping import integrate
 
@@ -124,7 +124,7 @@ def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) ->
         scale: float = 1.0,
         before: Array | None = None,
         imposed: Array | None = None,
-    ) -> Run:
+    ) -> Integration:
         """``start`` is where between the least and the greatest input of its law each damper is at first; ``before`` are the
         decisions of a run at another step, to compare with, and ``imposed`` such to take (see `Control`)."""
         ag = motion.acceleration[:samples] * scale
@@ -143,7 +143,7 @@ def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) ->
             out.mean_input[:] = control.total / ((len(ag) - 1) * m) if len(ag) > 1 else control.level
         _check_bounded(out, motion)
         decisions = None if control is None else _decisions(control, (len(ag) - 1) * m)
-        return Run(out.of_floors(building.n_floors), step, decisions=decisions)
+        return Integration(out.of_floors(building.n_floors), step, decisions=decisions)
 
     return run
 

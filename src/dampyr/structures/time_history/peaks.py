@@ -22,7 +22,7 @@ INTENSITIES = {"pga": "m/s^2", "sa": "m/s^2", "scale": ""}
 
 
 @dataclass(frozen=True, eq=False)
-class Group:
+class PeakGroup:
     """The cases of one curve: ``peaks`` (pooled, motion, scale), NaN for a case that grew without bound."""
 
     name: str
@@ -37,7 +37,7 @@ def groups(
     intensity: str | ArrayLike,
     by: str | Sequence[str],
     height: ArrayLike | None = None,
-) -> list[Group]:
+) -> list[PeakGroup]:
     """One group for every entry along the dims ``by``; along the other dims cases are pooled, but never a bare building with
     one that has a damper: the bare one is a group of its own, once."""
     by = (by,) if isinstance(by, str) else tuple(by)
@@ -50,13 +50,15 @@ def groups(
     bare, fitted = np.flatnonzero(names == BARE), np.flatnonzero(names != BARE)
     if ALONG[quantity] == "site":
         bare = bare[:0]  # no damper has no force
-    result: list[Group] = []
+    result: list[PeakGroup] = []
     for b in _split(dataset, "building", by):
         if bare.size:
-            result.append(Group(_name(dataset, by, b, None, None), _pooled(worst, b, bare[:1], [0]), strength[b[0]]))
+            result.append(
+                PeakGroup(_name(dataset, by, b, None, None), _pooled(worst, b, bare[:1], [0]), strength[b[0]])
+            )
         for d in [[k] for k in fitted] if "damper" in by else [fitted] if fitted.size else []:
             for u in _split(dataset, "input", by):
-                result.append(Group(_name(dataset, by, b, d, u), _pooled(worst, b, d, u), strength[b[0]]))
+                result.append(PeakGroup(_name(dataset, by, b, d, u), _pooled(worst, b, d, u), strength[b[0]]))
     _check_pooled_intensities(strength, by)
     return result
 

@@ -43,7 +43,7 @@ from dampyr.structures.sites import (
 from dampyr.structures.time_history.kernel_run import runner
 from dampyr.structures.time_history.linear_response import peak_displacement
 from dampyr.structures.time_history.modal_coordinates import ModalBuilding, refinements
-from dampyr.structures.time_history.response import Energy, Output, Response, Run, Truncation
+from dampyr.structures.time_history.response import Energy, Integration, Output, Response, Truncation
 from dampyr.structures.time_history.responses import INTERVAL, INTERVAL_OF, Responses
 from dampyr.structures.time_history.step_size import (
     ACCURACIES,
@@ -304,7 +304,7 @@ def _respond(
 
 
 def _truncation(
-    whole: Building, half: Building | None, motion: GroundMotion, sites: tuple[Site, ...], best: Run
+    whole: Building, half: Building | None, motion: GroundMotion, sites: tuple[Site, ...], best: Integration
 ) -> Truncation:
     """What ``whole`` still leaves out: against all modes where they are the response, else by ``half`` at the same step."""
     assert isinstance(whole, Condensed)
@@ -323,7 +323,7 @@ def _response(
     building: Building,
     motion: GroundMotion,
     sites: tuple[Site, ...],
-    run: Run,
+    run: Integration,
     after: float,
     truncation: Truncation | None,
 ) -> Response:

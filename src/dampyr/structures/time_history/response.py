@@ -155,7 +155,7 @@ class Decisions:
 
 
 @dataclass(frozen=True, eq=False)
-class Run:
+class Integration:
     """One integration through a ground motion, and its error estimates where the step was halved."""
 
     out: Output

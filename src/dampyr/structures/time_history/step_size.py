@@ -26,7 +26,7 @@ from dampyr.ground_motions import GroundMotion
 from dampyr.structures.building import Building
 from dampyr.structures.control_laws import lag_of, parts
 from dampyr.structures.sites import LEVELS, Site, connections, describe_place, laws_of
-from dampyr.structures.time_history.response import Output, Run, relative_change
+from dampyr.structures.time_history.response import Integration, Output, relative_change
 
 Array = NDArray[np.float64]
 
@@ -130,22 +130,22 @@ def given_steps_per_sample(motion: GroundMotion, step: float, sites: tuple[Site,
     return m
 
 
-def halve_until_converged(run: Any, motion: GroundMotion, tolerance: float, m: int) -> Run:
+def halve_until_converged(run: Any, motion: GroundMotion, tolerance: float, m: int) -> Integration:
     """Halve the step until the peaks stop changing, or until there would be more than `MAX_STEP_COUNT` steps."""
     coarse = run(m)
     while True:
         m *= 2
         if m * len(motion.acceleration) > MAX_STEP_COUNT:
             reason = f"{m} steps per sample would pass {MAX_STEP_COUNT} steps"
-            return Run(coarse.out, coarse.step, tolerance, coarse.changes, reason)
+            return Integration(coarse.out, coarse.step, tolerance, coarse.changes, reason)
         fine = run(m)
         changed = changes(coarse.out, fine.out)
         if largest(changed) <= tolerance and fine.out.misfit[0] == 0:
-            return Run(fine.out, fine.step, tolerance, changed)
-        coarse = Run(fine.out, fine.step, tolerance, changed)
+            return Integration(fine.out, fine.step, tolerance, changed)
+        coarse = Integration(fine.out, fine.step, tolerance, changed)
 
 
-def halve_under_laws(run: Any, motion: GroundMotion, tolerance: float, m: int) -> Run:
+def halve_under_laws(run: Any, motion: GroundMotion, tolerance: float, m: int) -> Integration:
     """The same under control laws: until two successive halvings agree, and a further run at the finest step agrees too, in
     which each decision that hangs on the step is taken the other way.
 
@@ -174,22 +174,22 @@ def halve_under_laws(run: Any, motion: GroundMotion, tolerance: float, m: int) -
                 reason = f"{share} hang on the step, and taken the other way they change a peak by {100 * change:.2g} %"
             changed = {name: max(changed[name], turned[name]) for name in changed}
         errors = {name: max(value, last.get(name, 0.0)) for name, value in changed.items()} if reason else changed
-        coarse, last = Run(fine.out, fine.step, tolerance, errors, decisions=fine.decisions), changed
+        coarse, last = Integration(fine.out, fine.step, tolerance, errors, decisions=fine.decisions), changed
         if not reason:
             break
     if not coarse.changes:
         reason = "its first run has as many steps as are allowed, so that its error is not known"
     elif reason:
         reason += f", down to a step of {1e3 * coarse.step:.2g} ms; give the coil a lag, or the law a longer period"
-    return Run(coarse.out, coarse.step, tolerance, coarse.changes, reason)
+    return Integration(coarse.out, coarse.step, tolerance, coarse.changes, reason)
 
 
-def run_once(run: Any, m: int) -> Run:
+def run_once(run: Any, m: int) -> Integration:
     """One run with m steps per sample, without an error estimate."""
-    done: Run = run(m)
+    done: Integration = run(m)
     missed, gap, _ = done.out.misfit
     reason = f"the forces of {missed:.0f} steps converged to {gap:.1g} only" if missed else ""
-    return Run(done.out, done.step, None, {}, reason)
+    return Integration(done.out, done.step, None, {}, reason)
 
 
 def changes(coarse: Output, fine: Output) -> dict[str, float]:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dampyr.studies.raminelli_2020.campaign_records import Campaign
+from dampyr.studies.raminelli_2020.campaign_records import PublishedCampaign
 from dampyr.studies.raminelli_2020.chapter_4_tables import FETCH
 from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Outcome, unchecked
 from dampyr.studies.raminelli_2020.published import Published
-from dampyr.studies.raminelli_2020.study_part import Part, compared_table
+from dampyr.studies.raminelli_2020.study_part import StudyPart, compared_table
 
 
-def rig(published: Published, campaign: Campaign | None) -> Part:
+def rig(published: Published, campaign: PublishedCampaign | None) -> StudyPart:
     """Table A.2: the actuator's speed without load against the speeds in the records."""
     quantity = "speed of the actuator (published: without load; ours: the highest in the records, under load)"
     if campaign is None or not campaign.tests:
@@ -24,4 +24,4 @@ def rig(published: Published, campaign: Campaign | None) -> Part:
         reason = f"{fastest.record.name} moves at {times:.3g} times the printed speed; allowed: 1.1 times"
         outcome: Outcome = "agrees" if possible else "differs"
         value = ComparedValue("Table A.2", quantity, published.actuator_speed, speed, "mm/s", outcome, reason)
-    return Part("Table A.2: the rig", [value], [compared_table([value])])
+    return StudyPart("Table A.2: the rig", [value], [compared_table([value])])

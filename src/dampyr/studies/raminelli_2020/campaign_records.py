@@ -23,7 +23,7 @@ JOINT_FIXED = {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0}  # one 
 
 
 @dataclass(frozen=True)
-class Test:
+class PublishedTest:
     """One test: its record, what it measures, and the viscous Dahl model by both methods (None for a validation test).
 
     ``slopes`` (m,) are a/kw in 1/m from the two samples on either side of each zero crossing of theta.
@@ -39,29 +39,29 @@ class Test:
 
 
 @dataclass(frozen=True)
-class Campaign:
+class PublishedCampaign:
     """All tests of a folder, the rows that have no file there, and one model fitted to all records of the tables."""
 
     folder: Path
-    tests: tuple[Test, ...]
+    tests: tuple[PublishedTest, ...]
     absent: tuple[CampaignRow, ...]
     joint: Fit | None
 
-    def table(self, table: str) -> list[Test]:
+    def table(self, table: str) -> list[PublishedTest]:
         """The tests of one table that have a file."""
         return [test for test in self.tests if test.row.table == table]
 
-    def test(self, table: str, row: int) -> Test | None:
+    def test(self, table: str, row: int) -> PublishedTest | None:
         """The test of one row, None without a file."""
         return next((t for t in self.tests if t.row.table == table and t.row.row == row), None)
 
     @property
-    def validation(self) -> list[Test]:
+    def validation(self) -> list[PublishedTest]:
         """The tests that no fit saw."""
         return [test for test in self.tests if test.row.role == "validation"]
 
 
-def load(folder: Path, progress: Progress) -> Campaign:
+def load(folder: Path, progress: Progress) -> PublishedCampaign:
     """Read and identify; raises FileError where a file is not what its table says."""
     rows = campaign_rows(folder)
     there = [row for row in rows if row.file is not None]
@@ -71,18 +71,18 @@ def load(folder: Path, progress: Progress) -> Campaign:
         tests.append(_test(row))
     progress("identifying each record", 1.0)
     absent = tuple(row for row in rows if row.file is None)
-    return Campaign(folder, tuple(tests), absent, _joint(tests, progress))
+    return PublishedCampaign(folder, tuple(tests), absent, _joint(tests, progress))
 
 
-def _test(row: CampaignRow) -> Test:
+def _test(row: CampaignRow) -> PublishedTest:
     record = read_row(row)
     plastic = plastic_region(record)
     alone = fit(record, "dahl") if row.role == "fit" else None
     said = tuple(disagreements(record))
-    return Test(row, record, measure(record), plastic, alone, crossing_slopes(record, plastic), said)
+    return PublishedTest(row, record, measure(record), plastic, alone, crossing_slopes(record, plastic), said)
 
 
-def _joint(tests: list[Test], progress: Progress) -> Fit | None:
+def _joint(tests: list[PublishedTest], progress: Progress) -> Fit | None:
     """One model for all voltages, fitted to the records of all tables together; None without records at two voltages."""
     records = [test.record for test in tests if test.row.role == "fit"]
     if len({record.input_value for record in records}) < 2:

@@ -15,18 +15,25 @@ from dampyr.show.figures.phase_portrait import phase_portrait
 from dampyr.show.figures.style import DISPLACEMENT, Axis
 from dampyr.show.figures.theta import theta
 from dampyr.show.pages.blocks import FigureBlock, Text
-from dampyr.studies.raminelli_2020.compared_value import Candidate, ComparedValue, Erratum, Tolerance, judge, unchecked
+from dampyr.studies.raminelli_2020.compared_value import (
+    AlternativeValue,
+    ComparedValue,
+    ComparisonTolerance,
+    Erratum,
+    judge,
+    unchecked,
+)
 from dampyr.studies.raminelli_2020.published import BoucWenLetters, Example, Published
-from dampyr.studies.raminelli_2020.study_part import Part, compared_table
+from dampyr.studies.raminelli_2020.study_part import StudyPart, compared_table
 
 Array = NDArray[np.float64]
 DT = 1.25e-4  # s; the sampling that the velocities of Step 2 imply, tested below
-MILLIONTH = Tolerance(relative=1e-6)
+MILLIONTH = ComparisonTolerance(relative=1e-6)
 GREEK = {"alpha": "α", "beta": "β", "gamma": "γ", "A": "A", "n": "n"}
 PICTURE = "the text has the caption only, its figure is a picture; ours is drawn anew"
 
 
-def chapter_2(published: Published) -> Part:
+def chapter_2(published: Published) -> StudyPart:
     """Figs. 2.2 to 2.4 and the example of section 2.4."""
     loop = bouc_wen_loop(published.bouc_wen)
     figure_values, erratum, block = figure_2_2(published.bouc_wen, loop)
@@ -35,11 +42,11 @@ def chapter_2(published: Published) -> Part:
     compared = [*figure_values, *step_2(published.example, sampled), *example(published.example, exact)]
     compared += [unchecked(f"Figure {k}", "the curve", None, "", PICTURE) for k in ("2.2", "2.3", "2.4")]
     blocks = [block, *_example_figures(published.example, sampled, exact), compared_table(compared)]
-    return Part("Chapter 2: the method on numbers", compared, blocks, [erratum, _zero_by_zero(sampled)])
+    return StudyPart("Chapter 2: the method on numbers", compared, blocks, [erratum, _zero_by_zero(sampled)])
 
 
 @dataclass(frozen=True)
-class Loop:
+class BoucWenLoop:
     """A Bouc-Wen loop in the printed letters' own unit of x: x, z (n,), and z with every time halved."""
 
     x: Array
@@ -48,7 +55,7 @@ class Loop:
     t: Array
 
 
-def bouc_wen_loop(letters: BoucWenLetters) -> Loop:
+def bouc_wen_loop(letters: BoucWenLetters) -> BoucWenLoop:
     """Three cycles of a sine long enough to saturate: alpha z is the force of a Bouc-Wen part without spring and dashpot."""
     shape = {name: float(getattr(letters, name)) for name in ("alpha", "A", "beta", "gamma", "n")}
     model = from_printed(c0=0.0, k0=0.0, **shape)
@@ -57,16 +64,16 @@ def bouc_wen_loop(letters: BoucWenLetters) -> Loop:
     t = np.linspace(0.0, 3.0, 12_001)
     x = 8.0 / model.rho * np.sin(2 * np.pi * t)
     z, fast = (damper.force(times, x, voltage=0.0) / float(letters.alpha) for times in (t, 0.5 * t))
-    return Loop(x, z, fast, t)
+    return BoucWenLoop(x, z, fast, t)
 
 
-def figure_2_2(letters: BoucWenLetters, loop: Loop) -> tuple[list[ComparedValue], Erratum, FigureBlock]:
+def figure_2_2(letters: BoucWenLetters, loop: BoucWenLoop) -> tuple[list[ComparedValue], Erratum, FigureBlock]:
     """The largest z against the closed form of the printed letters, and what (2.1) as printed would mean."""
     last = slice(2 * loop.t.size // 3, None)
     limit = float(letters.A / (letters.beta + letters.gamma)) ** (1.0 / float(letters.n))
     largest = float(np.max(np.abs(loop.z[last])))
     quantity = "largest z of the loop; published: (A/(β+γ))^(1/n) of the printed letters"
-    value = judge("Figure 2.2", quantity, limit, largest, "", Tolerance(relative=1e-5))
+    value = judge("Figure 2.2", quantity, limit, largest, "", ComparisonTolerance(relative=1e-5))
     speed = [float(np.max(np.abs(np.gradient(z, t)))) for z, t in ((loop.z, loop.t), (loop.z_fast, 0.5 * loop.t))]
     same = float(np.max(np.abs(loop.z_fast - loop.z)))
     erratum = Erratum(
@@ -160,11 +167,11 @@ def as_published(steps: str, example: Example, exact: LimitCycle) -> list[Compar
     band = f"by the nearest sample a lies in {low:.5g} to {high:.5g} N/cm, as the sampling falls; the printed one is {side}"
     shift = f"with the first sample {phase:.3f} of an interval after the turning point"
     at_a = [
-        Candidate(
+        AlternativeValue(
             tuned.a / 100, f"that of the sample nearest to θ = 0, {shift}, which also gives the printed ρ; {band}"
         )
     ]
-    at_rho = [Candidate(tuned.rho / 100, f"that of the sample nearest to θ = 0, {shift} (chosen for it)")]
+    at_rho = [AlternativeValue(tuned.rho / 100, f"that of the sample nearest to θ = 0, {shift} (chosen for it)")]
     none = f"no phase of the sampling gives it; {band}"
     comparisons = (
         ("a of Step 4", example.a, exact.a, tuned.a, "N/cm", at_a),

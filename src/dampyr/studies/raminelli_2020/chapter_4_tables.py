@@ -10,27 +10,27 @@ from numpy.typing import NDArray
 
 from dampyr.show.pages.blocks import Block, Text
 from dampyr.show.table import Cell, Table, Verdict
-from dampyr.studies.raminelli_2020.campaign_records import Campaign, Test
+from dampyr.studies.raminelli_2020.campaign_records import PublishedCampaign, PublishedTest
 from dampyr.studies.raminelli_2020.compared_value import (
-    Candidate,
+    AlternativeValue,
     ComparedValue,
+    ComparisonTolerance,
     Erratum,
-    Tolerance,
     judge,
     overall,
     unchecked,
 )
-from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, UNITS, Published, Row
-from dampyr.studies.raminelli_2020.study_part import Part, compared_table
+from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, UNITS, Published, PublishedRow
+from dampyr.studies.raminelli_2020.study_part import StudyPart, compared_table
 
 Array = NDArray[np.float64]
-MOTION = Tolerance(relative=0.05)
-COEFFICIENT = Tolerance(relative=0.10)
+MOTION = ComparisonTolerance(relative=0.05)
+COEFFICIENT = ComparisonTolerance(relative=0.10)
 LETTER = {"kx": "kx", "kw": "kw", "rho": "ρ"}
 FETCH = "`dampyr datasets fetch labcontrol`"
 
 
-def table_4_1(published: Published) -> Part:
+def table_4_1(published: Published) -> StudyPart:
     """Mean and standard deviation of Table 4.2's rows."""
     compared = []
     for name in PARAMETERS:
@@ -58,36 +58,36 @@ def table_4_1(published: Published) -> Part:
     text = Text(
         "The means and standard deviations (n − 1) follow from the rows that Table 4.2 prints; no data are needed."
     )
-    return Part("Table 4.1", compared, [text, compared_table(compared)])
+    return StudyPart("Table 4.1", compared, [text, compared_table(compared)])
 
 
-def _means(values: Array) -> list[Candidate]:
+def _means(values: Array) -> list[AlternativeValue]:
     """The means of all rows but one."""
     return [
-        Candidate(float(np.delete(values, k).mean()), f"the mean of the rows without row {k + 1}")
+        AlternativeValue(float(np.delete(values, k).mean()), f"the mean of the rows without row {k + 1}")
         for k in range(values.size)
     ]
 
 
-def _spreads(values: Array) -> list[Candidate]:
+def _spreads(values: Array) -> list[AlternativeValue]:
     """The deviations without one row, and with one row counted as zero."""
     candidates = []
     for k in range(values.size):
         rest = np.delete(values, k)
-        candidates.append(Candidate(float(rest.std(ddof=1)), f"the deviation of the rows without row {k + 1}"))
+        candidates.append(AlternativeValue(float(rest.std(ddof=1)), f"the deviation of the rows without row {k + 1}"))
         zeroed = float(np.append(rest, 0.0).std(ddof=1))
-        candidates.append(Candidate(zeroed, f"the deviation with row {k + 1} counted as 0"))
+        candidates.append(AlternativeValue(zeroed, f"the deviation with row {k + 1} counted as 0"))
     return candidates
 
 
-def tables(published: Published, campaign: Campaign | None) -> list[Part]:
+def tables(published: Published, campaign: PublishedCampaign | None) -> list[StudyPart]:
     """Tables 4.2 to 4.5, each row from its own file; without the data, what can be said of the printed rows alone."""
     return [_table(published, table, campaign) for table in TABLES]
 
 
-def _table(published: Published, table: str, campaign: Campaign | None) -> Part:
+def _table(published: Published, table: str, campaign: PublishedCampaign | None) -> StudyPart:
     rows = published.table(table)
-    by_row: list[tuple[Row, Test | None, list[ComparedValue]]] = []
+    by_row: list[tuple[PublishedRow, PublishedTest | None, list[ComparedValue]]] = []
     for row in rows:
         test = campaign.test(table, row.row) if campaign else None
         by_row.append((row, test, _row(published, row, test, campaign)))
@@ -97,7 +97,7 @@ def _table(published: Published, table: str, campaign: Campaign | None) -> Part:
     errata = _repeated(table, rows)
     text = Text(_about(rows, published, table))
     if campaign is None:
-        return Part(title, compared, [text, Verdict("cannot be checked", _without())], errata)
+        return StudyPart(title, compared, [text, Verdict("cannot be checked", _without())], errata)
     blocks: list[Block] = [
         text,
         _motion_table(by_row),
@@ -105,14 +105,14 @@ def _table(published: Published, table: str, campaign: Campaign | None) -> Part:
         _reasons(by_row),
         compared_table(means, "Means over the rows with a file."),
     ]
-    return Part(title, [*compared, *means], blocks, errata)
+    return StudyPart(title, [*compared, *means], blocks, errata)
 
 
 def _without() -> str:
     return f"the campaign's files are not on this machine; get them with {FETCH}"
 
 
-def _about(rows: Sequence[Row], published: Published, table: str) -> str:
+def _about(rows: Sequence[PublishedRow], published: Published, table: str) -> str:
     strokes, frequencies = ([getattr(row, name) for row in rows] for name in ("displacement", "frequency"))
     r = float(np.corrcoef(strokes, frequencies)[0, 1])
     return (
@@ -127,7 +127,9 @@ def _about(rows: Sequence[Row], published: Published, table: str) -> str:
     )
 
 
-def _row(published: Published, row: Row, test: Test | None, campaign: Campaign | None) -> list[ComparedValue]:
+def _row(
+    published: Published, row: PublishedRow, test: PublishedTest | None, campaign: PublishedCampaign | None
+) -> list[ComparedValue]:
     where = f"Table {row.table}"
     names = {"displacement": "mm", "frequency": "Hz"} | UNITS
     if test is None:
@@ -139,7 +141,9 @@ def _row(published: Published, row: Row, test: Test | None, campaign: Campaign |
     return [*_motion(where, row, test, published, campaign), *_coefficients(where, row, test)]
 
 
-def _motion(where: str, row: Row, test: Test, published: Published, campaign: Campaign | None) -> list[ComparedValue]:
+def _motion(
+    where: str, row: PublishedRow, test: PublishedTest, published: Published, campaign: PublishedCampaign | None
+) -> list[ComparedValue]:
     """Printed against measured displacement and frequency; a printed value that another test has is named."""
     ours = {"displacement": 1e3 * test.measured.peak_to_peak_m, "frequency": test.measured.frequency_hz}
     assert campaign is not None
@@ -158,7 +162,7 @@ def _motion(where: str, row: Row, test: Test, published: Published, campaign: Ca
     return compared
 
 
-def _coefficients(where: str, row: Row, test: Test) -> list[ComparedValue]:
+def _coefficients(where: str, row: PublishedRow, test: PublishedTest) -> list[ComparedValue]:
     """kx, kw and rho of the modified method against the printed ones."""
     compared = []
     for name in PARAMETERS:
@@ -169,7 +173,7 @@ def _coefficients(where: str, row: Row, test: Test) -> list[ComparedValue]:
     return compared
 
 
-def _why_force(row: Row, test: Test) -> str:
+def _why_force(row: PublishedRow, test: PublishedTest) -> str:
     """Whether kx and kw only trade against each other: the plastic force at the peak speed."""
     speed = 1e3 * test.measured.peak_speed
     theirs = row.kx * speed + row.kw
@@ -183,7 +187,7 @@ def _why_force(row: Row, test: Test) -> str:
     return f"{words}: at the peak speed of {speed:.3g} mm/s {forces}"
 
 
-def _why_rho(row: Row, test: Test) -> str:
+def _why_rho(row: PublishedRow, test: PublishedTest) -> str:
     """Whether the printed rho lies inside the span of the single turning points."""
     slopes = test.slopes / TO_SI["rho"]
     low, high = float(slopes.min()), float(slopes.max())
@@ -194,7 +198,7 @@ def _why_rho(row: Row, test: Test) -> str:
     )
 
 
-def group_means(table: str, pairs: Sequence[tuple[Row, Test]]) -> list[ComparedValue]:
+def group_means(table: str, pairs: Sequence[tuple[PublishedRow, PublishedTest]]) -> list[ComparedValue]:
     """The means over the rows that have a file: printed, modified, with least squares in the reason."""
     compared = []
     for name in PARAMETERS:
@@ -212,7 +216,7 @@ def group_means(table: str, pairs: Sequence[tuple[Row, Test]]) -> list[ComparedV
     return compared
 
 
-def _motion_table(by_row: Sequence[tuple[Row, Test | None, list[ComparedValue]]]) -> Table:
+def _motion_table(by_row: Sequence[tuple[PublishedRow, PublishedTest | None, list[ComparedValue]]]) -> Table:
     rows: list[list[Cell]] = []
     for row, test, row_values in by_row:
         measured = (1e3 * test.measured.peak_to_peak_m, test.measured.frequency_hz) if test else (None, None)
@@ -225,7 +229,7 @@ def _motion_table(by_row: Sequence[tuple[Row, Test | None, list[ComparedValue]]]
     return Table(columns, rows, units, caption="The motion: printed, and measured over whole cycles.")
 
 
-def _parameter_table(by_row: Sequence[tuple[Row, Test | None, list[ComparedValue]]]) -> Table:
+def _parameter_table(by_row: Sequence[tuple[PublishedRow, PublishedTest | None, list[ComparedValue]]]) -> Table:
     rows: list[list[Cell]] = []
     for row, test, row_values in by_row:
         cells: list[Cell] = [row.row, _verdict(row_values[2:])]
@@ -255,7 +259,7 @@ def _name(value: ComparedValue) -> str:
     return value.quantity.partition(": ")[2]
 
 
-def _reasons(by_row: Sequence[tuple[Row, Test | None, list[ComparedValue]]]) -> Table:
+def _reasons(by_row: Sequence[tuple[PublishedRow, PublishedTest | None, list[ComparedValue]]]) -> Table:
     """Why rows differ, one line for each number that does."""
     rows: list[list[Cell]] = [
         [row.row, _name(f), f.reason] for row, _, row_values in by_row for f in row_values if f.verdict == "differs"
@@ -263,7 +267,7 @@ def _reasons(by_row: Sequence[tuple[Row, Test | None, list[ComparedValue]]]) -> 
     return Table(("row", "number", "what differs, and why"), rows)
 
 
-def _repeated(table: str, rows: Sequence[Row]) -> list[Erratum]:
+def _repeated(table: str, rows: Sequence[PublishedRow]) -> list[Erratum]:
     """Values that stand more than once in a column where no two measurements would give the same four digits."""
     twice = {value: n for value, n in Counter(row.rho for row in rows).items() if n > 1}
     return [

@@ -19,19 +19,26 @@ from dampyr.show.pages.blocks import Block, FigureBlock, Text
 from dampyr.show.table import Cell, Table
 from dampyr.structures import Response, respond, state_space, two_storey
 from dampyr.studies.raminelli_2020.chapter_2 import PICTURE
-from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Erratum, Tolerance, claim, judge, unchecked
+from dampyr.studies.raminelli_2020.compared_value import (
+    ComparedValue,
+    ComparisonTolerance,
+    Erratum,
+    claim,
+    judge,
+    unchecked,
+)
 from dampyr.studies.raminelli_2020.cubics import published_damper
 from dampyr.studies.raminelli_2020.published import Published
-from dampyr.studies.raminelli_2020.study_part import Part, compared_table
+from dampyr.studies.raminelli_2020.study_part import StudyPart, compared_table
 
-MILLIONTH = Tolerance(relative=1e-6)
+MILLIONTH = ComparisonTolerance(relative=1e-6)
 MOTION_FILE = "ElCentroData.mat"
-PERCENT = Tolerance(relative=0.01)
+PERCENT = ComparisonTolerance(relative=0.01)
 ALSO = (1.98, 3.21)  # V: the two highest voltages of the calibration, the last rounded down so that it stays inside
 CASE = ("case 1, no damper", "case 2, 0 V", "case 3")
 
 
-def chapter_5(published: Published, data: Path | None = None) -> Part:
+def chapter_5(published: Published, data: Path | None = None) -> StudyPart:
     """Figs. 5.1 and 5.4, the peaks and the percentages."""
     motion, damper = el_centro(), published_damper(published)
     cases, notes = run_cases(published, motion, damper)
@@ -46,7 +53,7 @@ def chapter_5(published: Published, data: Path | None = None) -> Part:
         ranking(ours),
     ]
     errata = [_ground(), _output_sign(cases[names[1]])]
-    return Part(
+    return StudyPart(
         "Chapter 5: the building in the earthquake",
         compared,
         _blocks(published, motion, cases, slip, notes, compared),

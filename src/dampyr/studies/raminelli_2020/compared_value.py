@@ -12,12 +12,12 @@ Outcome = Literal["agrees", "differs", "cannot be checked"]
 Value = float | str | None
 
 
-class Printed(float):
+class PrintedNumber(float):
     """A number as the text prints it, which knows its last digit: ``Printed("4466.3").last_digit`` is 0.1."""
 
     text: str
 
-    def __new__(cls, text: str) -> Printed:
+    def __new__(cls, text: str) -> PrintedNumber:
         made = super().__new__(cls, text)
         made.text = text
         return made
@@ -29,7 +29,7 @@ class Printed(float):
 
 
 @dataclass(frozen=True)
-class Tolerance:
+class ComparisonTolerance:
     """How far ours may be from the published value: ``absolute`` + ``relative`` * its size; neither: its printed digits."""
 
     absolute: float = 0.0
@@ -48,12 +48,12 @@ class Tolerance:
         return " + ".join(parts) or "the printed digits, rounded or cut"
 
 
-PRINTED_DIGITS = Tolerance()
+PRINTED_DIGITS = ComparisonTolerance()
 
 
 def _digits_agree(published: float, ours: float) -> bool:
     """Whether ``ours`` rounds or is cut to the digits that were printed."""
-    unit = published.last_digit if isinstance(published, Printed) else 1e-9 * abs(published)
+    unit = published.last_digit if isinstance(published, PrintedNumber) else 1e-9 * abs(published)
     slack = 1e-9 * unit
     excess = math.copysign(1.0, published) * (ours - published)
     return abs(excess) <= 0.5 * unit + slack or -slack <= excess < unit
@@ -73,7 +73,7 @@ class ComparedValue:
 
 
 @dataclass(frozen=True)
-class Candidate:
+class AlternativeValue:
     """What else the published number could be: ``words`` say how ``value`` was computed."""
 
     value: float
@@ -86,8 +86,8 @@ def judge(
     published: float,
     ours: float,
     unit: str = "",
-    tolerance: Tolerance = PRINTED_DIGITS,
-    candidates: Sequence[Candidate] = (),
+    tolerance: ComparisonTolerance = PRINTED_DIGITS,
+    candidates: Sequence[AlternativeValue] = (),
     otherwise: str = "",
 ) -> ComparedValue:
     """Compare; where the two differ, the first candidate that gives the published value is the reason, else ``otherwise``."""

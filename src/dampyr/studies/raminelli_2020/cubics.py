@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from dampyr.models import Damper, Polynomial
 from dampyr.origin import DERIVED
-from dampyr.show.figures.laws import Law, parameters_against_input
+from dampyr.show.figures.laws import LawPanel, parameters_against_input
 from dampyr.show.figures.style import Axis
 from dampyr.show.pages.blocks import Block, FigureBlock, Text
 from dampyr.show.table import Cell, Table
-from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Erratum, Tolerance, judge
+from dampyr.studies.raminelli_2020.compared_value import ComparedValue, ComparisonTolerance, Erratum, judge
 from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, UNITS, Published
-from dampyr.studies.raminelli_2020.study_part import Part, compared_table
+from dampyr.studies.raminelli_2020.study_part import StudyPart, compared_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,7 +39,7 @@ ERRATA = (
     ),
 )
 POWERS = ("⁰", "¹", "²", "³")
-RECOVERED = Tolerance(relative=4e-4)
+RECOVERED = ComparisonTolerance(relative=4e-4)
 
 
 def published_damper(published: Published) -> Damper:
@@ -85,7 +85,7 @@ def law(published: Published, name: str, voltage: float) -> float:
     return float(np.polynomial.polynomial.polyval(voltage, [float(c) for c in published.cubics[name]]))
 
 
-def equations(published: Published) -> Part:
+def equations(published: Published) -> StudyPart:
     """(4.6)-(4.8): recovered from the tables, and where they lead."""
     applied = [published.voltage(table) for table in TABLES]
     printed = [float(published.printed_voltages[table]) for table in TABLES]
@@ -109,7 +109,7 @@ def equations(published: Published) -> Part:
             "is the cubic there, ours the mean.",
         ),
     ]
-    return Part("Equations (4.6) to (4.8)", everything, blocks, ERRATA)
+    return StudyPart("Equations (4.6) to (4.8)", everything, blocks, ERRATA)
 
 
 def recovered(published: Published, applied: Sequence[float], rho_0: float) -> list[ComparedValue]:
@@ -196,7 +196,7 @@ def extrapolation(published: Published, applied: Sequence[float]) -> list[Compar
             published.highest_voltage,
             max(applied),
             "V",
-            Tolerance(relative=0.01),
+            ComparisonTolerance(relative=0.01),
             (),
             why,
         )
@@ -206,7 +206,7 @@ def extrapolation(published: Published, applied: Sequence[float]) -> list[Compar
 def _figure(published: Published, applied: Sequence[float], rho_0: float) -> Figure:
     over = np.linspace(0.0, float(published.highest_voltage), 300)
     laws = [
-        Law(
+        LawPanel(
             Axis(LETTER[name], UNITS[name]),
             curve=(over, [law(published, name, v) for v in over]),
             points=(applied, table_means(published, name, rho_0)),

@@ -15,16 +15,16 @@ from dampyr.records.conditioning.velocity import default_bandwidth
 from dampyr.show.figures.scores import scores
 from dampyr.show.pages.blocks import Block, FigureBlock, Text
 from dampyr.show.table import Cell, Table
-from dampyr.studies.raminelli_2020.campaign_records import Campaign, Test
+from dampyr.studies.raminelli_2020.campaign_records import PublishedCampaign, PublishedTest
 from dampyr.studies.raminelli_2020.chapter_4_tables import FETCH
-from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Tolerance, judge, unchecked
+from dampyr.studies.raminelli_2020.compared_value import ComparedValue, ComparisonTolerance, judge, unchecked
 from dampyr.studies.raminelli_2020.cubics import published_damper
-from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, Published, Row
-from dampyr.studies.raminelli_2020.study_part import Part, compared_table
+from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, Published, PublishedRow
+from dampyr.studies.raminelli_2020.study_part import StudyPart, compared_table
 
 Array = NDArray[np.float64]
 Readings = Mapping[str, Array]  # of the coefficients or files -> (records, definitions), %
-HALF_A_POINT = Tolerance(absolute=0.5)
+HALF_A_POINT = ComparisonTolerance(absolute=0.5)
 TITLE = "The published errors, and what a joint model gives"
 DEFINITIONS = (
     "L1 (3.1), offset removed, from 2 s after the motion starts",
@@ -66,7 +66,7 @@ def _relative(force: Array, error: Array) -> float:
     return float(np.mean(np.abs(error[seen] / force[seen])))
 
 
-def errors(published: Published, campaign: Campaign | None) -> Part:
+def errors(published: Published, campaign: PublishedCampaign | None) -> StudyPart:
     """Both errors; without the data nothing can be said."""
     if campaign is None or not campaign.tests:
         missing = f"the campaign's files are not on this machine; get them with {FETCH}"
@@ -74,7 +74,7 @@ def errors(published: Published, campaign: Campaign | None) -> Part:
             unchecked("14.81 %", "mean error at 0 V, section 4.2", published.error_at_0, "%", missing),
             unchecked("21.71 %", "error of (4.6)-(4.8), section 4.4", published.error_validation, "%", missing),
         ]
-        return Part(TITLE, unchecked_values, [compared_table(unchecked_values)])
+        return StudyPart(TITLE, unchecked_values, [compared_table(unchecked_values)])
     text = Text(
         "The text names the L1 ratio (3.1) for both. “Pointwise mean” is the mean of |error| / |force| over "
         "the samples; it hangs "
@@ -86,7 +86,7 @@ def errors(published: Published, campaign: Campaign | None) -> Part:
     at_validation, block_validation = error_of_validation(published, campaign)
     compared = [*at_0, *at_validation]
     blocks = [text, *block_0, *block_validation, compared_table(compared, digits=4), *joint_model(published, campaign)]
-    return Part(TITLE, compared, blocks)
+    return StudyPart(TITLE, compared, blocks)
 
 
 def constant_damper(values: Mapping[str, float], voltage: float) -> Damper:
@@ -94,12 +94,12 @@ def constant_damper(values: Mapping[str, float], voltage: float) -> Damper:
     return Damper("dahl", {f"dahl.{k}": Constant(TO_SI[k] * float(v), voltage, voltage) for k, v in values.items()})
 
 
-def row_damper(row: Row) -> Damper:
+def row_damper(row: PublishedRow) -> Damper:
     """The damper of one printed row."""
     return constant_damper({name: getattr(row, name) for name in PARAMETERS}, row.voltage)
 
 
-def error_at_0(published: Published, campaign: Campaign) -> tuple[list[ComparedValue], list[Block]]:
+def error_at_0(published: Published, campaign: PublishedCampaign) -> tuple[list[ComparedValue], list[Block]]:
     """14.81 %: the mean coefficients of Table 4.1, and each row's own, on the files of Table 4.2."""
     pairs = [(row, test) for row in published.table("4.2") if (test := campaign.test("4.2", row.row)) is not None]
     if not pairs:
@@ -147,7 +147,7 @@ def _three_runs(single: Array) -> str:
     return f". Any three of the files average to {ordered[:3].mean():.3g} to {ordered[-3:].mean():.3g} % by L1"
 
 
-def error_of_validation(published: Published, campaign: Campaign) -> tuple[list[ComparedValue], list[Block]]:
+def error_of_validation(published: Published, campaign: PublishedCampaign) -> tuple[list[ComparedValue], list[Block]]:
     """21.71 %: the cubics on the validation run and on the files of Table 4.3."""
     damper, printed = published_damper(published), published.error_validation
     runs = {"the validation run": [test.record for test in campaign.validation]}
@@ -180,7 +180,7 @@ def _definitions(readings: Readings, caption: str) -> Table:
     return Table(["reading", *readings], rows, ["", *["%"] * len(readings)], caption=caption, digits=4)
 
 
-def joint_model(published: Published, campaign: Campaign) -> list[Block]:
+def joint_model(published: Published, campaign: PublishedCampaign) -> list[Block]:
     """L1 by table: least squares per record, the cubics, and one model for all voltages."""
     joint, cubics = campaign.joint, published_damper(published)
     if joint is None or joint.damper is None:
@@ -221,6 +221,6 @@ def _mean_percent(values: Sequence[float]) -> float | None:
     return 100 * float(np.mean(values)) if values else None
 
 
-def _own(test: Test) -> float | None:
+def _own(test: PublishedTest) -> float | None:
     fit = test.least_squares
     return None if fit is None or fit.damper is None else score(fit.damper, test.record, centre="midrange").l1

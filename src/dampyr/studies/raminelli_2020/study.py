@@ -12,11 +12,11 @@ from typing import Any
 from dampyr.errors import MissingData
 from dampyr.phrases import sentence
 from dampyr.records import locate
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.table import Cell, Table
 from dampyr.shown import Shown
 from dampyr.studies.raminelli_2020.appendix_a import rig
-from dampyr.studies.raminelli_2020.campaign_records import Campaign, Progress, load
+from dampyr.studies.raminelli_2020.campaign_records import Progress, PublishedCampaign, load
 from dampyr.studies.raminelli_2020.chapter_2 import chapter_2
 from dampyr.studies.raminelli_2020.chapter_4_loops import figures_4
 from dampyr.studies.raminelli_2020.chapter_4_tables import table_4_1, tables
@@ -25,7 +25,7 @@ from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Erratum,
 from dampyr.studies.raminelli_2020.cubics import equations
 from dampyr.studies.raminelli_2020.prediction import errors
 from dampyr.studies.raminelli_2020.published import Published
-from dampyr.studies.raminelli_2020.study_part import Part
+from dampyr.studies.raminelli_2020.study_part import StudyPart
 
 OUTCOMES: tuple[Outcome, ...] = ("agrees", "differs", "cannot be checked")
 
@@ -34,7 +34,7 @@ OUTCOMES: tuple[Outcome, ...] = ("agrees", "differs", "cannot be checked")
 class Study(Shown):
     """Everything that was compared; ``left_out`` says what was not done for lack of data, and how to get them."""
 
-    parts: tuple[Part, ...]
+    parts: tuple[StudyPart, ...]
     data: Path | None
     left_out: tuple[str, ...]
     page: Path | None = None
@@ -88,10 +88,10 @@ def artefacts_table(study: Study) -> Table:
     return Table(("artefact", "numbers", *OUTCOMES, "verdict"), rows, caption="Raminelli (2020), run again.")
 
 
-def _columns(study: Study) -> Frame:
+def _columns(study: Study) -> DataFrameColumns:
     """The compared: published and own values in the printed units, and the verdict."""
     names = ("artefact", "quantity", "published", "ours", "unit", "verdict", "reason")
-    return Frame({name: [getattr(value, name) for value in study.compared] for name in names})
+    return DataFrameColumns({name: [getattr(value, name) for value in study.compared] for name in names})
 
 
 def _numbers(study: Study) -> dict[str, Any]:
@@ -117,7 +117,7 @@ def run(data: str | Path | None, published: Published, progress: Progress | None
     say = progress or (lambda stage, done: None)
     folder, left_out = find_data(data)
     campaign = load(folder, say) if folder else None
-    steps: list[tuple[str, Callable[[], Part | list[Part]]]] = [
+    steps: list[tuple[str, Callable[[], StudyPart | list[StudyPart]]]] = [
         ("chapter 2", partial(chapter_2, published)),
         ("table 4.1", partial(table_4_1, published)),
         ("tables 4.2 to 4.5", partial(tables, published, campaign)),
@@ -127,7 +127,7 @@ def run(data: str | Path | None, published: Published, progress: Progress | None
         ("chapter 5", partial(chapter_5, published, folder)),
         ("the rig", partial(rig, published, campaign)),
     ]
-    parts: list[Part] = []
+    parts: list[StudyPart] = []
     for k, (stage, make) in enumerate(steps):
         say(f"comparing: {stage}", k / len(steps))
         made = make()
@@ -148,6 +148,6 @@ def find_data(data: str | Path | None) -> tuple[Path | None, tuple[str, ...]]:
         return None, (f"{what}: {problem}",)
 
 
-def _absent(campaign: Campaign | None) -> list[str]:
+def _absent(campaign: PublishedCampaign | None) -> list[str]:
     rows = campaign.absent if campaign else ()
     return [f"table {row.table}, row {row.row}: no file in the folder" for row in rows]

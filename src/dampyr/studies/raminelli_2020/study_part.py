@@ -12,7 +12,7 @@ from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Erratum
 
 
 @dataclass(frozen=True)
-class Part:
+class StudyPart:
     """What one chapter or artefact gave."""
 
     title: str

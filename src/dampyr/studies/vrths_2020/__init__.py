@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from dampyr.studies.vrths_2020.benchmark import CASES, INTENSITY, MOTIONS, motion, structure
 
 if TYPE_CHECKING:
-    from dampyr.studies.vrths_2020.vrths_study import Progress, Study
+    from dampyr.studies.vrths_2020.vrths_study import Progress, VrthsStudy
 
 __all__ = ["CASES", "INTENSITY", "MOTIONS", "STRUCTURES", "motion", "reproduce", "structure"]
 
@@ -30,7 +30,7 @@ def reproduce(
     out: str | Path | None = None,
     plants: int = 1000,
     progress: Progress | None = None,
-) -> Study:
+) -> VrthsStudy:
     """Run the benchmark.
 
     Parameters

@@ -25,13 +25,13 @@ from dampyr.hybrid import (
     run_many,
 )
 from dampyr.origin import VIRTUAL, Origin
-from dampyr.show.descriptions import Description, Frame, describe
+from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures.building import building_response
 from dampyr.show.pages.blocks import FigureBlock, Section, Text
 from dampyr.show.pages.html_page import page, write_page
 from dampyr.show.table import Cell, Table
 from dampyr.shown import Shown
-from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Tolerance, claim, judge
+from dampyr.studies.raminelli_2020.compared_value import ComparedValue, ComparisonTolerance, claim, judge
 from dampyr.studies.raminelli_2020.study_part import compared_table
 from dampyr.studies.vrths_2020.benchmark import CASES, INTENSITY, MOTIONS, SOURCE, motion, structure
 from dampyr.to_json import plain
@@ -59,7 +59,7 @@ REPLICA: dict[tuple[str, int], tuple[float, ...]] = {
 
 
 @dataclass(frozen=True, repr=False)
-class Study(Shown):
+class VrthsStudy(Shown):
     """Everything that was run: ``compared`` against the replica and the aims; ``criteria`` by (motion, compensator, case), J1
     to J9 on the true and on the measured displacement; ``batches`` by case; ``example`` is what the page's figure shows."""
 
@@ -72,7 +72,7 @@ class Study(Shown):
 
 
 @describe.register
-def describe_study(study: Study) -> Description:
+def describe_study(study: VrthsStudy) -> Description:
     """How many of the compared agree, and the batches of random plants; tables of the criteria and of these batches."""
     agrees = sum(value.verdict == "agrees" for value in study.compared)
     rows = [("compared", f"{agrees} of {len(study.compared)} agree")]
@@ -97,7 +97,7 @@ def describe_study(study: Study) -> Description:
     )
 
 
-def _columns(study: Study) -> Frame:
+def _columns(study: VrthsStudy) -> DataFrameColumns:
     """The criteria, one row a run."""
     rows = list(study.criteria.items())
     columns: dict[str, Any] = {
@@ -105,10 +105,10 @@ def _columns(study: Study) -> Frame:
     }
     columns |= {name: [float(true[k]) for _, (true, _) in rows] for k, name in enumerate(CRITERIA)}
     columns |= {f"{n}_measured": [float(m[k]) for _, (_, m) in rows] for k, n in enumerate(CRITERIA[:5])}
-    return Frame(columns)
+    return DataFrameColumns(columns)
 
 
-def _numbers(study: Study) -> dict[str, Any]:
+def _numbers(study: VrthsStudy) -> dict[str, Any]:
     """For JSON: J1 in ms, the others in %."""
     return dict(
         plain(
@@ -150,7 +150,7 @@ def arrangements(case: int) -> dict[str, tuple[HybridSetup, Compensator]]:
     }
 
 
-def run(data: str | Path | None, plants: int, progress: Progress) -> Study:
+def run(data: str | Path | None, plants: int, progress: Progress) -> VrthsStudy:
     """See `dampyr.studies.vrths_2020.reproduce`."""
     motions = {name: motion(name, data) for name in MOTIONS}
     values: list[ComparedValue] = []
@@ -173,7 +173,7 @@ def run(data: str | Path | None, plants: int, progress: Progress) -> Study:
 
         batches[case] = run_many(setup, compensator, motions["El Centro"], plants, progress=say)
         values.append(batch_comparison(case, batches[case]))
-    return Study(tuple(values), criteria, batches, _example(motions["El Centro"]))
+    return VrthsStudy(tuple(values), criteria, batches, _example(motions["El Centro"]))
 
 
 def compared(name: str, case: int, true: Array) -> list[ComparedValue]:
@@ -183,7 +183,7 @@ def compared(name: str, case: int, true: Array) -> list[ComparedValue]:
     if (name, case) in REPLICA:
         return [
             judge(artefact, criterion, REPLICA[name, case][k], float(mean[k]), "ms" if k == 0 else "%",
-                  Tolerance(absolute=DRAWS * float(spread[k]) + 0.005, relative=RELATIVE))
+                  ComparisonTolerance(absolute=DRAWS * float(spread[k]) + 0.005, relative=RELATIVE))
             for k, criterion in enumerate(CRITERIA)
         ]  # fmt: skip
     if name != OURS:
@@ -220,7 +220,7 @@ def _example(shaking: GroundMotion) -> tuple[Array, dict[str, Array]]:
     return first.time[shown], {name: line[shown] for name, line in lines.items()}
 
 
-def write(study: Study, out: Path) -> Study:
+def write(study: VrthsStudy, out: Path) -> VrthsStudy:
     """``vrths_2020.html`` and ``vrths_2020.json`` in ``out``; returns the study with its page."""
     done = replace(study, page=write_page(out / "vrths_2020.html", html(study)))
     text = json.dumps(done.as_dict(), indent=2, ensure_ascii=False, allow_nan=False)
@@ -228,7 +228,7 @@ def write(study: Study, out: Path) -> Study:
     return done
 
 
-def html(study: Study) -> str:
+def html(study: VrthsStudy) -> str:
     """The whole page."""
     sections = [
         Section("Against the replica, and the aims", [compared_table(study.compared, digits=4)]),
@@ -260,19 +260,19 @@ WORDS = (
 )
 
 
-def criteria_table(study: Study, shaking: str) -> Table:
+def criteria_table(study: VrthsStudy, shaking: str) -> Table:
     """The criteria on the true displacement, under one motion."""
     own = [(name, case, true) for (of, name, case), (true, _) in study.criteria.items() if of == shaking]
     rows: list[Sequence[Cell]] = [[name, case, *(float(value) for value in true)] for name, case, true in own]
     return Table(("compensator", "case", *CRITERIA), rows, ("", "", "ms", *["%"] * 8), caption=f"{shaking}.", digits=3)
 
 
-def _titled(study: Study, shaking: str) -> Table:
+def _titled(study: VrthsStudy, shaking: str) -> Table:
     caption = f"The hybrid simulation benchmark of 2020, {shaking}: criteria on the true displacement."
     return replace(criteria_table(study, shaking), caption=caption)
 
 
-def measured_table(study: Study) -> Table:
+def measured_table(study: VrthsStudy) -> Table:
     """J2 and J4 as measured, both motions side by side."""
     first, second = MOTIONS
     rows: list[Sequence[Cell]] = [

@@ -13,11 +13,11 @@ from dampyr.rig.firmware.protocol import (
     ENDS_WIRED,
     MAX_POINTS,
     VERSION,
-    Frame,
     Reader,
     Reason,
     Reply,
     Request,
+    SerialFrame,
     State,
     Status,
     encode,
@@ -157,14 +157,16 @@ class Uno:
         """Close the wire."""
         self._wire.close()
 
-    def _first_hello(self) -> Frame:
+    def _first_hello(self) -> SerialFrame:
         """The reply to the first HELLO after opening, once the boot loader has left."""
         with self._lock:
             quiet = self._opened + self._wire.boot - self._clock()
             if quiet > 0.0:
                 self._sleep(quiet)
             self._number = (self._number + 1) % 256
-            request = b"\0" + encode(Frame(Request.HELLO, self._number, (VERSION,)))  # the 0 ends what was sent before
+            request = b"\0" + encode(
+                SerialFrame(Request.HELLO, self._number, (VERSION,))
+            )  # the 0 ends what was sent before
             wait = max(self.wait, HELLO_INTERVAL) if self._wire.answer else self.wait
             tries = 0
             self._heard = b""
@@ -194,13 +196,13 @@ class Uno:
             f"it sends {self._heard[:SHOWN].hex(' ')}; {repair}"
         )
 
-    def _ask(self, kind: Request, *values: int) -> Frame:
+    def _ask(self, kind: Request, *values: int) -> SerialFrame:
         with self._lock:  # one question at a time: an abort comes from any thread
             return self._exchange(kind, *values)
 
-    def _exchange(self, kind: Request, *values: int) -> Frame:
+    def _exchange(self, kind: Request, *values: int) -> SerialFrame:
         self._number = (self._number + 1) % 256
-        request = encode(Frame(kind, self._number, values))
+        request = encode(SerialFrame(kind, self._number, values))
         for _ in range(self.tries):
             self._wire.send(request)
             reply = self._reply(self.wait)
@@ -208,7 +210,7 @@ class Uno:
                 return self._checked(kind, reply)
         raise RigFault(f"the Uno does not answer {kind.name}, asked {self.tries} times; check its cable and its power")
 
-    def _reply(self, wait: float) -> Frame | None:
+    def _reply(self, wait: float) -> SerialFrame | None:
         until = self._clock() + wait
         while True:
             data = self._wire.receive()
@@ -219,7 +221,7 @@ class Uno:
             if self._clock() >= until:
                 return None
 
-    def _checked(self, kind: Request, reply: Frame) -> Frame:
+    def _checked(self, kind: Request, reply: SerialFrame) -> SerialFrame:
         if reply.kind is not Reply.NAK:
             return reply
         if (
