@@ -433,14 +433,14 @@ def test_a_table_without_pandas_says_what_to_install(made: SimpleNamespace, monk
         (lambda m: m.ensemble.plot.fragility(7), "number = 7 is not allowed; there are 1 limits"),
         (lambda m: m.ensemble.curves[0].plot(["no such"]), "there is no curve 'no such'; choose from no damper"),
         (lambda m: m.ensemble.curves[0].plot([]), "names has 0 curves; a figure shows 1 to 6"),
-        (lambda m: m.responses.plot.history("9"), "'9' is no floor of .*; choose from 1, 2"),
+        (lambda m: m.responses.plot.history("9"), "'9' is not a floor of .*; choose from 1, 2"),
         (
             lambda m: dp.ground_motions.spectrum(m.motion).plot("force"),
-            "'force' is no quantity of a spectrum; choose from displacement",
+            "'force' is not a quantity of a spectrum; choose from displacement",
         ),
         (lambda m: dp.ground_motions.spectrum(m.motion, 1.0).plot(), "a figure needs two periods or more"),
         (lambda m: m.records[0].plot.history("current"), "has no channel 'current' to draw; choose from displacement"),
-        (lambda m: m.response.plot.history("no such"), "'no such' is no history of this response; choose from"),
+        (lambda m: m.response.plot.history("no such"), "this response has no history of 'no such'; choose from"),
     ],
 )
 def test_a_wrong_name_says_which_there_are(

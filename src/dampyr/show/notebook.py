@@ -57,7 +57,7 @@ def rows_as_html(
 def _table_as_html(table: Table) -> str:
     columns, rows = table.heads, table.rows
     numeric = [all(not isinstance(row[k], str | Verdict) for row in rows) for k in range(len(columns))]
-    sides = ["right" if each else "left" for each in numeric]
+    sides = ["right" if is_numeric else "left" for is_numeric in numeric]
     head = "".join(
         f'<th style="{_HEAD};text-align:{side}">{escape(name)}</th>' for name, side in zip(columns, sides, strict=True)
     )

@@ -32,9 +32,28 @@ Cell = str | float | int | bool | Verdict | None
 class Table(Shown):
     """Rows under named columns, sortable by the reader.
 
-    ``caption`` says what it is, and ``notes``, sentences, explain its columns. ``units`` stand under the names ("" for none);
-    numbers get ``digits`` significant digits and are aligned right unless ``align`` says "left" or "right" for a column. None
-    is shown as a dash.
+    Parameters
+    ----------
+    columns
+        The names.
+    rows
+        Their cells, as many as there are columns; None is shown as a dash.
+    units
+        Stand under the names, one for each column ("" for none); by default there are none.
+    align
+        "left" or "right" for each column; by default numbers stand right and anything else left.
+    caption
+        Says what it is.
+    notes
+        Sentences that explain its columns.
+    digits
+        Significant digits of a number.
+
+    Examples
+    --------
+    >>> from dampyr import show
+    >>> show.Table(("input", "force"), [[0.0, 110.2], [1.98, 480.9]], ("V", "N")).heads
+    ['input [V]', 'force [N]']
     """
 
     columns: Sequence[str]
@@ -47,9 +66,9 @@ class Table(Shown):
 
     def __post_init__(self) -> None:
         width = len(self.columns)
-        for name, given in (("units", self.units), ("align", self.align)):
-            if given and len(given) != width:
-                raise InputError(f"a table of {width} columns has {len(given)} {name}; give one for each column")
+        for name, per_column in (("units", self.units), ("align", self.align)):
+            if per_column and len(per_column) != width:
+                raise InputError(f"a table of {width} columns has {len(per_column)} {name}; give one for each column")
         for number, row in enumerate(self.rows, 1):
             if len(row) != width:
                 raise InputError(f"row {number} of a table has {len(row)} cells; its columns are {width}")

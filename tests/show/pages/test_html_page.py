@@ -215,7 +215,7 @@ def test_a_number_reads_back(value: float, digits: int) -> None:
         (lambda: Verdict("aggrees"), "choose from agrees"),
         (lambda: Table(["a", "b"], [[1.0, 2.0], [1.0]]), "row 2 of a table has 1 cells; its columns are 2"),
         (lambda: Table(["a"], [], units=["N", "m"]), "1 columns has 2 units"),
-        (lambda: page("t", [Section("s", ["text"])]), "str is no block"),
+        (lambda: page("t", [Section("s", ["text"])]), "str is not a block"),
     ],
 )
 def test_what_cannot_be_shown_is_refused(make: object, words: str) -> None:

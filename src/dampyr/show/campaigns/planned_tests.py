@@ -106,5 +106,5 @@ def _columns(plan: Plan) -> DataFrameColumns:
         "peak_speed": "peak_speed_m_per_s", "peak_voltage": "peak_voltage_V", "peak_force": "peak_force_N",
         "energy": "energy_J", "refusal": "refusal",
     }  # fmt: skip
-    columns = {head: [getattr(each, name) for each in plan.tests] for name, head in names.items()}
-    return DataFrameColumns(columns, [each.name for each in plan.tests], "test")
+    columns = {head: [getattr(test, name) for test in plan.tests] for name, head in names.items()}
+    return DataFrameColumns(columns, [test.name for test in plan.tests], "test")

@@ -34,18 +34,18 @@ def peak_velocity_band(
 
     ``points`` whether inside (True, False, or None where not judged) -> peak speeds m/s and forces N.
     """
-    fig, axes = style.figure(3.1, 1, 1, title)
-    panel = axes[0, 0]
-    with style.style():
+    with style.single_panel(3.1, title) as (fig, panel):
         tables = [np.asarray(rows, dtype=float).reshape(-1, 4) for rows in bands]
         widest = max([float(np.max(x, initial=0.0)) for x, _ in points.values()] + [1e-3])
         for rows in tables:
             if len(rows):
-                _band(panel, SPEED.of(_reach(rows[:, 0], EDGE * widest)), FORCE.of(_ends(rows[:, 1:])))
-        for state, (words, look) in STATES.items():
+                # wider than its tests at both ends, so that the band of tests of one speed is seen
+                speed = np.concatenate([[rows[0, 0] - EDGE * widest], rows[:, 0], [rows[-1, 0] + EDGE * widest]])
+                _band(panel, SPEED.of(speed), FORCE.of(np.concatenate([rows[:1, 1:], rows[:, 1:], rows[-1:, 1:]])))
+        for state, (label, look) in STATES.items():
             if state in points and np.size(points[state][0]):
                 x, y = points[state]
-                panel.plot(SPEED.of(x), FORCE.of(y), ls="", label=words, **look)
+                panel.plot(SPEED.of(x), FORCE.of(y), ls="", label=label, **look)
         panel.axhline(0.0, color=style.MUTED, lw=0.7)
         panel.margins(x=0.04)
         style.name_axes(panel, SPEED, FORCE)
@@ -63,15 +63,13 @@ def band_used(
     The edges are at -1 and 1; to the right the damper is stronger than the reference. ``outside`` says in the same way which of
     these lie outside, where noise is allowed beyond the edges; without it those beyond them do.
     """
-    row = 0.26 if len(records) <= MANY else 0.19
-    fig, axes = style.figure(1.2 + row * max(len(records), 2), 1, 1, title)
-    panel = axes[0, 0]
-    with style.style():
+    row_height = 0.26 if len(records) <= MANY else 0.19
+    with style.single_panel(1.2 + row_height * max(len(records), 2), title) as (fig, panel):
         panel.axvspan(-1.0, 1.0, color=style.SKY, alpha=0.18, lw=0, label="band")
         for edge in (-1.0, 1.0):
             panel.axvline(edge, color=style.INK, lw=0.8, ls="--")
-        for row, (name, own) in enumerate(records.items()):
-            for quantity, values in own.items():
+        for row, (name, quantities) in enumerate(records.items()):
+            for quantity, values in quantities.items():
                 used = np.asarray(values, dtype=float)
                 beyond = np.abs(used) > 1.0 if outside is None else np.asarray(outside[name][quantity], dtype=bool)
                 _used(panel, row, quantity, used, beyond)
@@ -88,29 +86,17 @@ def band_used(
 def _used(panel: Any, row: int, quantity: str, values: Any, outside: Any) -> None:
     shift = {"extension": -0.2, "compression": 0.0, "energy": 0.2}.get(quantity, 0.0)
     mark = MARKS.get(quantity, "o")
-    for which, words, look in (
+    for chosen, label, look in (
         (~outside, quantity, {"ms": 3.4, "color": style.BLUE, "alpha": 0.7}),
         (outside, f"{quantity}, outside", {"ms": 6.0, "mfc": "none", "mec": style.VERMILLION, "mew": 1.5}),
     ):
-        shown = values[which]
+        shown = values[chosen]
         if shown.size:
-            labels = panel.get_legend_handles_labels()[1]
-            label = None if words in labels else words
             panel.plot(shown, np.full(shown.size, row + shift), mark, label=label, **look)
 
 
 def _band(panel: Any, speed: Any, rows: Any) -> None:
-    labels = [None, None] if "band" in panel.get_legend_handles_labels()[1] else ["reference", "band"]
-    panel.fill_between(speed, rows[:, 1], rows[:, 2], color=style.SKY, alpha=0.22, lw=0, label=labels[1])
-    panel.plot(speed, rows[:, 0], color=style.INK, lw=1.1, ls="--", label=labels[0])
+    panel.fill_between(speed, rows[:, 1], rows[:, 2], color=style.SKY, alpha=0.22, lw=0, label="band")
+    panel.plot(speed, rows[:, 0], color=style.INK, lw=1.1, ls="--", label="reference")
     for column in (1, 2):
         panel.plot(speed, rows[:, column], color=style.SKY, lw=1.0)
-
-
-def _reach(speed: Any, by: float) -> Any:
-    """The speeds with a little room at both ends, so that tests of one speed have a band that is seen."""
-    return np.concatenate([[speed[0] - by], speed, [speed[-1] + by]])
-
-
-def _ends(rows: Any) -> Any:
-    return np.concatenate([rows[:1], rows, rows[-1:]])

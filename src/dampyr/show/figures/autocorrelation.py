@@ -21,15 +21,14 @@ POINTS = 160  # of one curve: dozens of records lie over one another, and the fi
 
 def memory(records: Sequence[tuple[ArrayLike, ArrayLike]], correlation_time: float, title: str = "") -> Figure:
     """``records``: (lags s, autocorrelations) of each, from lag 0; ``correlation_time`` s of all together."""
-    fig, axes = style.figure(2.7, 1, 1, title)
-    panel = axes[0, 0]
-    with style.style():
+    with style.single_panel(2.7, title) as (fig, panel):
         panel.axhline(0.0, color=style.MUTED, lw=0.8)
-        for number, (lags, rho) in enumerate(records):
-            label = "record" if number == 0 and len(records) > 1 else None
+        for lags, rho in records:
             x, y = style.thin(lags, rho, POINTS)
-            panel.plot(x, y, color=style.SKY, lw=0.7, alpha=0.55, label=label)
-        lags, mean = _mean(records)
+            panel.plot(x, y, color=style.SKY, lw=0.7, alpha=0.55, label="record" if len(records) > 1 else None)
+        # records are of unequal length: at each lag the mean is over those that have it
+        lags = max((np.asarray(lags, dtype=float) for lags, _ in records), key=lambda lags: lags[-1])
+        mean = np.nanmean([np.interp(lags, np.asarray(x), np.asarray(rho), right=np.nan) for x, rho in records], axis=0)
         style.line(panel, lags, mean, color=style.BLUE, lw=1.6, label="mean" if len(records) > 1 else "the record")
         label = f"correlation time {correlation_time:.2g} s"
         panel.axvline(correlation_time, color=style.VERMILLION, ls="--", lw=1.1, label=label)
@@ -38,10 +37,3 @@ def memory(records: Sequence[tuple[ArrayLike, ArrayLike]], correlation_time: flo
         style.name_axes(panel, LAG, RHO)
         style.legend(fig, panel)
     return fig
-
-
-def _mean(records: Sequence[tuple[ArrayLike, ArrayLike]]) -> tuple[np.ndarray, np.ndarray]:
-    """The mean over the records at each lag that some record has."""
-    lag_grid = max((np.asarray(lags, dtype=float) for lags, _ in records), key=lambda lags: lags[-1])
-    rows = [np.interp(lag_grid, np.asarray(lags), np.asarray(rho), right=np.nan) for lags, rho in records]
-    return lag_grid, np.nanmean(rows, axis=0)

@@ -28,11 +28,9 @@ def band(
     of it."""
     t, force = np.asarray(time, dtype=float), FORCE.of(measured)
     below, above = FORCE.of(low), FORCE.of(high)
-    fig, axes = style.figure(2.8, 1, 1, title)
-    with style.style():
-        top = axes[0, 0]
+    with style.single_panel(2.8, title) as (fig, panel):
         step = max(t.size // style.POINTS, 1)  # a filled band of every sample is a page of its own
-        top.fill_between(
+        panel.fill_between(
             t[::step],
             below[::step],
             above[::step],
@@ -41,11 +39,11 @@ def band(
             lw=0.0,
             label=f"{100 * level:g} % band",
         )
-        style.line(top, t, force, color=style.INK, lw=0.9, label=record_origin.series)
+        style.line(panel, t, force, color=style.INK, lw=0.9, label=record_origin.series)
         outside = (force < below) | (force > above)
         if outside.any():
-            top.plot(t[outside], force[outside], ".", color=style.VERMILLION, ms=2.0, label="outside")
-        top.set_xlabel(TIME.label)
-        top.set_ylabel(FORCE.label)
-        style.legend(fig, top)
+            panel.plot(t[outside], force[outside], ".", color=style.VERMILLION, ms=2.0, label="outside")
+        panel.set_xlabel(TIME.label)
+        panel.set_ylabel(FORCE.label)
+        style.legend(fig, panel)
     return fig

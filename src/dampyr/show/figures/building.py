@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from dampyr.show.figures import style
@@ -33,12 +32,11 @@ def building_response(
     colours = colours or style.case_colours(cases, first)
     groups = [list(cases)] if len(cases) <= TOGETHER else [[first, name] for name in list(cases)[1:]]
     height = 3.0 if len(groups) == 1 else 0.95 + 0.68 * len(groups)
-    fig, axes = style.figure(height, len(groups), 1, title, sharex=True, sharey=True)
     t = TIME.of(time)
-    with style.style():
+    with style.panels(height, len(groups), 1, title, sharex=True, sharey=True) as (fig, axes):
         for panel, names in zip(axes[:, 0], groups, strict=True):
             for name in names:
-                _line(panel, t, axis, name, cases[name], colours[name])
+                style.line_with_peak(panel, time, cases[name], axis, name, colours[name])
         panel = axes[-1, 0]
         if len(groups) == 1:
             panel.set_ylabel(axis.label)
@@ -48,10 +46,3 @@ def building_response(
         panel.set_xlabel(TIME.label)
         style.legend(fig, *axes[:, 0], columns=2, min_entries=1)
     return fig
-
-
-def _line(panel: Any, t: Any, axis: Axis, name: str, values: ArrayLike, colour: str) -> None:
-    y = axis.of(values)
-    peak = int(np.argmax(np.abs(y)))
-    style.line(panel, t, y, color=colour, lw=1.1, label=f"{name}: {abs(y[peak]):.3g} {axis.unit}")
-    panel.plot(t[peak], y[peak], "o", ms=4, color=colour)

@@ -31,9 +31,7 @@ def calibrated(
     ``ranges`` are those of a damper: ``frequency`` (Hz) and ``displacement`` (m) make the box, ``velocity`` (m/s) the line
     on which a sine reaches the greatest speed. A record without frequency is not drawn.
     """
-    fig, axes = style.figure(3.0, 1, 1, title)
-    panel = axes[0, 0]
-    with style.style():
+    with style.single_panel(3.0, title) as (fig, panel):
         if ranges:
             _box(panel, ranges)
         for look, (name, (frequencies, amplitudes)) in zip(looks(groups, colours), groups.items(), strict=True):
@@ -47,10 +45,16 @@ def calibrated(
                 label=name,
                 **look,
             )
-        top = _top(groups, ranges or {})
+        drawn = [*(amplitudes for _, amplitudes in groups.values()), (ranges or {}).get("displacement", (0.0, 0.0))[1]]
+        amplitude_values = np.concatenate([np.ravel(AMPLITUDE.of(amplitudes)) for amplitudes in drawn])
+        top = max(float(np.max(amplitude_values[np.isfinite(amplitude_values)], initial=0.0)), 1e-3)
         panel.set_ylim(0.0, 1.12 * top)
         panel.margins(x=0.08)
-        _widen(panel)
+        # records of one frequency are not drawn as if it were known to a hundredth
+        left, right = panel.get_xlim()
+        middle = 0.5 * (left + right)
+        reach = max(0.5 * (right - left), 0.25 * abs(middle))
+        panel.set_xlim(middle - reach, middle + reach)
         if ranges and "velocity" in ranges:
             _speed(panel, ranges["velocity"][1], top)
         style.name_axes(panel, FREQUENCY, AMPLITUDE)
@@ -84,19 +88,3 @@ def _speed(panel: Any, speed: float, top: float) -> None:
     if np.any(seen):
         label = f"greatest speed, {style.VELOCITY.of(speed):.3g} {style.VELOCITY.unit}"
         panel.plot(f[seen], amplitude[seen], color=style.MUTED, ls="--", lw=1, label=label)
-
-
-def _widen(panel: Any) -> None:
-    """Records of one frequency are not drawn as if it were known to a hundredth."""
-    left, right = panel.get_xlim()
-    middle = 0.5 * (left + right)
-    reach = max(0.5 * (right - left), 0.25 * abs(middle))
-    panel.set_xlim(middle - reach, middle + reach)
-
-
-def _top(groups: Mapping[str, tuple[ArrayLike, ArrayLike]], ranges: Mapping[str, tuple[float, float]]) -> float:
-    """The greatest amplitude that is drawn, mm."""
-    values = [np.ravel(AMPLITUDE.of(amplitudes)) for _, amplitudes in groups.values()]
-    values.append(np.ravel(AMPLITUDE.of(ranges.get("displacement", (0.0, 0.0))[1])))
-    amplitude_values = np.concatenate(values)
-    return max(float(np.max(amplitude_values[np.isfinite(amplitude_values)], initial=0.0)), 1e-3)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from dampyr.show.figures import style
@@ -29,15 +28,12 @@ def controlled(
     samples shown.
     """
     count = len(inputs)
-    fig, axes = style.figure(2.5 + 1.05 * count, 1 + count, 1, title, sharex=True, height_ratios=(2.2, *[1.0] * count))
     colours = colours or style.case_colours(cases, next(iter(cases)))
-    t, top = TIME.of(time), axes[0, 0]
-    with style.style():
+    t, ratios = TIME.of(time), (2.2, *[1.0] * count)
+    with style.panels(2.5 + 1.05 * count, 1 + count, 1, title, sharex=True, height_ratios=ratios) as (fig, axes):
+        top = axes[0, 0]
         for name, values in cases.items():
-            y = axis.of(values)
-            peak = int(np.argmax(np.abs(y)))
-            style.line(top, t, y, color=colours[name], lw=1.1, label=f"{name}: {abs(y[peak]):.3g} {axis.unit}")
-            top.plot(t[peak], y[peak], "o", ms=4, color=colours[name])
+            style.line_with_peak(top, time, values, axis, name, colours[name])
         top.set_ylabel(axis.label)
         for panel, (name, values) in zip(axes[1:, 0], inputs.items(), strict=True):
             panel.step(t, input_axis.of(values), where="pre", color=colours[name], lw=1.0)

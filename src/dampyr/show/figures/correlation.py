@@ -31,9 +31,7 @@ def correlation(matrix: ArrayLike, names: Sequence[str], title: str = "") -> Fig
     if r.shape != (m, m) or m < 2:
         raise InputError(f"the correlations have shape {r.shape} for {m} names; give a square matrix of two or more")
     size, cell = _sizes(names)
-    fig, axes = style.figure(cell * m + 0.75, 1, 1, title)
-    panel = axes[0, 0]
-    with style.style():
+    with style.single_panel(cell * m + 0.75, title) as (fig, panel):
         for row in range(1, m):
             for column in range(row):
                 _cell(panel, row, column, r[row, column], min(27 * cell, 8.5) if m <= FEW else None)
@@ -53,16 +51,11 @@ def _cell(panel: Any, row: int, column: int, value: float, size: float | None) -
     corner = (column - 0.46, row - 0.46)
     panel.add_patch(Rectangle(corner, 0.92, 0.92, facecolor=colour, alpha=_depth(value), lw=0))
     if size is not None:
-        panel.text(column, row, _short(value), ha="center", va="center", fontsize=size, color=style.INK)
+        # such as −.95: a correlation needs no zero before its point, and one that rounds to nothing no point
+        number = "0" if abs(value) < 0.005 else f"{value:.2f}".replace("0.", ".").replace("1.00", "1").replace("-", "−")
+        panel.text(column, row, number, ha="center", va="center", fontsize=size, color=style.INK)
     elif abs(value) > MARKED:
         panel.plot(column, row, "o", ms=3.2, mfc="none", mec=style.INK, mew=0.9)
-
-
-def _short(value: float) -> str:
-    """Such as −.95: a correlation needs no zero before its point, and one that rounds to nothing no point."""
-    if abs(value) < 0.005:
-        return "0"
-    return f"{value:.2f}".replace("0.", ".").replace("1.00", "1").replace("-", "−")
 
 
 def _depth(value: float) -> float:
@@ -84,9 +77,8 @@ def _dress(panel: Any, names: Sequence[str], size: float, cell: float) -> None:
     panel.set_xlim(-0.6, m - 0.4)
     panel.set_ylim(m - 0.4, -0.6)
     label_width = 0.6 * size / 72 * (max(len(name) for name in names) + 5)
-    anchor = (
-        "C" if label_width < 0.5 * (style.WIDTH - cell * m) - 0.2 else "E"
-    )  # long names need all the room on the left
+    # long names need all the room on the left
+    anchor = "C" if label_width < 0.5 * (style.WIDTH - cell * m) - 0.2 else "E"
     panel.set_aspect("equal", anchor=anchor)
     panel.grid(visible=False)
     for spine in panel.spines.values():

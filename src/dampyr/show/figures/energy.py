@@ -20,12 +20,10 @@ ENERGY = Axis("energy", "J")
 
 def energy_over_time(time: ArrayLike, shares: Mapping[str, ArrayLike], total: ArrayLike, title: str = "") -> Figure:
     """``time`` s ``(n,)``; ``shares`` name -> J ``(n,)``, stacked in their order; ``total`` J ``(n,)`` as a line."""
-    fig, axes = style.figure(3.0, 1, 1, title)
-    panel = axes[0, 0]
     t = TIME.of(time)
     colours = (style.BLUE, style.VERMILLION, style.SKY, style.ORANGE, style.GREEN, style.PURPLE)
     below = np.zeros(len(t))
-    with style.style():
+    with style.single_panel(3.0, title) as (fig, panel):
         for colour, (name, values) in zip(cycle(colours), shares.items(), strict=False):
             above = below + ENERGY.of(values)
             x, low = style.thin(t, below)

@@ -34,12 +34,8 @@ def envelope(
     Both axes are logarithmic, so lines of equal speed are straight. ``refused`` tests are crossed out; ``colours`` name ->
     colour are those of the page.
     """
-    from matplotlib.ticker import LogLocator, NullFormatter
-
-    fig, axes = style.figure(3.6, 1, 1, title)
-    panel = axes[0, 0]
     f = FREQUENCY.of(frequency)
-    with style.style():
+    with style.single_panel(3.6, title) as (fig, panel):
         for strength, (name, values) in zip(np.linspace(1.0, 0.45, len(limits)), limits.items(), strict=True):
             panel.plot(f, AMPLITUDE.of(values), color=style.MUTED, lw=1.4 * strength + 0.2, alpha=strength)
             last = float(AMPLITUDE.of(values)[-1])
@@ -52,13 +48,8 @@ def envelope(
             panel.plot(FREQUENCY.of(x), AMPLITUDE.of(y), marker, label=name, **look)
         if np.size(refused[0]):
             panel.plot(FREQUENCY.of(refused[0]), AMPLITUDE.of(refused[1]), "x", ms=8, color=style.INK, label="refused")
-        panel.set_xscale("log")
-        panel.set_yscale("log")
+        style.logarithmic(panel)
         panel.set_xlim(f[0], f[-1])
-        for axis in (panel.xaxis, panel.yaxis):
-            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-            axis.set_major_formatter("{x:g}")
-            axis.set_minor_formatter(NullFormatter())
         style.name_axes(panel, FREQUENCY, AMPLITUDE)
         style.legend(fig, panel, columns=4, min_entries=1)
     return fig

@@ -22,12 +22,8 @@ ACHIEVED = Axis("achieved half width", "%", 100.0)
 
 def expected_widths(pairs: Mapping[str, Sequence[tuple[float, float]]], title: str = "") -> Figure:
     """``pairs`` name -> the expected and the achieved half width of each coefficient over its value; the band is 30 %."""
-    from matplotlib.ticker import LogLocator, NullFormatter
-
-    fig, axes = style.figure(3.6, 1, 1, title)
-    panel = axes[0, 0]
-    with style.style():
-        every = np.array([pair for some in pairs.values() for pair in some], dtype=float).reshape(-1, 2)
+    with style.single_panel(3.6, title) as (fig, panel):
+        every = np.array([pair for coefficients in pairs.values() for pair in coefficients], dtype=float).reshape(-1, 2)
         low, high = (100.0 * float(every.min()) / 1.5, 100.0 * float(every.max()) * 1.5) if every.size else (0.1, 10.0)
         ends = np.array([low, high])
         panel.fill_between(
@@ -35,11 +31,11 @@ def expected_widths(pairs: Mapping[str, Sequence[tuple[float, float]]], title: s
         )
         panel.plot(ends, ends, color=style.MUTED, lw=1.0)
         colours = style.case_colours(pairs)
-        for marker, (name, some) in zip(cycle(MARKERS), pairs.items(), strict=False):
-            at = np.array(some, dtype=float)
+        for marker, (name, coefficients) in zip(cycle(MARKERS), pairs.items(), strict=False):
+            widths = np.array(coefficients, dtype=float)
             panel.plot(
-                EXPECTED.of(at[:, 0]),
-                ACHIEVED.of(at[:, 1]),
+                EXPECTED.of(widths[:, 0]),
+                ACHIEVED.of(widths[:, 1]),
                 marker,
                 ms=7,
                 mfc="none",
@@ -47,13 +43,8 @@ def expected_widths(pairs: Mapping[str, Sequence[tuple[float, float]]], title: s
                 color=colours[name],
                 label=name,
             )
-        panel.set_xscale("log")
-        panel.set_yscale("log")
+        style.logarithmic(panel)
         panel.set_xlim(low, high)
-        for axis in (panel.xaxis, panel.yaxis):
-            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-            axis.set_major_formatter("{x:g}")
-            axis.set_minor_formatter(NullFormatter())
         style.name_axes(panel, EXPECTED, ACHIEVED)
         style.legend(fig, panel, columns=4, min_entries=1)
     return fig

@@ -64,9 +64,7 @@ def fragility_curves(
     curves: Mapping[str, Fragile], axis: Axis = PGA, title: str = "", colours: Mapping[str, str] | None = None
 ) -> Figure:
     """All curves in one panel; at most six, one colour each, those of ``colours`` (name -> colour) where it is given."""
-    fig, axes = style.figure(3.3, 1, 1, title)
-    panel = axes[0, 0]
-    with style.style():
+    with style.single_panel(3.3, title) as (fig, panel):
         colours = colours or style.case_colours(curves)
         for name, curve in curves.items():
             _draw(panel, name, curve, axis, colours[name])
@@ -79,12 +77,12 @@ def fragility_curves(
 
 def _draw(panel: Any, name: str, curve: Fragile, axis: Axis, colour: str) -> None:
     x = axis.of(curve.intensity)
-    label: str | None = name
+    label: str | None = name  # once: of the curve, else of the points
     if curve.band is not None and not np.isnan(np.asarray(curve.band[0], dtype=float)).all():
         panel.fill_between(x, *(PROBABILITY.of(edge) for edge in curve.band), color=colour, alpha=0.16, lw=0)
     if curve.probability is not None:
         panel.plot(x, PROBABILITY.of(curve.probability), color=colour, lw=1.4, label=label)
         label = None
     if curve.counted is not None:
-        at, share = curve.counted
-        panel.plot(axis.of(at), PROBABILITY.of(share), "o", ms=3, color=colour, alpha=0.75, mew=0, label=label)
+        intensity, share = curve.counted
+        panel.plot(axis.of(intensity), PROBABILITY.of(share), "o", ms=3, color=colour, alpha=0.75, mew=0, label=label)

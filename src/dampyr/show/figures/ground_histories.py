@@ -18,10 +18,9 @@ def ground_histories(
     time: ArrayLike, acceleration: ArrayLike, velocity: ArrayLike, displacement: ArrayLike, title: str = ""
 ) -> Figure:
     """``time`` s, ``acceleration`` m/s², ``velocity`` m/s and ``displacement`` m, all ``(n,)``."""
-    fig, axes = style.figure(5.4, 3, 1, title, sharex=True)
     t = TIME.of(time)
     rows = ((ACCELERATION, acceleration), (VELOCITY, velocity), (DISPLACEMENT, displacement))
-    with style.style():
+    with style.panels(5.4, 3, 1, title, sharex=True) as (fig, axes):
         for panel, (axis, values) in zip(axes[:, 0], rows, strict=True):
             y = axis.of(values)
             peak = int(np.argmax(np.abs(y)))

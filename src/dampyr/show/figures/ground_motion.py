@@ -17,15 +17,13 @@ if TYPE_CHECKING:
 
 def ground_motion(time: ArrayLike, acceleration: ArrayLike, title: str = "") -> Figure:
     """``time`` s and ``acceleration`` m/s², both ``(n,)``."""
-    fig, axes = style.figure(2.5, 1, 1, title)
-    panel = axes[0, 0]
     t, a = TIME.of(time), ACCELERATION.of(acceleration)
     peak = int(np.argmax(np.abs(a)))
-    with style.style():
+    with style.single_panel(2.5, title) as (fig, panel):
         style.line(panel, t, a, color=style.BLUE, lw=0.8)
         in_g = abs(a[peak]) / STANDARD_GRAVITY
-        words = f"peak {abs(a[peak]):.4g} m/s² = {in_g:.4g} g at {t[peak]:.4g} s"
-        panel.plot(t[peak], a[peak], "o", ms=4, color=style.VERMILLION, ls="none", label=words)
+        label = f"peak {abs(a[peak]):.4g} m/s² = {in_g:.4g} g at {t[peak]:.4g} s"
+        panel.plot(t[peak], a[peak], "o", ms=4, color=style.VERMILLION, ls="none", label=label)
         panel.set_xlim(t[0], t[-1])
         style.name_axes(panel, TIME, ACCELERATION)
         style.legend(fig, panel, min_entries=1)

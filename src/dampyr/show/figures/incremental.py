@@ -38,10 +38,8 @@ def incremental_curves(
     Of more than 120 curves every n-th is drawn; ``furthest`` is the peak at which the axis ends, to compare figures;
     ``colour`` is that of the fractiles, and limits are black.
     """
-    fig, axes = style.figure(3.1, 1, 1, title)
-    panel = axes[0, 0]
     x, y = np.atleast_2d(peaks), np.atleast_2d(intensity)
-    with style.style():
+    with style.single_panel(3.1, title) as (fig, panel):
         for row in range(0, len(x), max(1, -(-len(x) // MAX_CURVES))):
             panel.plot(peak.of(x[row]), axis.of(y[row]), color=style.MUTED, lw=0.5, alpha=0.55)
         for dash, (name, values) in zip(cycle(DASHES), fractiles.items(), strict=False):

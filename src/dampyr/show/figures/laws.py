@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import cycle
@@ -41,7 +40,7 @@ class LawPanel(Shown):
 def describe_law(law: LawPanel) -> Description:
     """How many inputs the curve and the points have; the law by itself."""
     rows = [("curve", law.curve), ("points", law.points), *law.others.items()]
-    shown = [(name, f"{np.size(each[0])} inputs") for name, each in rows if each is not None]
+    shown = [(name, f"{np.size(points[0])} inputs") for name, points in rows if points is not None]
     return Description(f"LawPanel {law.axis.label!r}", shown, figure=lambda: parameters_against_input([law]))
 
 
@@ -52,11 +51,8 @@ def parameters_against_input(
     title: str = "",
 ) -> Figure:
     """One panel per parameter; ``calibrated`` is the range of the input that the laws were fitted on."""
-    columns = min(2, len(laws))
-    rows = math.ceil(len(laws) / columns)
-    fig, axes = style.figure(0.5 + 1.6 * rows, rows, columns, title, sharex=True)
-    with style.style():
-        for panel, law in zip(axes.flat, laws, strict=False):
+    with style.panel_grid(len(laws), 0.5, 1.6, title, sharex=True) as (fig, panels, columns):
+        for panel, law in zip(panels, laws, strict=True):
             if calibrated:
                 low, high = axis.of(calibrated)
                 panel.axvspan(low, high, color=style.SKY, alpha=0.16, lw=0, label="calibrated range")
@@ -71,10 +67,8 @@ def parameters_against_input(
             for colour, (name, (inputs, values)) in zip(cycle(style.SERIES[2:]), law.others.items(), strict=False):
                 panel.plot(axis.of(inputs), law.axis.of(values), "D", ms=4, mfc="none", color=colour, label=name)
             panel.set_ylabel(f"{as_mathtext(law.axis.words)} [{law.axis.unit}]")
-        for empty in list(axes.flat)[len(laws) :]:
-            empty.set_axis_off()
-        for panel in list(axes.flat)[max(len(laws) - columns, 0) : len(laws)]:
+        for panel in panels[-columns:]:
             panel.set_xlabel(axis.label)
             panel.tick_params(labelbottom=True)
-        style.legend(fig, *axes.flat, columns=4)
+        style.legend(fig, *panels, columns=4)
     return fig

@@ -18,16 +18,12 @@ def leaderboard_figure(models: Sequence[str], bare: Sequence[float], best: Seque
     Models without a finite ``best`` made no damper at all and are left to the table.
     """
     shown = sorted((row for row in zip(models, bare, best) if math.isfinite(row[2])), key=lambda row: row[2])
-    fig, axes = style.figure(1.0 + 0.36 * max(len(shown), 2), 1, 1)
-    panel = axes[0, 0]
-    with style.style():
+    with style.single_panel(1.0 + 0.36 * max(len(shown), 2)) as (fig, panel):
         for row, (_, alone, combined) in enumerate(shown):
             if math.isfinite(alone):
                 panel.plot([100 * combined, 100 * alone], [row, row], "-", color=style.MUTED, lw=1.2)
-                panel.plot(
-                    100 * alone, row, "o", ms=6, mfc="none", mew=1.4, color=style.VERMILLION, label=_first("bare", row)
-                )
-            panel.plot(100 * combined, row, "o", ms=6, color=style.BLUE, label=_first("with add-ons", row))
+                panel.plot(100 * alone, row, "o", ms=6, mfc="none", mew=1.4, color=style.VERMILLION, label="bare")
+            panel.plot(100 * combined, row, "o", ms=6, color=style.BLUE, label="with add-ons")
         panel.set_yticks(range(len(shown)), [name for name, _, _ in shown])
         panel.set_ylim(len(shown) - 0.5, -0.5)
         panel.set_xlim(left=0)
@@ -35,7 +31,3 @@ def leaderboard_figure(models: Sequence[str], bare: Sequence[float], best: Seque
         panel.set_xlabel("validation error [%]")
         style.legend(fig, panel)
     return fig
-
-
-def _first(name: str, row: int) -> str | None:
-    return name if row == 0 else None

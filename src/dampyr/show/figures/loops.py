@@ -28,20 +28,43 @@ def loops(
 ) -> Figure:
     """Force-displacement and, with a velocity, force-velocity loops.
 
-    ``displacement`` m, ``velocity`` m/s or None, ``measured`` N or None where nothing was measured,
-    ``models`` name -> N; all ``(n,)`` on one clock. ``colours`` name -> colour are those of the page, ``points`` the
-    number of points of a line at most, ``record_origin`` that of what is taken for ``measured``.
+    Parameters
+    ----------
+    displacement
+        m, ``(n,)``; all channels are on one clock.
+    velocity
+        m/s, ``(n,)``; without it there is one panel.
+    measured
+        The measured force, N, ``(n,)``; None where nothing was measured.
+    models
+        Name -> modelled force, N, ``(n,)``.
+    title
+        Above the figure.
+    colours
+        Name of a model -> its colour; by default the series of the style.
+    points
+        How many points a line of a model has at most.
+    record_origin
+        Origin of what is taken for ``measured``, which says what its line is called.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from dampyr.show.figures.loops import loops
+    >>> phase = np.linspace(0.0, 2 * np.pi, 200)
+    >>> figure = loops(0.01 * np.sin(phase), 0.06 * np.cos(phase), 90.0 * np.cos(phase))
+    >>> [panel.get_xlabel() for panel in figure.axes]
+    ['displacement [mm]', 'velocity [mm/s]']
     """
     panels = [(displacement, DISPLACEMENT)] + ([(velocity, VELOCITY)] if velocity is not None else [])
-    fig, axes = style.figure(2.7, 1, len(panels), title, sharey=True)
-    with style.style():
+    with style.panels(2.7, 1, len(panels), title, sharey=True) as (fig, axes):
         for panel, (values, axis) in zip(axes[0], panels, strict=True):
             x = axis.of(values)
             if measured is not None:
                 style.line(panel, x, FORCE.of(measured), color=style.MEASURED, lw=1.2, label=record_origin.series)
             for colour, (name, force) in zip(cycle(style.SERIES), (models or {}).items(), strict=False):
-                own = (colours or {}).get(name, colour)
-                panel.plot(*style.thin(x, FORCE.of(force), points), color=own, lw=1.1, label=name)
+                colour = (colours or {}).get(name, colour)
+                panel.plot(*style.thin(x, FORCE.of(force), points), color=colour, lw=1.1, label=name)
             style.name_axes(panel, axis, FORCE)
             panel.label_outer(remove_inner_ticks=False)
         style.legend(fig, axes[0, 0], min_entries=2 if measured is not None or len(models or {}) != 1 else 1)

@@ -26,8 +26,7 @@ class RecordLoop:
 
 def loops_by_input(loops: Mapping[str, RecordLoop], record_origin: Origin = NOT_STATED) -> Figure:
     """A panel for each of ``loops``, under its name, such as ``1.98 V``; one scale of force for all of them."""
-    fig, axes = style.figure(2.2, 1, len(loops), sharey=True)
-    with style.style():
+    with style.panels(2.2, 1, len(loops), sharey=True) as (fig, axes):
         for panel, (name, loop) in zip(axes[0], loops.items(), strict=True):
             x = DISPLACEMENT.of(loop.displacement)
             style.line(panel, x, FORCE.of(loop.measured), color=style.MEASURED, lw=1.2, label=record_origin.series)

@@ -26,10 +26,9 @@ def peaks_by_floor(
 
     The first case is drawn grey unless ``colours`` (name -> colour) says else.
     """
-    fig, panels = style.figure(1.6 + 0.32 * len(floors), 1, len(axes), title, sharey=True)
     colours = colours or style.case_colours(cases, next(iter(cases)))
     height = np.arange(len(floors))
-    with style.style():
+    with style.panels(1.6 + 0.32 * len(floors), 1, len(axes), title, sharey=True) as (fig, panels):
         for k, (panel, axis) in enumerate(zip(panels[0], axes, strict=True)):
             for name, values in cases.items():
                 panel.plot(axis.of(values[k]), height, "o-", ms=5, lw=1.2, color=colours[name], label=name)

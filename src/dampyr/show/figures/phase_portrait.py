@@ -24,9 +24,7 @@ def phase_portrait(
     title: str = "",
 ) -> Figure:
     """``curves`` name -> (values on x, values on y); ``limits`` name -> a level of y, drawn on both sides."""
-    fig, axes = style.figure(3.2, 1, 1, title)
-    panel = axes[0, 0]
-    with style.style():
+    with style.single_panel(3.2, title) as (fig, panel):
         for colour, (name, (across, up)) in zip(cycle(style.SERIES[1:]), curves.items(), strict=False):
             style.line(panel, x.of(across), y.of(up), color=colour, label=name)
         for name, level in (limits or {}).items():

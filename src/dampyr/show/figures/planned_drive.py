@@ -21,11 +21,10 @@ def planned_drive(
 
     ``colour`` is that of the test in its page.
     """
-    fig, axes = style.figure(4.4, 3, 1, title, sharex=True, height_ratios=(1.6, 1.6, 1))
     t = TIME.of(time)
     x = np.asarray(displacement, dtype=float)
     rows = ((DISPLACEMENT, x), (VELOCITY, np.gradient(x, t)), (VOLTAGE, voltage))
-    with style.style():
+    with style.panels(4.4, 3, 1, title, sharex=True, height_ratios=(1.6, 1.6, 1)) as (fig, axes):
         for panel, (axis, values) in zip(axes[:, 0], rows, strict=True):
             style.line(
                 panel,

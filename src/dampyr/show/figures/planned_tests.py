@@ -26,21 +26,18 @@ def planned_tests(
     """``frequency`` (n,) Hz; ``limits`` name -> the largest amplitude (n,) m; ``candidates`` and the ``chosen`` of each kind
     are pairs of frequency Hz and amplitude m; of one that was chosen more than once the number stands beside it.
     """
-    from matplotlib.ticker import LogLocator, NullFormatter
-
-    fig, axes = style.figure(3.6, 1, 1, title)
-    panel = axes[0, 0]
     f = FREQUENCY.of(frequency)
     colours = style.case_colours(chosen)
-    with style.style():
+    with style.single_panel(3.6, title) as (fig, panel):
         for strength, values in zip(np.linspace(1.0, 0.45, len(limits)), limits.values(), strict=True):
             panel.plot(f, AMPLITUDE.of(values), color=style.MUTED, lw=1.4 * strength + 0.2, alpha=strength, zorder=1)
         names = [*limits]
         if names:
             label = f"largest sine, {names[0]}" + (f" (top) to {names[-1]}" if len(names) > 1 else "")
             panel.plot([], [], color=style.MUTED, lw=1.4, label=label)
-        at = np.array(candidates, dtype=float).reshape(-1, 2)
-        panel.plot(FREQUENCY.of(at[:, 0]), AMPLITUDE.of(at[:, 1]), ".", ms=4, color=style.MUTED, label="candidates")
+        candidate_places = np.array(candidates, dtype=float).reshape(-1, 2)
+        x, y = FREQUENCY.of(candidate_places[:, 0]), AMPLITUDE.of(candidate_places[:, 1])
+        panel.plot(x, y, ".", ms=4, color=style.MUTED, label="candidates")
         for marker, (name, points) in zip(cycle(MARKERS), chosen.items(), strict=False):
             places, counts = np.unique(np.array(points, dtype=float).reshape(-1, 2), axis=0, return_counts=True)
             x, y = FREQUENCY.of(places[:, 0]), AMPLITUDE.of(places[:, 1])
@@ -50,12 +47,7 @@ def planned_tests(
                     panel.annotate(
                         f"{count}", (a, b), (7, 4), textcoords="offset points", fontsize=8, color=colours[name]
                     )
-        panel.set_xscale("log")
-        panel.set_yscale("log")
-        for axis in (panel.xaxis, panel.yaxis):
-            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-            axis.set_major_formatter("{x:g}")
-            axis.set_minor_formatter(NullFormatter())
+        style.logarithmic(panel)
         style.name_axes(panel, FREQUENCY, AMPLITUDE)
         style.legend(fig, panel, columns=2, min_entries=1)
     return fig

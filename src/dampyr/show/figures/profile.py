@@ -31,14 +31,12 @@ def profile_curve(
     ``parabola`` is the estimate and its standard error; an end of the ``interval`` that is not finite is not drawn.
     """
     x, y = axis.of(values), np.asarray(rise, dtype=float)
-    fig, axes = style.figure(2.6, 1, 1, title)
-    panel = axes[0, 0]
-    with style.style():
+    with style.single_panel(2.6, title) as (fig, panel):
         panel.axhline(threshold, color=style.MUTED, lw=0.9, ls="--", label="threshold")
         if parabola is not None:
             grid = np.linspace(float(np.min(values)), float(np.max(values)), 200)
-            line = ((grid - parabola[0]) / parabola[1]) ** 2
-            panel.plot(axis.of(grid), line, color=style.SKY, lw=1.0, label="parabola of the error")
+            parabola_rise = ((grid - parabola[0]) / parabola[1]) ** 2
+            panel.plot(axis.of(grid), parabola_rise, color=style.SKY, lw=1.0, label="parabola of the error")
         panel.plot(x, y, "o-", ms=2.5, color=style.BLUE, label="profile")
         low, high = (axis.of(end) if np.isfinite(end) else None for end in interval)
         for end in (low, high):

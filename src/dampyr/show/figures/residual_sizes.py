@@ -28,8 +28,7 @@ def residual_sizes(
 
     ``colours`` name -> colour are those of the page.
     """
-    fig, axes = style.figure(2.7, 1, 3, title, sharey=True)
-    with style.style():
+    with style.panels(2.7, 1, 3, title, sharey=True) as (fig, axes):
         for look, (name, (*across, size)) in zip(looks(groups, colours), groups.items(), strict=True):
             for panel, x, values in zip(axes[0], (axis, STROKE, FREQUENCY), across, strict=True):
                 panel.plot(x.of(values), SIZE.of(size), ls="", ms=4.5, alpha=0.85, label=name, **look)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -20,20 +19,15 @@ Bands = Mapping[str, tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike]]
 
 def residual_velocity(panels: Mapping[str, Bands], title: str = "") -> Figure:
     """``panels`` name -> branch -> (velocity m/s, lower quartile, median, upper quartile in N), NaN where too few samples."""
-    columns = min(2, len(panels))
-    rows = math.ceil(len(panels) / columns)
-    fig, axes = style.figure(0.7 + 1.75 * rows, rows, columns, title, sharex=False)
-    with style.style():
-        for panel, (name, bands) in zip(axes.flat, panels.items(), strict=False):
+    with style.panel_grid(len(panels), 0.7, 1.75, title) as (fig, axes, columns):
+        for panel, (name, bands) in zip(axes, panels.items(), strict=True):
             _panel(panel, bands)
             panel.set_title(name)
-        for empty in list(axes.flat)[len(panels) :]:
-            empty.set_axis_off()
-        for panel in axes[:, 0]:
+        for panel in axes[::columns]:
             panel.set_ylabel(RESIDUAL.label)
-        for panel in list(axes.flat)[max(len(panels) - columns, 0) : len(panels)]:
+        for panel in axes[-columns:]:
             panel.set_xlabel(VELOCITY.label)
-        style.legend(fig, *axes.flat)
+        style.legend(fig, *axes)
     return fig
 
 

@@ -26,10 +26,8 @@ def response_spectrum(
     periods: ArrayLike, cases: Mapping[str, ArrayLike], axis: Axis = PSEUDO_ACCELERATION, title: str = ""
 ) -> Figure:
     """``periods`` s ``(p,)``, greater than 0; ``cases`` name -> SI ``(p,)``, each told with its peak."""
-    fig, axes = style.figure(3.1, 1, 1, title)
-    panel = axes[0, 0]
     T = PERIOD.of(periods)
-    with style.style():
+    with style.single_panel(3.1, title) as (fig, panel):
         for colour, (name, values) in zip(cycle(style.SERIES), cases.items(), strict=False):
             y = axis.of(values)
             peak = int(np.argmax(y))

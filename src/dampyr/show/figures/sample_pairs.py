@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -27,23 +26,18 @@ def sample_pairs(
     title: str = "",
 ) -> Figure:
     """``samples`` name -> (n,) SI, their ``axes`` and ``estimates``, and which ``pairs`` to draw, one panel each."""
-    columns = min(2, len(pairs))
-    rows = math.ceil(len(pairs) / columns)
-    fig, panels = style.figure(0.4 + 2.4 * rows, rows, columns, title)
-    with style.style():
-        for panel, (one, other) in zip(panels.flat, pairs, strict=False):
-            x, y = axes[one].of(samples[one]), axes[other].of(samples[other])
+    with style.panel_grid(len(pairs), 0.4, 2.4, title) as (fig, panels, _):
+        for panel, (across, up) in zip(panels, pairs, strict=True):
+            x, y = axes[across].of(samples[across]), axes[up].of(samples[up])
             every = max(x.size // DOTS, 1)
             panel.plot(x[::every], y[::every], ".", ms=2, alpha=0.3, color=style.BLUE, label="sample")
-            if one != other:
+            if across != up:
                 outline = _ellipse(x, y)
                 panel.plot(*outline, color=style.INK, lw=0.9, label="95 % of a normal distribution")
-            centre = float(axes[one].of(estimates[one])), float(axes[other].of(estimates[other]))
+            centre = float(axes[across].of(estimates[across])), float(axes[up].of(estimates[up]))
             panel.plot(*centre, "+", ms=9, mew=1.6, color=style.VERMILLION, ls="", label="fit")
-            style.name_axes(panel, axes[one], axes[other])
-        for empty in list(panels.flat)[len(pairs) :]:
-            empty.set_axis_off()
-        style.legend(fig, *panels.flat, columns=3)
+            style.name_axes(panel, axes[across], axes[up])
+        style.legend(fig, *panels)
     return fig
 
 
@@ -52,6 +46,7 @@ def _ellipse(x: ArrayLike, y: ArrayLike) -> tuple[ArrayLike, ArrayLike]:
     values, vectors = np.linalg.eigh(np.cov(table))
     angle = np.linspace(0.0, 2.0 * np.pi, 181)
     circle = np.stack((np.cos(angle), np.sin(angle)))
+    # a point of the unit circle, stretched along the axes of the covariance: Mahalanobis's distance is the same all round
     reach = np.sqrt(QUANTILE * np.maximum(values, 0.0))
     along, across = np.mean(table, axis=1)[:, None] + vectors @ (reach[:, None] * circle)
     return along, across

@@ -25,20 +25,18 @@ def scores(
     title: str = "",
 ) -> Figure:
     """``groups`` name -> the scores of its records; ``references`` name -> group -> value."""
-    fig, axes = style.figure(0.95 + 0.3 * len(groups), 1, 1, title)
-    panel = axes[0, 0]
-    with style.style():
+    with style.single_panel(0.95 + 0.3 * len(groups), title) as (fig, panel):
         for row, values in enumerate(groups.values()):
             dots = axis.of(values)
-            panel.barh(row, float(np.mean(dots)), 0.55, color=style.SKY, alpha=0.35, label=_once("mean", row))
+            panel.barh(row, float(np.mean(dots)), 0.55, color=style.SKY, alpha=0.35, label="mean")
             spread = row + np.linspace(-0.16, 0.16, len(dots)) if len(dots) > 1 else [row]
-            panel.plot(dots, spread, "o", ms=3.5, color=style.BLUE, label=_once("record", row))
+            panel.plot(dots, spread, "o", ms=3.5, color=style.BLUE, label="record")
         rows = {name: row for row, name in enumerate(groups)}
         for colour, (name, by_group) in zip(
             cycle((style.VERMILLION, style.GREEN, style.PURPLE)), (references or {}).items(), strict=False
         ):
-            at = [(float(axis.of(value)), rows[group]) for group, value in by_group.items()]
-            panel.plot(*zip(*at, strict=True), "D", ms=6, mfc="none", mew=1.4, color=colour, label=name)
+            points = [(float(axis.of(value)), rows[group]) for group, value in by_group.items()]
+            panel.plot(*zip(*points, strict=True), "D", ms=6, mfc="none", mew=1.4, color=colour, label=name)
         panel.set_yticks(range(len(groups)), list(groups))
         panel.invert_yaxis()
         panel.set_xlim(left=0)
@@ -46,7 +44,3 @@ def scores(
         panel.set_xlabel(axis.label)
         style.legend(fig, panel)
     return fig
-
-
-def _once(name: str, row: int) -> str | None:
-    return name if row == 0 else None

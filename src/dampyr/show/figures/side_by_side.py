@@ -25,16 +25,15 @@ class MotionStretch:
 
 def side_by_side(pairs: Sequence[tuple[str, MotionStretch, MotionStretch]]) -> Figure:
     """Pairs of a name, what was measured and what was simulated: displacement over time, and force over displacement."""
-    fig, axes = style.figure(0.6 + 1.9 * len(pairs), len(pairs), 2, width_ratios=(1.6, 1.0))
-    with style.style():
+    with style.panels(0.6 + 1.9 * len(pairs), len(pairs), 2, width_ratios=(1.6, 1.0)) as (fig, axes):
         for (left, right), (name, measured, simulated) in zip(axes, pairs, strict=True):
-            for motion, colour, word in (
+            for motion, colour, label in (
                 (measured, style.MEASURED, "measured"),
                 (simulated, style.SERIES[0], "simulated"),
             ):
                 x = DISPLACEMENT.of(motion.displacement)
-                style.line(left, TIME.of(motion.time), x, color=colour, lw=1.2, label=word)
-                style.line(right, x, FORCE.of(motion.force), color=colour, lw=1.0, label=word)
+                style.line(left, TIME.of(motion.time), x, color=colour, lw=1.2, label=label)
+                style.line(right, x, FORCE.of(motion.force), color=colour, lw=1.0, label=label)
             left.set_title(name, loc="left", fontsize=9.5)
             left.set_ylabel(DISPLACEMENT.label)
             right.set_ylabel(FORCE.label)

@@ -11,6 +11,7 @@ References
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -23,6 +24,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.origin import NOT_STATED, Origin
+from dampyr.show.figures.symbols import label_as_mathtext
+from dampyr.units import for_people
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,7 +49,8 @@ CASES = (
     PURPLE,
     ORANGE,
     SKY,
-)  # of things that are compared; grey is what they are compared with
+)
+"""Of things that are compared; grey is what they are compared with."""
 WIDTH = 5.6  # inches: as wide as the text of a page
 POINTS = 2400  # of a line: more than a page has pixels across
 
@@ -106,6 +110,12 @@ class Axis:
         return np.asarray(values, dtype=float) * self.per_si
 
 
+def parameter_axis(label: str, unit: str) -> Axis:
+    """The axis of a fitted number called ``label``, SI ``unit``: its symbol, and the unit in which people read it."""
+    shown, factor = for_people(unit)
+    return Axis(label_as_mathtext(label), shown or "1", factor)
+
+
 TIME = Axis("time", "s")
 DISPLACEMENT = Axis("displacement", "mm", 1e3)
 VELOCITY = Axis("velocity", "mm/s", 1e3)
@@ -124,19 +134,41 @@ def style() -> Iterator[None]:
         yield
 
 
-def figure(
+@contextmanager
+def panels(
     height: float, rows: int = 1, columns: int = 1, title: str = "", **subplots: Any
-) -> tuple[Figure, NDArray[Any]]:
-    """An empty figure of the page's width, ``height`` in inches, and its axes ``(rows, columns)``."""
+) -> Iterator[tuple[Figure, NDArray[Any]]]:
+    """A figure of the page's width, ``height`` in inches, and its axes ``(rows, columns)``; drawn within, they have dampyr's
+    style."""
     with style():
         fig = _empty((WIDTH, height))
         fig.patch.set_alpha(0.0)
         axes = fig.subplots(rows, columns, squeeze=False, **subplots)
-        for each in axes.flat:
-            each.patch.set_alpha(0.0)
+        for panel in axes.flat:
+            panel.patch.set_alpha(0.0)
         if title:
             fig.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold", color=INK)
-    return fig, axes
+        yield fig, axes
+
+
+@contextmanager
+def single_panel(height: float, title: str = "") -> Iterator[tuple[Figure, Any]]:
+    """A figure of one panel, and its axes."""
+    with panels(height, title=title) as (fig, axes):
+        yield fig, axes[0, 0]
+
+
+@contextmanager
+def panel_grid(
+    count: int, margin: float, row_height: float, title: str = "", **subplots: Any
+) -> Iterator[tuple[Figure, list[Any], int]]:
+    """A figure of ``count`` panels, two in a row, their axes, and how many are in a row; heights in inches."""
+    columns = min(2, count)
+    rows = math.ceil(count / columns)
+    with panels(margin + rows * row_height, rows, columns, title, **subplots) as (fig, axes):
+        for empty in axes.flat[count:]:
+            empty.set_axis_off()
+        yield fig, list(axes.flat[:count]), columns
 
 
 def _empty(size: tuple[float, float]) -> Figure:
@@ -182,14 +214,26 @@ def name_axes(axes: Axes, x: Axis, y: Axis) -> None:
     axes.set_ylabel(y.label)
 
 
+def logarithmic(panel: Axes) -> None:
+    """Logarithmic scales on both axes, 1, 2 and 5 of each decade in plain numbers: a power law is a straight line."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    panel.set_xscale("log")
+    panel.set_yscale("log")
+    for axis in (panel.xaxis, panel.yaxis):
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter(NullFormatter())
+
+
 def legend(fig: Figure, *axes: Axes, columns: int = 3, min_entries: int = 2) -> None:
     """The names on the axes, each once, above the figure, or below where a title stands above it.
 
     There is none when there are fewer than ``min_entries``.
     """
     handles: dict[str, Any] = {}
-    for each in axes:
-        for handle, name in zip(*each.get_legend_handles_labels(), strict=True):
+    for panel in axes:
+        for handle, name in zip(*panel.get_legend_handles_labels(), strict=True):
             handles.setdefault(name, handle)
     if len(handles) >= min_entries:
         loc = "outside lower left" if fig.get_suptitle() else "outside upper left"
@@ -200,7 +244,7 @@ def thin(x: ArrayLike, y: ArrayLike, limit: int = POINTS) -> tuple[NDArray[np.fl
     """At most ``limit`` points of a line, with the extremes of x and y of each stretch kept.
 
     A stretch gives the points where x and y are least and greatest, in their order, so no peak is lost. A
-    missing value (NaN) is no extreme.
+    missing value (NaN) does not count as an extreme.
     """
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
     if len(x) <= limit:
@@ -218,6 +262,14 @@ def thin(x: ArrayLike, y: ArrayLike, limit: int = POINTS) -> tuple[NDArray[np.fl
 def line(axes: Axes, x: ArrayLike, y: ArrayLike, **kwargs: Any) -> None:
     """A line of few points."""
     axes.plot(*thin(x, y), **kwargs)
+
+
+def line_with_peak(panel: Axes, time: ArrayLike, values: ArrayLike, axis: Axis, name: str, colour: str) -> None:
+    """A history of SI ``values`` over ``time`` s, a dot on its greatest magnitude, which follows its name."""
+    t, y = TIME.of(time), axis.of(values)
+    peak = int(np.argmax(np.abs(y)))
+    line(panel, t, y, color=colour, lw=1.1, label=f"{name}: {abs(y[peak]):.3g} {axis.unit}")
+    panel.plot(t[peak], y[peak], "o", ms=4, color=colour)
 
 
 def save(fig: Figure, path: str | Path) -> Path:

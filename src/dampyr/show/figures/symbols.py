@@ -21,11 +21,11 @@ def symbol(name: str) -> tuple[str, str] | None:
 
 def as_mathtext(name: str) -> str:
     """A parameter's name for matplotlib, such as ``dahl $k_x$`` for dahl.kx; the name itself where it is no symbol."""
-    part, _, own = name.rpartition(".")
-    own_symbol = symbol(own)
-    if own_symbol is None:
+    part, _, parameter = name.rpartition(".")
+    letter_and_index = symbol(parameter)
+    if letter_and_index is None:
         return name
-    letter, index = own_symbol
+    letter, index = letter_and_index
     shown = rf"${letter}_\mathit{{{index}}}$" if index else f"${letter}$"
     return f"{part.replace('_', ' ')} {shown}" if part else shown
 

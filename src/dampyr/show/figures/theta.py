@@ -27,9 +27,7 @@ def theta(
     ``marks`` name -> (m, N) are the points chosen on it (where theta is zero, and the second one); ``exact``
     (m, N) is a closed form to compare with.
     """
-    fig, axes = style.figure(2.8, 1, 1, title)
-    panel = axes[0, 0]
-    with style.style():
+    with style.single_panel(2.8, title) as (fig, panel):
         style.line(panel, DISPLACEMENT.of(displacement), FORCE.of(values), color=style.BLUE, label="θ")
         if exact is not None:
             x, y = DISPLACEMENT.of(exact[0]), FORCE.of(exact[1])

@@ -32,7 +32,7 @@ AXES = {
 @describe.register
 def describe_spectrum(spectrum: Spectrum) -> Description:
     """Periods and dampings, the extents of Sa and Sd, how peaks were taken, the peaks, and Sa over the period."""
-    dampings = [f"{100 * each:g} %" for each in np.atleast_1d(spectrum.damping)]
+    dampings = [f"{100 * ratio:g} %" for ratio in np.atleast_1d(spectrum.damping)]
     periods = np.atleast_1d(spectrum.periods)
     drawable = np.sum(spectrum.periods > 0.0) > 1
     return Description(
@@ -85,7 +85,7 @@ def _drawn(spectrum: Spectrum, quantity: str) -> tuple[Array, dict[str, Array]]:
     if shown.size < 2:
         raise InputError(f"a figure needs two periods or more greater than 0, not {shown.size}; compute more of them")
     rows = np.reshape(getattr(spectrum, quantity), (dampings.size, periods.size))[:, shown]
-    return periods[shown], {f"{100 * each:g} %": row for each, row in zip(dampings, rows, strict=True)}
+    return periods[shown], {f"{100 * ratio:g} %": row for ratio, row in zip(dampings, rows, strict=True)}
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class SpectrumPlots(Plots):
         ``displacement``, ``velocity``, ``acceleration``, ``pseudo_velocity`` or ``pseudo_acceleration``.
         """
         if quantity not in AXES:
-            raise InputError(f"{quantity!r} is no quantity of a spectrum; choose from {', '.join(AXES)}")
+            raise InputError(f"{quantity!r} is not a quantity of a spectrum; choose from {', '.join(AXES)}")
         drawn = _drawn(self.result, quantity)
         return style.in_pyplot(response_spectrum, *drawn, AXES[quantity], title=self.result.motion)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -11,9 +11,6 @@ from dampyr.hybrid.hybrid_result import HybridResult
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures.building import building_response
 from dampyr.show.table import Cell, Table
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 @describe.register
@@ -32,7 +29,7 @@ def describe_result(result: HybridResult) -> Description:
         ],
         verdict=outcome(result),
         tables=[lambda: peaks_table(result)],
-        figure=lambda: _top_floor(result),
+        figure=lambda: building_response(result.time, result.histories(result.displacement.shape[0] - 1)),
         data=lambda: _numbers(result),
         frame=lambda: _histories(result),
     )
@@ -46,12 +43,12 @@ def peaks_table(result: HybridResult) -> Table:
             result.computed.floors, result.peaks, result.computed.peak_displacement, result.differences, strict=True
         )
     ]
-    given = f"scaled to {result.scale:g}, {result.voltage:g} V"
+    inputs = f"scaled to {result.scale:g}, {result.voltage:g} V"
     return Table(
         ("floor", result.tested, "computed", "difference"),
         rows,
         ("", "mm", "mm", "%"),
-        caption=f"{result.tested.capitalize()} of {result.title}, {given}: peak displacements relative to the ground.",
+        caption=f"{result.tested.capitalize()} of {result.title}, {inputs}: peak displacements relative to the ground.",
         digits=4,
     )
 
@@ -70,11 +67,6 @@ def outcome(result: HybridResult) -> list[str]:
         f"{100 * result.tracking_error:.2g} % rms, {1e3 * result.lag:.2g} ms late in the building's time after compensation; "
         f"its errors put {100 * result.energy_error:.2g} % of the ground's energy into the building.",
     ]
-
-
-def _top_floor(result: HybridResult) -> Figure:
-    """The top floor's displacement over time, of the hybrid test and computed."""
-    return building_response(result.time, result.histories(result.displacement.shape[0] - 1))
 
 
 def _numbers(result: HybridResult) -> dict[str, Any]:

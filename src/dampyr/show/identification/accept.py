@@ -13,7 +13,7 @@ from dampyr.identification.acceptance_tests.acceptance import BEYOND, Acceptance
 from dampyr.phrases import counted, sentence
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures.acceptance import band_used
-from dampyr.show.identification.acceptance import AcceptancePlots, in_short, input_words, percent, used_of_band
+from dampyr.show.identification.acceptance import AcceptancePlots, chance_in_words, in_short, input_words, used_of_band
 from dampyr.show.plots import plots
 from dampyr.show.table import Cell, Table
 from dampyr.to_json import plain
@@ -26,30 +26,30 @@ if TYPE_CHECKING:
 def describe_accepted(accepted: Accepted) -> Description:
     """The verdict of all, how many records came out how; tables of records, worst points and levels, and of what was not
     judged; what each uses of the band."""
-    results, again = accepted.results, accepted.relevelled
+    results, relevelled = accepted.results, accepted.relevelled
     rows = [("verdict", accepted.verdict), ("records", in_short(results))]
     band = ""
     if results:
         first = results[0]
         band = f", {first.tolerance}"
         rows.append(("band", f"{first.tolerance}, judged by {', '.join(first.quantities)}"))
+    tables = [
+        lambda: judgement_table(results),
+        lambda: worst_table(results),
+        lambda: unjudged_table(results),
+        lambda: level_table(results),
+    ]
+    if relevelled:
+        tables += [
+            lambda: relevelled_table(relevelled),
+            lambda: replace(worst_table(relevelled), caption="The worst points, relevelled.", notes=()),
+            lambda: replace(unjudged_table(relevelled), caption="What was not judged, relevelled."),
+        ]
     return Description(
         f"Accepted by {accepted.reference!r}",
         rows,
         verdict=[f"The verdict of all is: {accepted.verdict}, by {accepted.reference}{band}."],
-        tables=[
-            lambda: judgement_table(results),
-            lambda: worst_table(results),
-            lambda: unjudged_table(results),
-            lambda: level_table(results),
-            *([lambda: relevelled_table(again)] if again else []),
-            *(
-                [lambda: replace(worst_table(again), caption="The worst points, relevelled.", notes=())]
-                if again
-                else []
-            ),
-            *([lambda: replace(unjudged_table(again), caption="What was not judged, relevelled.")] if again else []),
-        ],
+        tables=tables,
         figure=lambda: _figure(accepted),
         data=lambda: _numbers(accepted),
         frame=lambda: _columns(accepted),
@@ -100,8 +100,8 @@ def worst_table(results: Sequence[Acceptance]) -> Table:
             [
                 acceptance.record,
                 *_worst_point(acceptance),
-                _chance(acceptance.wrong_rejection),
-                _chance(acceptance.wrong_acceptance),
+                chance_in_words(acceptance.wrong_rejection),
+                chance_in_words(acceptance.wrong_acceptance),
             ]
             for acceptance in results
         ],
@@ -132,16 +132,12 @@ def _worst_off_by(acceptance: Acceptance) -> float | None:
     return None if acceptance.worst is None or acceptance.worst.deviation is None else 100 * acceptance.worst.deviation
 
 
-def _chance(chance: float | None) -> str | None:
-    return None if chance is None else percent(chance)
-
-
 def level_table(results: Sequence[Acceptance]) -> Table:
     """The means of every level, and the scatter of single cycles."""
     names = results[0].quantities if results else ()
     rows: list[list[Cell]] = [
         [acceptance.record, level.number, level.cycles, level.judged, 1e3 * level.stroke_m, level.frequency_hz,
-         _verdict_of_level(acceptance, level), *(_mean(level.deviation.get(q), level.scatter.get(q)) for q in names)]
+         _verdict_of_level(acceptance, level), *(_mean_text(level.deviation.get(q), level.scatter.get(q)) for q in names)]
         for acceptance in results for level in acceptance.levels
     ]  # fmt: skip
     return Table(
@@ -158,7 +154,7 @@ def _verdict_of_level(acceptance: Acceptance, level: JudgedLevel) -> str:
     return "failed" if level in acceptance.levels_outside else "not judged" if level.reason else "passed"
 
 
-def _mean(deviation: float | None, scatter: float | None) -> str | None:
+def _mean_text(deviation: float | None, scatter: float | None) -> str | None:
     if deviation is None:
         return None
     text = f"{100 * deviation:+.2f}" + ("" if scatter is None else f" ± {100 * scatter:.2f}")

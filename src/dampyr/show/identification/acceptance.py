@@ -35,8 +35,8 @@ def describe_acceptance(acceptance: Acceptance) -> Description:
     if worst is not None and worst.deviation is not None:
         rows.append(("worst", f"{worst.quantity} of cycle {worst.cycle}, {100 * worst.deviation:+.3g} %"))
     if a.wrong_rejection is not None and a.wrong_acceptance is not None:
-        rejection, wrongly = percent(a.wrong_rejection), percent(a.wrong_acceptance)
-        rows.append(("risk", f"{rejection} wrong rejection, {wrongly} wrong acceptance"))
+        rejection, acceptance_chance = chance_in_words(a.wrong_rejection), chance_in_words(a.wrong_acceptance)
+        rows.append(("risk", f"{rejection} wrong rejection, {acceptance_chance} wrong acceptance"))
     if a.unjudged:
         rows.append(("not judged", a.reason or next(iter(a.unjudged))))
     return Description(
@@ -96,14 +96,16 @@ def input_words(acceptance: Acceptance) -> str:
 def in_short(acceptances: Sequence[Acceptance]) -> str:
     """How many records came out how, such as "2 passed, 1 failed"."""
     counts = {
-        each: sum(acceptance.verdict == each for acceptance in acceptances)
-        for each in ("passed", "failed", "not judged")
+        verdict: sum(acceptance.verdict == verdict for acceptance in acceptances)
+        for verdict in ("passed", "failed", "not judged")
     }
-    return ", ".join(f"{count} {each}" for each, count in counts.items() if count)
+    return ", ".join(f"{count} {verdict}" for verdict, count in counts.items() if count)
 
 
-def percent(chance: float) -> str:
-    """A chance for a person: two digits, or a bound where it is next to nothing."""
+def chance_in_words(chance: float | None) -> str | None:
+    """A chance for a person: two digits, or a bound where it is next to nothing; None where it is not known."""
+    if chance is None:
+        return None
     return "below 0.01 %" if chance < 1e-4 else f"{100 * chance:.2g} %"
 
 
@@ -121,7 +123,7 @@ def forces_and_band(acceptances: Sequence[Acceptance]) -> tuple[list[list[tuple[
         for p in acceptance.points:
             if p.quantity != "energy":
                 points[p.inside].append(p)
-    drawn = {state: ([p.speed for p in own], [p.measured for p in own]) for state, own in points.items()}
+    drawn = {state: ([p.speed for p in alike], [p.measured for p in alike]) for state, alike in points.items()}
     return [band(acceptances, "extension"), band(acceptances, "compression")], drawn
 
 

@@ -21,11 +21,9 @@ from dampyr.show.table import Cell, Table
 def choice_row(fit: Fit) -> list[tuple[str, str]]:
     """Of how many models it is, and by what error; nothing where the model was named."""
     board = fit.leaderboard
-    return (
-        []
-        if board is None
-        else [("chosen", f"of {counted(len(board.screened), 'model')} by {percent(board.winner.error)}")]
-    )
+    if board is None:
+        return []
+    return [("chosen", f"of {counted(len(board.screened), 'model')} by {percent(board.winner.error)}")]
 
 
 def prediction_rows(fit: Fit) -> list[tuple[str, str]]:

@@ -150,16 +150,10 @@ def _columns(board: Leaderboard) -> DataFrameColumns:
 def screened_errors(board: Leaderboard) -> tuple[list[str], list[float], list[float]]:
     """Each screened model with its add-ons in lines below it, its error bare, and its error with them."""
     models = [
-        screened_model.best.model.replace(screened_model.base, screened_model.base + "\n", 1)
-        .replace("\n + ", "\n+ ")
-        .rstrip("\n")
-        for screened_model in board.screened
+        model.best.model.replace(model.base, model.base + "\n", 1).replace("\n + ", "\n+ ").rstrip("\n")
+        for model in board.screened
     ]
-    return (
-        models,
-        [screened_model.bare.error for screened_model in board.screened],
-        [screened_model.best.error for screened_model in board.screened],
-    )
+    return models, [model.bare.error for model in board.screened], [model.best.error for model in board.screened]
 
 
 def velocity_in_words(board: Leaderboard) -> str:

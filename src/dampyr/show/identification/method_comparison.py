@@ -68,7 +68,7 @@ def comparison_table(comparison: MethodComparison) -> Table:
 
 
 def _mean(comparison: MethodComparison, name: str) -> str:
-    values = [each.l1 for result in comparison.results if isinstance(each := getattr(result, name), Score)]
+    values = [score.l1 for result in comparison.results if isinstance(score := getattr(result, name), Score)]
     return percent(sum(values) / len(values)) if values else "none"
 
 
@@ -79,4 +79,4 @@ def _numbers(result: MethodResult) -> dict[str, Any]:
         "input": result.input_value,
         "numbers": result.numbers,
         "least_squares": result.least_squares,
-    } | {name: {"problem": one} if isinstance(one, str) else one.as_dict() for name, one in scores.items()}
+    } | {name: {"problem": score} if isinstance(score, str) else score.as_dict() for name, score in scores.items()}

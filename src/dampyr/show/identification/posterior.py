@@ -12,7 +12,6 @@ from dampyr.identification.parameter_uncertainty.posterior import Posterior
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
 from dampyr.show.figures.sample_pairs import sample_pairs
-from dampyr.show.figures.symbols import label_as_mathtext
 from dampyr.show.plots import Plots, plots
 from dampyr.show.table import Cell, Table
 from dampyr.to_json import plain
@@ -82,19 +81,13 @@ def _numbers(posterior: Posterior) -> dict[str, Any]:
 def _drawn(posterior: Posterior, pairs: int) -> tuple[Any, ...]:
     if pairs < 1:
         raise InputError(f"pairs = {pairs} is not allowed; give 1 or more")
-    axes = {}
-    for label in posterior.samples:
-        shown, factor = for_people(posterior.units[label])
-        axes[label] = style.Axis(label_as_mathtext(label), shown or "1", factor)
-    estimates = {label: posterior.fit.parameters[label] for label in posterior.samples}
-    return posterior.samples, axes, estimates, _strongest(posterior, pairs)
-
-
-def _strongest(posterior: Posterior, count: int) -> list[tuple[str, str]]:
     labels = list(posterior.samples)
+    axes = {label: style.parameter_axis(label, posterior.units[label]) for label in labels}
+    estimates = {label: posterior.fit.parameters[label] for label in labels}
     r = np.abs(posterior.correlation)
     order = sorted(((float(r[i, j]), i, j) for j in range(len(labels)) for i in range(j)), reverse=True)
-    return [(labels[i], labels[j]) for _, i, j in order[:count]] or [(labels[0], labels[0])]
+    strongest = [(labels[i], labels[j]) for _, i, j in order[:pairs]] or [(labels[0], labels[0])]
+    return posterior.samples, axes, estimates, strongest
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ from dampyr.identification.parameter_uncertainty.profile_likelihood import Profi
 from dampyr.show.descriptions import Description, describe
 from dampyr.show.figures import style
 from dampyr.show.figures.profile import profile_curve
-from dampyr.show.figures.symbols import label_as_mathtext
 from dampyr.to_json import plain
 from dampyr.units import for_people
 
@@ -18,7 +17,7 @@ from dampyr.units import for_people
 def describe_profile(profile: Profile) -> Description:
     """The value and its interval; the rise over the value, the parabola of the standard error, the threshold."""
     shown, factor = for_people(profile.unit)
-    low, high = (factor * each for each in profile.interval)
+    low, high = (factor * end for end in profile.interval)
     return Description(
         f"Profile {profile.label!r}",
         [
@@ -33,7 +32,6 @@ def describe_profile(profile: Profile) -> Description:
 
 
 def _drawn(profile: Profile) -> tuple[Any, ...]:
-    shown, factor = for_people(profile.unit)
-    axis = style.Axis(label_as_mathtext(profile.label), shown or "1", factor)
+    axis = style.parameter_axis(profile.label, profile.unit)
     parabola = (profile.value, profile.standard_error) if math.isfinite(profile.standard_error) else None
     return axis, profile.values, profile.rise, profile.threshold, profile.interval, parabola

@@ -89,11 +89,8 @@ def session_table(fit: Fit) -> Table:
     assert fit.levels is not None
     spans = fit.intervals(between="sessions")
     cells = {label: _value(fit, label, spans) for label in fit.parameters}
-    return _by_input(
-        fit,
-        cells,
-        f"The same between measurement sessions, whose level differs by {fit.levels.spread_words}: {INTERVAL}.",
-    )
+    caption = f"The same between measurement sessions, whose level differs by {fit.levels.spread_words}: {INTERVAL}."
+    return _by_input(fit, cells, caption)
 
 
 def error_table(fit: Fit) -> Table:
@@ -134,10 +131,10 @@ def _by_input(fit: Fit, cells: Mapping[str, str], caption: str) -> Table:
         texts = [cells[label] for label in column.labels(unit)]
         for k, temperature in enumerate(column.temperatures or (None,)):
             name = column.name if temperature is None else f"{column.name}, {temperature:.4g} °C"
-            some = texts[k * len(column.knots) : (k + 1) * len(column.knots)]
-            at = dict(zip(column.knots, some, strict=True)) if len(some) > 1 else {}
-            alone = ["" if at else some[0]] * everywhere
-            rows.append([name, shown or "1", *alone, *(at.get(u, "") for u in knots)])
+            at_knots = texts[k * len(column.knots) : (k + 1) * len(column.knots)]
+            by_knot = dict(zip(column.knots, at_knots, strict=True)) if len(at_knots) > 1 else {}
+            at_all = ["" if by_knot else at_knots[0]] * everywhere
+            rows.append([name, shown or "1", *at_all, *(by_knot.get(u, "") for u in knots)])
     align = ("left", "left", *("right",) * (len(heads) - 2))
     return Table(tuple(heads), rows, align=align, caption=caption)
 
@@ -251,8 +248,8 @@ class FitPlots(Plots):
         fit = self.result
         k = number_of(fit, record)
         piece = fit.problem.pieces[k]
-        drawn, one = (piece.t, piece.force, fit.forces[k]), fit.records[k].origin
-        return style.in_pyplot(history, *drawn, name="fit", title=piece.name, record_origin=one, origin=fit.origin)
+        drawn, measured = (piece.t, piece.force, fit.forces[k]), fit.records[k].origin
+        return style.in_pyplot(history, *drawn, name="fit", title=piece.name, record_origin=measured, origin=fit.origin)
 
     def residual(self) -> Any:
         """The residual over the velocity, a panel an input: median and quartiles, before and beyond the stroke's middle."""

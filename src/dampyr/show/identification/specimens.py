@@ -13,7 +13,6 @@ from dampyr.phrases import listing
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
 from dampyr.show.figures.specimens import Estimates, specimen_estimates
-from dampyr.show.figures.symbols import label_as_mathtext
 from dampyr.show.plots import Plots, plots
 from dampyr.show.table import Cell, Table
 from dampyr.to_json import plain
@@ -27,12 +26,12 @@ def describe_spread(number: SpecimenSpread) -> Description:
     """The mean, the spread and the interval of a new specimen, with their specimens and those left out."""
     shown, factor = for_people(number.unit)
     (low, high), (bottom, top) = (
-        tuple(factor * end for end in each) for each in (number.mean_interval, number.new_specimen)
+        tuple(factor * end for end in interval) for interval in (number.mean_interval, number.new_specimen)
     )
-    spread, interval = _spread(number)
+    spread, of_spread = _spread(number)
     rows = [
         ("mean", f"{factor * number.mean:.4g} {shown}, {100 * number.level:g} % interval {low:.4g} … {high:.4g}"),
-        ("spread", f"{spread}, interval {interval}"),
+        ("spread", f"{spread}, interval {of_spread}"),
         ("new specimen", f"{bottom:.4g} … {top:.4g} {shown}".rstrip()),
         ("specimens", listing(list(number.estimates), 6)),
     ]
@@ -46,9 +45,9 @@ def describe_specimens(specimens: Specimens) -> Description:
     rows = [("specimens", f"{len(specimens.fits)}: {listing(list(specimens.fits), 6)}")]
     for number in list(specimens.spreads.values())[:SHOWN]:
         shown, factor = for_people(number.unit)
-        spread, interval = _spread(number)
+        spread, of_spread = _spread(number)
         rows.append(
-            (number.label, f"{factor * number.mean:.4g} {shown}, spread {spread} ({interval})".replace(" ,", ","))
+            (number.label, f"{factor * number.mean:.4g} {shown}, spread {spread} ({of_spread})".replace(" ,", ","))
         )
     if len(specimens.spreads) > SHOWN:
         rows.append(("", f"and {len(specimens.spreads) - SHOWN} more"))
@@ -99,7 +98,7 @@ def mean_and_spread(specimens: Specimens) -> Table:
 def _spread(number: SpecimenSpread) -> tuple[str, str]:
     """The spread and its interval: in percent where it is relative, else in the unit for people."""
     shown, factor = ("%", 100.0) if number.relative else for_people(number.unit)
-    low, high = (factor * each for each in number.spread_interval)
+    low, high = (factor * end for end in number.spread_interval)
     return f"{factor * number.spread:.3g} {shown}".rstrip(), f"{low:.2g} … {high:.2g} {shown}".rstrip()
 
 
@@ -125,17 +124,17 @@ def _numbers(specimens: Specimens) -> dict[str, Any]:
 
 def _columns(specimens: Specimens) -> DataFrameColumns:
     """Mean, spread and their intervals, SI units: a row a number."""
-    each = list(specimens.spreads.values())
+    numbers = list(specimens.spreads.values())
     columns = {
-        "mean": [number.mean for number in each],
-        "mean_low": [number.mean_interval[0] for number in each],
-        "mean_high": [number.mean_interval[1] for number in each],
-        "spread": [number.spread for number in each],
-        "spread_low": [number.spread_interval[0] for number in each],
-        "spread_high": [number.spread_interval[1] for number in each],
-        "relative": [number.relative for number in each],
-        "specimens": [len(number.estimates) for number in each],
-        "unit": [number.unit for number in each],
+        "mean": [number.mean for number in numbers],
+        "mean_low": [number.mean_interval[0] for number in numbers],
+        "mean_high": [number.mean_interval[1] for number in numbers],
+        "spread": [number.spread for number in numbers],
+        "spread_low": [number.spread_interval[0] for number in numbers],
+        "spread_high": [number.spread_interval[1] for number in numbers],
+        "relative": [number.relative for number in numbers],
+        "specimens": [len(number.estimates) for number in numbers],
+        "unit": [number.unit for number in numbers],
     }
     return DataFrameColumns(columns, list(specimens.spreads), "parameter")
 
@@ -149,14 +148,13 @@ def _panels(specimens: Specimens, labels: Sequence[str]) -> list[Estimates]:
     panels = []
     for label in labels or list(specimens.spreads)[:SHOWN]:
         number = specimens.spreads[label]
-        shown, factor = for_people(number.unit)
         bars = {
             name: float(t.ppf(0.5 + 0.5 * specimens.level, specimens.fits[name].freedom[label])) * error
             for name, error in number.errors.items()
         }
         panels.append(
             Estimates(
-                style.Axis(label_as_mathtext(label), shown or "1", factor),
+                style.parameter_axis(label, number.unit),
                 number.estimates,
                 bars,
                 number.shrunken,

@@ -67,11 +67,11 @@ def _l1_by_input(validated: Validated) -> dict[str, list[float]]:
 def validated_scores(validated: Validated) -> Table:
     """The errors of the prediction of each record, and whether the damper was fitted on it."""
     table, fitted_on = score_table(validated.scores), validated.fitted_on
-    own = {record.name: (record.input_value, FITTED[fitted_on[record.name]]) for record in validated.records}
+    of_record = {record.name: (record.input_value, FITTED[fitted_on[record.name]]) for record in validated.records}
     return replace(
         table,
         columns=("record", "input", "fitted on", *table.columns[1:]),
-        rows=[(row[0], *own[str(row[0])], *row[1:]) for row in table.rows],
+        rows=[(row[0], *of_record[str(row[0])], *row[1:]) for row in table.rows],
         units=("", validated.damper.input, "", *table.units[1:]),
         caption=f"{validated.card}: {validated.damper.composition}.",
         notes=[
@@ -94,7 +94,9 @@ def levels_and_bands(validated: Validated) -> Table:
         share = f"{100 * next(iter(bands.values())).level:g} % band"
         columns += ["session", f"{share} holds", "width ±", "peak", "expected", "energy", "expected"]
         units += ["", "%", "%", "N", "N", "J", "J"]
-        notes.append(f"Width: of the mean force. {_of_sessions(bands)}")
+        sessions = sorted({band.session for band in bands.values() if band.session is not None})
+        of_fitted = f"; those of {', '.join(sessions)} have the level of that session" if sessions else ""
+        notes.append(f"Width: of the mean force. Records count as of a new measurement session{of_fitted}.")
         error = validated.damper.prediction_error
         if error is not None:
             notes.append(sentence(error.session_source))
@@ -112,12 +114,6 @@ def levels_and_bands(validated: Validated) -> Table:
         notes=notes,
         digits=3,
     )
-
-
-def _of_sessions(bands: Mapping[str, Band]) -> str:
-    sessions = sorted({band.session for band in bands.values() if band.session is not None})
-    of_fitted = f"; those of {', '.join(sessions)} have the level of that session" if sessions else ""
-    return f"Records count as of a new measurement session{of_fitted}."
 
 
 def _level_and_band(validated: Validated, name: str) -> list[Cell]:

@@ -15,8 +15,7 @@ from dampyr.models.prediction_error import session_words
 from dampyr.phrases import extent, listing
 from dampyr.show.descriptions import Description, describe
 from dampyr.show.figures import style
-from dampyr.show.figures.laws import LawPanel as Panel
-from dampyr.show.figures.laws import parameters_against_input
+from dampyr.show.figures.laws import LawPanel, parameters_against_input
 from dampyr.show.figures.loops import loops
 from dampyr.show.plots import Plots, plots
 from dampyr.show.table import Table
@@ -103,7 +102,7 @@ class DamperPlots(Plots):
             unit, factor = for_people(damper.composition.quantities[name].unit)
             values = np.asarray(law(inputs), dtype=float)
             curve, point = ((inputs, values), None) if low < high else (None, (inputs[:1], values[:1]))
-            panels.append(Panel(style.Axis(name, unit or "1", factor), curve=curve, points=point))
+            panels.append(LawPanel(style.Axis(name, unit or "1", factor), curve=curve, points=point))
         axis = style.VOLTAGE if damper.input == "V" else style.CURRENT
         span = (low, high) if low < high else None
         return style.in_pyplot(parameters_against_input, panels, span, axis, origin=damper.origin)
@@ -113,7 +112,9 @@ class DamperPlots(Plots):
     ) -> tuple[Array, Array, None, dict[str, Array]]:
         """Displacement m, velocity m/s, None for what was measured, and the force N of each input: what `loops` draws."""
         damper, (low, high) = self.result.at_mean_temperature, self.result.range
-        given = sorted({low, 0.5 * (low + high), high}) if inputs is None else [float(u) for u in np.atleast_1d(inputs)]
+        levels = (
+            sorted({low, 0.5 * (low + high), high}) if inputs is None else [float(u) for u in np.atleast_1d(inputs)]
+        )
         stroke = damper.ranges.get("displacement", (0.0, SINE[0]))[1] if amplitude is None else amplitude
         if frequency is None:
             frequency = damper.ranges["velocity"][1] / (2 * np.pi * stroke) if "velocity" in damper.ranges else SINE[1]
@@ -125,7 +126,7 @@ class DamperPlots(Plots):
         v = 2 * np.pi * frequency * stroke * np.cos(phase)
         last = slice(SETTLE * PER_CYCLE, None)
         forces = {}
-        for u in given:
+        for u in levels:
             voltage, current = (u, None) if damper.input == "V" else (None, u)
             forces[f"{u:.4g} {damper.input}"] = damper.force(t, x, voltage, current, velocity=v)[last]
         return x[last], v[last], None, forces

@@ -39,6 +39,12 @@ def write_acceptance_page(result: Accepted, path: str | Path) -> Path:
     results, reference = result.results, result.reference
     if not results:
         raise InputError("there is no judgement to show; judge one record or more")
+    offset = results[0].offset
+    offset_text = (
+        "the mean force over whole cycles, taken from each record and from the reference"
+        if offset is None
+        else f"{offset:g} N, taken from every measured force"
+    )
     sections = [
         Section("In short", [*_short(results), *to_look_at(result.findings)]),
         Section("The levels", _levels(results)),
@@ -48,8 +54,11 @@ def write_acceptance_page(result: Accepted, path: str | Path) -> Path:
     ]
     if result.relevelled:
         sections.append(Section("With the level of the first cycles taken out", _relevelled(result.relevelled)))
-    if any(one.unjudged for one in results):
-        sections.append(Section("What was not judged", _open(results)))
+    if any(acceptance.unjudged for acceptance in results):
+        text = Text(
+            "A reference says nothing beyond its own tests and calibration, and nothing is extrapolated from it."
+        )
+        sections.append(Section("What was not judged", [text, replace(unjudged_table(results), caption="")]))
     html = page(
         f"Judged by {Path(reference).name}",
         sections,
@@ -57,7 +66,7 @@ def write_acceptance_page(result: Accepted, path: str | Path) -> Path:
             f"Every whole cycle of every level of {counted(len(results), 'record')}, within {results[0].tolerance} of the "
             "reference."
         ),
-        provenance={"reference": reference, "tolerance": str(results[0].tolerance), "offset": _offset(results[0])},
+        provenance={"reference": reference, "tolerance": str(results[0].tolerance), "offset": offset_text},
         call=f"dampyr.show.pages.write_acceptance_page(result, {Path(path).name!r})",
         origin=result.origin,
     )
@@ -79,12 +88,6 @@ def _with_marks(table: Table) -> Table:
     """The table with the marks of a page at its verdicts."""
     k = list(table.columns).index("verdict")
     return replace(table, rows=[[*row[:k], Verdict(row[k]), *row[k + 1 :]] for row in table.rows])  # type: ignore[arg-type]
-
-
-def _offset(one: Acceptance) -> str:
-    if one.offset is None:
-        return "the mean force over whole cycles, taken from each record and from the reference"
-    return f"{one.offset:g} N, taken from every measured force"
 
 
 def _short(results: Sequence[Acceptance]) -> list[Block]:
@@ -112,16 +115,16 @@ def _levels(results: Sequence[Acceptance]) -> list[Block]:
 
 def _forces(results: Sequence[Acceptance]) -> list[Block]:
     groups: dict[str, list[Acceptance]] = {}
-    for one in sorted(results, key=lambda one: -np.inf if one.input_value is None else one.input_value):
-        if one.points:
-            groups.setdefault(input_words(one), []).append(one)
+    for acceptance in sorted(results, key=lambda result: -np.inf if result.input_value is None else result.input_value):
+        if acceptance.points:
+            groups.setdefault(input_words(acceptance), []).append(acceptance)
     blocks: list[Block] = [
         FigureBlock(
-            peak_velocity_band(*forces_and_band(some)),
+            peak_velocity_band(*forces_and_band(group)),
             f"{name}: forces at the peak velocities of every cycle, extension above and compression below. The band is drawn "
             "through the mean of points of one speed; each point is judged by its own.",
         )
-        for name, some in list(groups.items())[:MAX_FIGURES]
+        for name, group in list(groups.items())[:MAX_FIGURES]
     ]
     if len(groups) > MAX_FIGURES:
         blocks.append(Text(f"There are {len(groups)} inputs; the lowest {MAX_FIGURES} are shown."))
@@ -129,11 +132,11 @@ def _forces(results: Sequence[Acceptance]) -> list[Block]:
 
 
 def _used(results: Sequence[Acceptance]) -> list[Block]:
-    judged = [one for one in results if one.judged]
+    judged = [acceptance for acceptance in results if acceptance.judged]
     if not judged:
         return [Text("No point was judged.")]
-    worst = sorted(judged, key=lambda one: -abs(one.worst.used or 0.0) if one.worst else 0.0)[:MAX_ROWS]
-    shown = [one for one in judged if one in worst]
+    worst = sorted(judged, key=lambda result: -abs(result.worst.used or 0.0) if result.worst else 0.0)[:MAX_ROWS]
+    shown = [acceptance for acceptance in judged if acceptance in worst]
     used, outside = used_of_band(shown)
     few = f" Of {len(judged)} records the {MAX_ROWS} worst are shown." if len(shown) < len(judged) else ""
     return [
@@ -146,7 +149,7 @@ def _used(results: Sequence[Acceptance]) -> list[Block]:
 
 
 def _outside(results: Sequence[Acceptance]) -> list[Block]:
-    points = [(one.record, p) for one in results for p in one.outside]
+    points = [(acceptance.record, p) for acceptance in results for p in acceptance.outside]
     if not points:
         return [Text("No point lies outside.")]
     points.sort(key=lambda pair: -abs(pair[1].used or 0.0))
@@ -164,11 +167,4 @@ def _outside(results: Sequence[Acceptance]) -> list[Block]:
             digits=4,
             caption=f"Off by more than 0 % is stronger than the reference, in either direction.{more}",
         )
-    ]
-
-
-def _open(results: Sequence[Acceptance]) -> list[Block]:
-    return [
-        Text("A reference says nothing beyond its own tests and calibration, and nothing is extrapolated from it."),
-        replace(unjudged_table(results), caption=""),
     ]

@@ -60,7 +60,7 @@ def to_look_at(findings: Iterable[Finding]) -> list[Block]:
 def describe_text(text: Text) -> Description:
     """Its first paragraphs."""
     return Description(
-        f"Text of {counted(len(text.paragraphs), 'paragraph')}", [("", each) for each in text.paragraphs[:4]]
+        f"Text of {counted(len(text.paragraphs), 'paragraph')}", [("", paragraph) for paragraph in text.paragraphs[:4]]
     )
 
 

@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from dampyr.phrases import counted
 from dampyr.show.figures.fragility import axis_of
 from dampyr.show.figures.incremental import incremental_curves
 from dampyr.show.figures.style import case_colours
 from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text, to_look_at
 from dampyr.show.pages.fragility_section import fragility_section
 from dampyr.show.pages.html_page import page, write_page
-from dampyr.show.structures.ensemble_result import peak_table, trust
+from dampyr.show.structures.ensemble_result import cases_in_words, peak_table, trust
 from dampyr.structures import EnsembleResult, Fragility, Incremental, incremental
 from dampyr.structures.ensembles.store import BARE
 
@@ -25,9 +26,20 @@ MARGIN = 1.2  # how far a figure reaches, in the largest 84 % fractile of all of
 def write_ensemble_page(
     dataset: Any, path: str | Path, fragilities: Sequence[Fragility] = (), intensity: str = "pga", title: str = ""
 ) -> Path:
-    """Write the page of the result of `dampyr.structures.ensemble`.
+    """Write the page of the result of `dampyr.structures.ensemble`, and return its path.
 
-    In place of a result, its dataset with its ``fragilities``, in the order of their figures, will do.
+    Parameters
+    ----------
+    dataset
+        The result; or its dataset, with the next two.
+    path
+        The file to write.
+    fragilities
+        The fragility curves of a dataset, in the order of their figures.
+    intensity
+        Over what a dataset's peaks are drawn: "pga", "sa", "scale" or the name of a measure.
+    title
+        By default it names the buildings.
     """
     if isinstance(dataset, EnsembleResult):
         dataset, fragilities, intensity = dataset.dataset, dataset.curves, dataset.intensity
@@ -46,20 +58,12 @@ def write_ensemble_page(
     html = page(
         title or f"Ensemble: {names}",
         sections,
-        subtitle=_sizes(dataset),
+        subtitle=f"{dataset.attrs['cases']} cases: {counted(dataset.sizes['building'], 'building')}, {cases_in_words(dataset)}",
         provenance=_provenance(dataset),
         call=f"dampyr.show.pages.write_ensemble_page(result, {Path(path).name!r})",
         origin=result.origin,
     )
     return write_page(path, html)
-
-
-def _sizes(dataset: Any) -> str:
-    n = dataset.sizes
-    parts = [(n["building"], "building"), (n["damper"], "damper case"), (n["input"], "input"), (n["motion"], "motion"),
-             (n["scale"], "scale")]  # fmt: skip
-    words = [f"{count} {word}{'s' * (count != 1)}" for count, word in parts]
-    return f"{dataset.attrs['cases']} cases: {', '.join(words)}"
 
 
 def _incremental_section(
@@ -77,14 +81,11 @@ def _incremental_section(
         figure = incremental_curves(
             s.intensity, s.peaks, s.levels, names, axis, limits=limits, furthest=furthest, colour=colours[s.name]
         )
-        blocks.append(FigureBlock(figure, _sweep_in_words(s)))
+        bent = f"{s.bent_back} of {len(s.peaks)} curves bend back somewhere" if s.bent_back else "no curve bends back"
+        lost = f"; {s.unbounded} cases grew without bound and are left out of the lines" if s.unbounded else ""
+        caption = f"{s.name}: the drift of each motion (grey) and fractiles across motions by intensity; {bent}{lost}."
+        blocks.append(FigureBlock(figure, caption))
     return Section("Incremental analysis", blocks)
-
-
-def _sweep_in_words(s: Any) -> str:
-    bent = f"{s.bent_back} of {len(s.peaks)} curves bend back somewhere" if s.bent_back else "no curve bends back"
-    lost = f"; {s.unbounded} cases grew without bound and are left out of the lines" if s.unbounded else ""
-    return f"{s.name}: the drift of each motion (grey) and fractiles across motions by intensity; {bent}{lost}."
 
 
 def _provenance(dataset: Any) -> dict[str, str]:

@@ -44,14 +44,11 @@ def write_fit_page(
     calibrated range; how well the fit describes its records; how well it predicts others where that was asked for; the
     analysis of residuals; the best and the worst record.
     """
-    checks, damper = fit.validations, fit.damper
+    checks = fit.validations
     sections = [*([leaderboard_section(fit.leaderboard)] if fit.leaderboard else []), *sections]
     number = len(fit.records)
     records = "One record, fitted" if number == 1 else f"{number} records, fitted together"
-    if damper is not None:
-        provenance = dict(damper.provenance)
-    else:
-        provenance = {"records": ", ".join(record.name for record in fit.records)}
+    names = ", ".join(record.name for record in fit.records)
     others = besides(fit.findings, [fit.verdict.words])
     html = page(
         f"Identified: {fit.problem.composition}",
@@ -71,7 +68,7 @@ def write_fit_page(
             *best_and_worst_sections(fit),
         ],
         subtitle=f"{records} by least squares over the whole motion.",
-        provenance=provenance,
+        provenance={"records": names} if fit.damper is None else dict(fit.damper.provenance),
         call=f"dampyr.show.write_fit_page(fit, {Path(path).name!r})",
         origin=fit.origin,
     )
@@ -117,7 +114,7 @@ def _loops(fit: Fit) -> FigureBlock:
 def _search_and_findings(fit: Fit, checks: Sequence[Validation], others: Sequence[Finding]) -> Section:
     """What else is to be looked at, and how the search ended."""
     inputs, precision = _inputs(fit), _precision(fit)
-    l1 = {name: one.l1 for name, one in fit.scores.items()}
+    l1 = {name: score.l1 for name, score in fit.scores.items()}
     mean, worst = 100 * float(np.mean(list(l1.values()))), extremes(fit.scores)[-1][1]
     rows: list[list[Cell]] = [
         ["model", str(fit.problem.composition)],
@@ -128,8 +125,9 @@ def _search_and_findings(fit: Fit, checks: Sequence[Validation], others: Sequenc
             f"L1 {rounded(mean, 2)} % on average, {rounded(100 * l1[worst], 2)} % in {worst}",
         ],
     ]
-    for one in checks:
-        summary = f"L1 {100 * mean_l1(one):.2g} % on average, {len(one.scores)} records, split by {one.split}"
+    for validation in checks:
+        predicted = f"{len(validation.scores)} records, split by {validation.split}"
+        summary = f"L1 {100 * mean_l1(validation):.2g} % on average, {predicted}"
         rows.append(["predicts unseen records", summary])
     if not checks:
         rows.append(["predicts unseen records", "not tested (dampyr identify --predict)"])

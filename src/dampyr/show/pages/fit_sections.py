@@ -73,7 +73,7 @@ def correlation_blocks(fit: Fit) -> list[Block]:
 def _correlations_in_words(correlations: NDArray[np.float64], names: list[str]) -> str:
     """The strong pairs, else the strongest one, and which parameters have no correlations."""
     pairs = strong_pairs(correlations, names, 0.0)
-    words = [f"{one} and {other} ({r:.2f})".replace("(-", "(−") for one, other, r in pairs]
+    words = [f"{first} and {second} ({r:.2f})".replace("(-", "(−") for first, second, r in pairs]
     strong = sum(abs(r) > MARKED for _, _, r in pairs)
     if strong:
         more = f"; and {strong - PAIRS} pairs more" if strong > PAIRS else ""
@@ -96,16 +96,16 @@ def law_figures(fit: Fit, damper: Damper) -> list[Figure]:
     panels = law_panels(fit.optimum, fit.intervals(), damper)
     axis = VOLTAGE if damper.input == "V" else CURRENT
     count = -(-len(panels) // PANELS)
-    each = -(-len(panels) // count)
-    each += each % 2 if count > 1 else 0
-    parts = [panels[k : k + each] for k in range(0, len(panels), each)]
+    size = -(-len(panels) // count)
+    size += size % 2 if count > 1 else 0  # an even number fills the rows of two
+    parts = [panels[k : k + size] for k in range(0, len(panels), size)]
     return [parameters_against_input(part, damper.range, axis) for part in parts]
 
 
 def score_blocks(fit: Fit) -> list[Block]:
     """How well a fit describes the records that it was fitted to."""
     table = score_table(fit.scores, f"From {fit.settling:g} s after the motion starts, each record's own offset taken.")
-    groups = group_by_input(fit.records, {name: one.l1 for name, one in fit.scores.items()})
+    groups = group_by_input(fit.records, {name: score.l1 for name, score in fit.scores.items()})
     if len(fit.records) == 1:
         return [Text("This record was fitted: the score describes the fit and is no prediction."), table]
     return [
@@ -120,8 +120,8 @@ def law_blocks(fit: Fit) -> list[Block]:
     if fit.damper is None or not fit.damper.range[0] < fit.damper.range[1]:
         return []
     bars = "fitted values" if fit.clusters == "cycle" else "fitted values with 95 % intervals"
-    some = " (none where an error holds within these records only)" if fit.clusters == "record and cycle" else ""
-    caption = f"Parameters over the input: {bars}{some}, the laws through them, the calibrated range."
+    without = " (none where an error holds within these records only)" if fit.clusters == "record and cycle" else ""
+    caption = f"Parameters over the input: {bars}{without}, the laws through them, the calibrated range."
     return [FigureBlock(figure, caption) for figure in law_figures(fit, fit.damper)]
 
 

@@ -19,7 +19,7 @@ def fragility_section(fragility: Fragility, colours: Mapping[str, str] | None = 
         f"{fragility.motions} motions (seed {fragility.seed}); points are the counted shares."
         + (FEW if fragility.motions < 40 else "")
     )
-    text: list[Block] = [Text("\n\n".join(said))] if (said := comparisons(fragility)) else []
+    text: list[Block] = [Text("\n\n".join(sentences))] if (sentences := comparisons(fragility)) else []
     return Section(
         f"Fragility: {limit_in_words(fragility)}",
         [*_figures(fragility, caption, colours), curve_table(fragility), *text],

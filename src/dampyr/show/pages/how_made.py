@@ -32,9 +32,9 @@ _how_made: ContextVar[HowMade | None] = ContextVar("how pages are made", default
 
 @contextmanager
 def made_by(command: str, files: Iterable[str | Path] = ()) -> Iterator[None]:
-    """Within it, pages say that ``command`` made them, from ``files`` besides their records; what is no file is left out."""
-    there = tuple(source_file(path) for path in map(Path, files) if path.is_file())
-    before = _how_made.set(HowMade(command, there))
+    """Within it, pages say that ``command`` made them, from ``files`` besides their records; what is not a file is left out."""
+    sources = tuple(source_file(path) for path in map(Path, files) if path.is_file())
+    before = _how_made.set(HowMade(command, sources))
     try:
         yield
     finally:
@@ -43,9 +43,9 @@ def made_by(command: str, files: Iterable[str | Path] = ()) -> Iterator[None]:
 
 def how_made(call: str = "") -> HowMade:
     """That of `made_by`, or outside it the script that runs and ``call``, the call of a writer in it."""
-    given = _how_made.get()
-    if given is not None:
-        return given
+    stated = _how_made.get()
+    if stated is not None:
+        return stated
     script = sys.argv[0] if sys.argv else ""
     words = [f"python {shlex.join(sys.argv)}"] if script and Path(script).is_file() else []
     return HowMade(": ".join([*words, call] if call else words) or "Python")

@@ -57,12 +57,37 @@ def page(
     call: str = "",
     origin: Origin = NOT_STATED,
 ) -> str:
-    """The page as a string of HTML.
+    """The page as a string of HTML. All text is escaped: none of it is taken for HTML.
 
-    ``subtitle`` stands under the title, and below it the date, the version and facts: those of the ``origin``, and ``facts``
-    (name -> value). ``provenance`` (a sentence, or name -> value) at the foot says where the numbers came from. There stand,
-    too, the command (`made_by`, else ``call`` of a writer) and the checksums of the origin's files and of the command's. All
-    text is escaped: none of it is taken for HTML. Where ``origin`` is not measured, the first line says so, and every figure.
+    Parameters
+    ----------
+    title
+        The heading of the page.
+    sections
+        One or more, in the order in which they are read.
+    subtitle
+        Stands under the title, and below it the date, the version and the facts of the origin.
+    provenance
+        Where the numbers came from, at the foot: a sentence, or name -> value.
+    facts
+        More facts under the title, name -> value.
+    call
+        The call that made the page, at the foot, where no command did (`made_by`).
+    origin
+        Of what is shown; where it is simulated or virtual, the first line and every figure say so, and the checksums of its
+        files stand at the foot.
+
+    Raises
+    ------
+    InputError
+        Without a section.
+
+    Examples
+    --------
+    >>> from dampyr import show
+    >>> html = show.page("A damper", [show.Section("In short", [show.Text("It damps.")])])
+    >>> html.startswith("<!doctype html>")
+    True
     """
     if not sections:
         raise InputError("a page needs at least one section")
@@ -86,8 +111,9 @@ def page(
     ]
     for number, (anchor, figure) in enumerate(figures, 1):
         keep(figure, number, anchor)
-    given = {"": provenance} if isinstance(provenance, str) else dict(provenance)
+    stated = {"": provenance} if isinstance(provenance, str) else dict(provenance)
     source, date = how_made(call), moment()
+    short_title = title if len(title) <= MARGIN else title[: MARGIN - 1].rstrip() + "…"
     return str(
         template.render(
             title=title,
@@ -95,7 +121,7 @@ def page(
             subtitle=subtitle,
             sections=ready,
             contents_before=_contents_before(sections),
-            provenance=given if provenance else {},
+            provenance=stated if provenance else {},
             marks=_MARKS,
             date=date,
             version=full_version(),
@@ -103,7 +129,7 @@ def page(
             command=source.command,
             files=sorted({*origin.sources, *source.files}),
             digits=SHOWN_DIGITS,
-            margin=_in_the_margin(f"{_shortened(title)} · {date}"),
+            margin=_css_string(f"{short_title} · {date}"),
         )
     )
 
@@ -115,11 +141,7 @@ def _contents_before(sections: Sequence[Section]) -> int:
     return 0 if len(sections) == 1 else 2 if rows <= FEW_ROWS else 1
 
 
-def _shortened(title: str) -> str:
-    return title if len(title) <= MARGIN else title[: MARGIN - 1].rstrip() + "…"
-
-
-def _in_the_margin(text: str) -> Any:
+def _css_string(text: str) -> Any:
     """A string of CSS: whatever is no plain letter is written by its number, so that none of it is taken for CSS."""
     from markupsafe import Markup
 
@@ -133,7 +155,7 @@ def _table_names(sections: Sequence[Section]) -> Iterator[str]:
         for table in (block for block in section.blocks if isinstance(block, Table)):
             name = with_powers(table.caption or section.title)
             numbered = (f"{section.title}: {name} ({number})" for number in count(2))
-            label = next(each for each in chain((name, f"{section.title}: {name}"), numbered) if each not in used_names)
+            label = next(text for text in chain((name, f"{section.title}: {name}"), numbered) if text not in used_names)
             used_names.add(label)
             yield label
 
@@ -192,7 +214,7 @@ def _block(block: Block, prefix: str, labels: Iterator[str]) -> dict[str, Any]:
             return {"kind": "figure", "svg": Markup(svg), "caption": block.caption}
         case Table():
             return _table(block) | {"label": next(labels)}
-    raise InputError(f"{type(block).__name__} is no block; use Text, Table, FigureBlock or Verdict")
+    raise InputError(f"{type(block).__name__} is not a block; use Text, Table, FigureBlock or Verdict")
 
 
 def _table(table: Table) -> dict[str, Any]:

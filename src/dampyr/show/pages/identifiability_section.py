@@ -13,7 +13,7 @@ def identifiability_section(result: Identifiability) -> Section:
     title = "What these records cannot separate"
     if not result.inseparable:
         return Section(title, [Text("These records separate every number that was fitted, and voltage from session.")])
-    rows = [[sentence(one.words), sentence(one.test)] for one in result.inseparable]
+    rows = [[sentence(inseparable.words), sentence(inseparable.test)] for inseparable in result.inseparable]
     caption = (
         "Correlations and widths are those of the fitted model. A test is proposed from motions within the stroke, the speed "
         "and the acceleration of these records; it counts as one record more."

@@ -21,9 +21,10 @@ def levels_section(fit: Fit) -> Section | None:
         return None
     rows: list[list[Cell]] = []
     for session in levels.sessions:
-        own = np.array([levels.level[name] for name, of in levels.session.items() if of == session])
-        spread = 100 * float(np.std(np.log(own), ddof=1)) if own.size > 1 else None
-        rows.append([session, own.size, 100 * (float(np.exp(np.mean(np.log(own)))) - 1.0), spread])
+        of_session = np.array([levels.level[name] for name, its in levels.session.items() if its == session])
+        spread = 100 * float(np.std(np.log(of_session), ddof=1)) if of_session.size > 1 else None
+        # levels are factors, so their mean is the geometric one
+        rows.append([session, of_session.size, 100 * (float(np.exp(np.mean(np.log(of_session)))) - 1.0), spread])
     words = (
         "The level of a record is a factor on the fitted force, without its offset. Within a session records differ by "
         f"{percent(levels.record_sd)}, sessions by {levels.spread_words}; standard deviations."
@@ -49,11 +50,11 @@ def bands_section(result: Validated) -> Section:
         "the model misses and the noise are drawn together. A record of a session that the card was not fitted on counts as of "
         "a new one."
     )
-    name = min(result.bands, key=lambda each: result.bands[each].holds)
-    record, one = next(each for each in result.records if each.name == name), result.bands[name]
-    inside = one.window.slice
-    drawn = record.time[inside], record.force[inside], one.low[inside], one.high[inside]
-    figure = band_figure(*drawn, one.level, record_origin=record.origin)
-    caption = f"{name}, of which the band holds least: {100 * one.holds:.3g} %."
+    name = min(result.bands, key=lambda name: result.bands[name].holds)
+    record, band = next(record for record in result.records if record.name == name), result.bands[name]
+    inside = band.window.slice
+    drawn = record.time[inside], record.force[inside], band.low[inside], band.high[inside]
+    figure = band_figure(*drawn, band.level, record_origin=record.origin)
+    caption = f"{name}, of which the band holds least: {100 * band.holds:.3g} %."
     table = replace(table, caption=sentence(bands_in_words(result.bands)))
     return Section("Predictive bands and levels", [Text(words), table, FigureBlock(figure, caption)])

@@ -22,24 +22,34 @@ TABLE = (0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0)  # s, about evenly s
 def write_motion_page(
     motion: GroundMotion, path: str | Path, dampings: Sequence[float] = DAMPINGS, periods: Sequence[float] = TABLE
 ) -> Path:
-    """Write the page; ``dampings`` as ratios, ``periods`` [s] those of the table."""
+    """Write the page of a ground motion, and return its path.
+
+    Parameters
+    ----------
+    motion
+        The motion.
+    path
+        The file to write.
+    dampings
+        Damping ratios of the spectra.
+    periods
+        Periods of the table of the spectra, s.
+    """
+    drift = drift_in_words(motion)
+    histories = FigureBlock(
+        ground_histories(motion.time, motion.acceleration, motion.velocity, motion.displacement),
+        "Acceleration and its exact integrals, from rest" + (f"; {drift}." if drift else "."),
+    )
+    processing = "\n\n".join(map(sentence, motion.history)) or "None: the samples are as they were read or generated."
     html = page(
         motion.name,
         [
             Section("Intensity measures", [measures_table(measures(motion))]),
-            Section("Over time", [_histories(motion)]),
+            Section("Over time", [histories]),
             Section(
                 "Response spectra", [*_spectra(motion, dampings), spectrum_table(spectrum(motion, periods, dampings))]
             ),
-            Section(
-                "Processing",
-                [
-                    Text(
-                        "\n\n".join(map(sentence, motion.history))
-                        or "None: the samples are as they were read or generated."
-                    )
-                ],
-            ),
+            Section("Processing", [Text(processing)]),
         ],
         subtitle=samples_in_words(motion),
         provenance={"source": motion.source or "not known"},
@@ -48,15 +58,9 @@ def write_motion_page(
     return write_page(path, html)
 
 
-def _histories(motion: GroundMotion) -> FigureBlock:
-    figure = ground_histories(motion.time, motion.acceleration, motion.velocity, motion.displacement)
-    drift = drift_in_words(motion)
-    return FigureBlock(figure, "Acceleration and its exact integrals, from rest" + (f"; {drift}." if drift else "."))
-
-
 def _spectra(motion: GroundMotion, dampings: Sequence[float]) -> list[FigureBlock]:
     spectra = spectrum(motion, damping=dampings)
-    names = [f"{100 * each:g} %" for each in dampings]
+    names = [f"{100 * damping:g} %" for damping in dampings]
     acceleration = response_spectrum(spectra.periods, dict(zip(names, spectra.pseudo_acceleration)))
     displacement = response_spectrum(spectra.periods, dict(zip(names, spectra.displacement)), SPECTRAL_DISPLACEMENT)
     return [

@@ -27,14 +27,15 @@ def write_plan_page(plan: Plan, path: str | Path) -> Path:
     table = replace(plan_table(plan), caption="In the order in which they run.")
     notes = "\n\n".join(plan_notes(plan))
     sections = [Section("Planned tests", [table, *([Text(notes)] if notes else [])])]
-    moving = [each for each in plan.tests if each.peak_speed > 0]
+    moving = [test for test in plan.tests if test.peak_speed > 0]
     if plan.refusals:
-        refused: list[Block] = [Verdict("differs", sentence(each)) for each in plan.refusals]
+        refused: list[Block] = [Verdict("differs", sentence(refusal)) for refusal in plan.refusals]
         sections.insert(0, Section("Refused by the rig", refused))
     if moving:
         sections.append(Section("Limits of the rig", [_envelope(plan.rig, moving)]))
-    colours = case_colours(_groups(moving).values())
-    drives = [_drive(each, colours[_groups(moving)[each.name]]) for each in _firsts(plan)]
+    groups = _groups(moving)
+    colours = case_colours(groups.values())
+    drives = [_drive(test, colours[groups[test.name]]) for test in _firsts(plan)]
     sections.append(Section("One test of each kind", drives))
     header = plan.campaign.header
     subtitle = f"{len(plan.tests)} tests on {plan.rig.name}, {plan.duration / 60:.1f} min"
@@ -50,16 +51,16 @@ def write_plan_page(plan: Plan, path: str | Path) -> Path:
 
 
 def _envelope(rig: RigSettings, tests: list[PlannedTest]) -> FigureBlock:
-    places = [(each.peak_speed / (2 * np.pi * each.peak_position), each.peak_position) for each in tests]
+    places = [(test.peak_speed / (2 * np.pi * test.peak_position), test.peak_position) for test in tests]
     low, high = min(f for f, _ in places), max(f for f, _ in places)
     frequency = np.geomspace(0.6 * low, 1.6 * high, 200)
     limits = {f"{force:g} N": largest_amplitude(rig, frequency, force) for force in FORCES}
     groups: dict[str, list[tuple[float, float]]] = {}
     names = _groups(tests)
-    for each, place in zip(tests, places, strict=True):
-        if not each.refusal:
-            groups.setdefault(names[each.name], []).append(place)
-    refused = [place for each, place in zip(tests, places, strict=True) if each.refusal]
+    for test, place in zip(tests, places, strict=True):
+        if not test.refusal:
+            groups.setdefault(names[test.name], []).append(place)
+    refused = [place for test, place in zip(tests, places, strict=True) if test.refusal]
     figure = envelope(
         frequency,
         limits,
@@ -77,6 +78,7 @@ def _envelope(rig: RigSettings, tests: list[PlannedTest]) -> FigureBlock:
 def largest_amplitude(rig: RigSettings, frequency: np.ndarray, force: float) -> np.ndarray:
     """The amplitude [m] of the largest sine at each frequency [Hz] against a constant braking force [N]."""
     omega = 2 * np.pi * frequency
+    # the motor slows down under load, and reaches less the faster it is to reverse (a first-order lag)
     speed = rig.actuator.free_speed - rig.actuator.droop * (force + rig.table.friction)
     lagging = np.hypot(1.0, omega * rig.actuator.lag)
     max_amplitude = np.minimum(np.maximum(speed, 0.0) / lagging, rig.limits.speed) / omega
@@ -85,8 +87,8 @@ def largest_amplitude(rig: RigSettings, frequency: np.ndarray, force: float) -> 
 
 def _groups(tests: list[PlannedTest]) -> dict[str, str]:
     """Test -> what it is drawn as: its voltage where all are of one kind, else its kind."""
-    of_one_kind = len({each.kind for each in tests}) == 1
-    return {each.name: f"{each.peak_voltage:g} V" if of_one_kind else each.kind.replace("_", " ") for each in tests}
+    of_one_kind = len({test.kind for test in tests}) == 1
+    return {test.name: f"{test.peak_voltage:g} V" if of_one_kind else test.kind.replace("_", " ") for test in tests}
 
 
 def _columns(places: list[tuple[float, float]]) -> tuple[list[float], list[float]]:
@@ -95,15 +97,15 @@ def _columns(places: list[tuple[float, float]]) -> tuple[list[float], list[float
 
 def _firsts(plan: Plan) -> list[PlannedTest]:
     first_tests: dict[str, PlannedTest] = {}
-    for each in plan.tests:
-        if each.drive.reversals is None and each.peak_speed > 0:
-            first_tests.setdefault(each.kind, each)
+    for test in plan.tests:
+        if test.drive.reversals is None and test.peak_speed > 0:
+            first_tests.setdefault(test.kind, test)
     return list(first_tests.values())
 
 
-def _drive(each: PlannedTest, colour: str) -> FigureBlock:
-    drive = each.drive
+def _drive(test: PlannedTest, colour: str) -> FigureBlock:
+    drive = test.drive
     return FigureBlock(
         planned_drive(drive.time, drive.displacement, drive.voltage, colour=colour),
-        sentence(f"{each.name}: {each.words}"),
+        sentence(f"{test.name}: {test.words}"),
     )

@@ -36,7 +36,7 @@ def _split(fit: Fit, validation: Validation) -> list[Block]:
         return [Text(f"{what}. No part was predicted."), _parts(validation)]
     fitted = group_by_input(fit.records, {name: fit.scores[name].l1 for name in record_scores if name in fit.scores})
     means = {name: float(np.mean(values)) for name, values in fitted.items()}
-    predicted = group_by_input(fit.records, {name: one.l1 for name, one in record_scores.items()})
+    predicted = group_by_input(fit.records, {name: score.l1 for name, score in record_scores.items()})
     references = {"mean of the fit that has seen them": means} if means else None
     return [
         FigureBlock(scores(predicted, references), f"{what}. L1 ratio of each predicted record, by input."),
@@ -65,10 +65,12 @@ def _split(fit: Fit, validation: Validation) -> list[Block]:
 def _rows(fit: Fit, validation: Validation) -> list[list[Cell]]:
     rows: list[list[Cell]] = []
     for number, fold in enumerate(validation.folds, 1):
-        for name, one in fold.scores.items():
-            seen = fit.scores[name].l1 if name in fit.scores else float("nan")
+        for name, score in fold.scores.items():
+            fitted = fit.scores[name].l1 if name in fit.scores else float("nan")
             beyond = fold.outside.get(name, "nothing")
-            rows.append([name, number, 100 * one.l1, 100 * one.relevelled_l1, 100 * seen, 100 * one.nrmse, beyond])
+            rows.append(
+                [name, number, 100 * score.l1, 100 * score.relevelled_l1, 100 * fitted, 100 * score.nrmse, beyond]
+            )
     return rows
 
 

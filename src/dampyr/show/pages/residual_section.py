@@ -11,24 +11,33 @@ from dampyr.show.figures.residual_sizes import residual_sizes
 from dampyr.show.figures.residual_velocity import residual_velocity
 from dampyr.show.figures.style import CURRENT, VOLTAGE, case_colours
 from dampyr.show.identification.residuals import groups_of_a_figure, sizes_by_input, velocity_bands
-from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text
+from dampyr.show.pages.blocks import FigureBlock, Section, Text
 from dampyr.show.table import Cell, Table
 
 
 def residual_section(residuals: Residuals) -> Section:
     """The analysis in words, figures and tables."""
     by_input = sizes_by_input(residuals)
-    words, directions, sizes = _words(residuals), _direction_table(residuals), _size_table(residuals)
+    explanation = (
+        "The residual is the measured minus the modelled force, over every sample that was fitted. A complete model leaves "
+        "only noise: equal in both directions, uncorrelated in time, and of one size everywhere.\n\n"
+        + " ".join(sentence(text) for text in findings(residuals))
+    )
+    criterion = (
+        f"A record counts as misfit where its residual's correlation time exceeds {MISFIT_INTERVALS:g} sampling intervals, or "
+        f"its rms exceeds {MISFIT_NOISE:g} times the noise, that is the rms of the differences of successive residuals over √2."
+    )
     return Section(
         "Residuals",
         [
-            *words,
+            Text(explanation),
+            Text(criterion),
             FigureBlock(
                 residual_velocity(velocity_bands(residuals)),
                 "The residual over the velocity (positive: the damper is pulled): median and the half of the samples around "
                 "it, before the motion passes the middle of its stroke (speeding up) and beyond it (slowing down).",
             ),
-            directions,
+            _direction_table(residuals),
             FigureBlock(
                 memory([(r.lags, r.autocorrelation) for r in residuals.records], residuals.correlation_time),
                 "The autocorrelation of the residual. That of noise would fall to 0 at once; a part that repeats in each "
@@ -38,24 +47,9 @@ def residual_section(residuals: Residuals) -> Section:
                 residual_sizes(by_input, VOLTAGE if residuals.unit == "V" else CURRENT, colours=case_colours(by_input)),
                 "The residual's rms over the standard deviation of the force, one point per record; stroke is peak to peak.",
             ),
-            sizes,
+            _size_table(residuals),
         ],
     )
-
-
-def _words(residuals: Residuals) -> list[Block]:
-    blocks: list[Block] = [
-        Text(
-            "The residual is the measured minus the modelled force, over every sample that was fitted. A complete model leaves "
-            "only noise: equal in both directions, uncorrelated in time, and of one size everywhere.\n\n"
-            + " ".join(sentence(text) for text in findings(residuals))
-        )
-    ]
-    criterion = (
-        f"A record counts as misfit where its residual's correlation time exceeds {MISFIT_INTERVALS:g} sampling intervals, or "
-        f"its rms exceeds {MISFIT_NOISE:g} times the noise, that is the rms of the differences of successive residuals over √2."
-    )
-    return [*blocks, Text(criterion)]
 
 
 def _direction_table(residuals: Residuals) -> Table:

@@ -91,13 +91,13 @@ def _control(cases: Mapping[str, Response], colours: Mapping[str, str]) -> list[
     """A figure for each site that has a law in some case: its stroke in all that have it, and the inputs."""
     blocks = []
     for site in dict.fromkeys(site for r in cases.values() for site in r.sites):
-        there = {name: r for name, r in cases.items() if site in r.sites}
-        ruled = {name: r for name, r in there.items() if r.laws[r.sites.index(site)]}
-        if ruled:
-            first = next(iter(ruled.values()))
+        with_damper = {name: r for name, r in cases.items() if site in r.sites}
+        controlled_cases = {name: r for name, r in with_damper.items() if r.laws[r.sites.index(site)]}
+        if controlled_cases:
+            first = next(iter(controlled_cases.values()))
             axis = VOLTAGE if first.input_units[first.sites.index(site)] == "V" else CURRENT
-            strokes = {name: r.stroke[r.sites.index(site)] for name, r in there.items()}
-            inputs = {name: r.input[r.sites.index(site)] for name, r in ruled.items()}
+            strokes = {name: r.stroke[r.sites.index(site)] for name, r in with_damper.items()}
+            inputs = {name: r.input[r.sites.index(site)] for name, r in controlled_cases.items()}
             blocks.append(
                 FigureBlock(
                     controlled(first.time, strokes, inputs, STROKE, axis, colours=colours),
@@ -112,8 +112,8 @@ def _loops(cases: Mapping[str, Response], colours: Mapping[str, str]) -> list[Fi
     for name, r in cases.items():
         for d, site in enumerate(r.sites):
             stroke, force = between_samples(r.time, r.stroke[d], r.force[d])
-            every = f"{1e3 * (r.time[1] - r.time[0]):.3g} ms"
-            caption = f"{name}: damper, {site}; samples every {every}, and between them a smooth curve through them"
+            interval = f"{1e3 * (r.time[1] - r.time[0]):.3g} ms"
+            caption = f"{name}: damper, {site}; samples every {interval}, and between them a smooth curve through them"
             figure = loops(stroke, None, None, {name: force}, colours=colours, points=len(stroke))
             blocks.append(FigureBlock(figure, sentence(caption)))
     return blocks or [Text("No case has a damper.")]

@@ -42,23 +42,13 @@ def inline_svg(fig: Figure, alt: str, prefix: str) -> str:
     svg = re.sub(r"<metadata>.*?</metadata>", "", raw[raw.index("<svg") :], flags=re.DOTALL)
     svg = _PATH.sub(lambda path: " ".join(_DECIMALS.sub(r"\1", path[0]).split()), svg)
     svg = _FONT.sub(lambda font: f"font: {'600 ' if font[1] else ''}{font[2]}px var(--font)", svg)
-    return _accessible(_themed(_unique_ids(svg, prefix)), alt)
-
-
-def _unique_ids(svg: str, prefix: str) -> str:
-    """Drop the ids that nothing refers to and put ``prefix`` before the others."""
+    # ids that nothing refers to are dropped, before the others stands the prefix
     used = set(_REFERENCE.findall(svg))
     svg = _ID.sub(lambda match: f' id="{prefix}-{match[1]}"' if match[1] in used else "", svg)
-    return _REFERENCE.sub(lambda match: match[0].replace("#", f"#{prefix}-"), svg)
-
-
-def _themed(svg: str) -> str:
+    svg = _REFERENCE.sub(lambda match: match[0].replace("#", f"#{prefix}-"), svg)
     for colour, variable in _VARIABLES.items():
         svg = svg.replace(colour, f"var({variable})")
-    return svg
-
-
-def _accessible(svg: str, alt: str) -> str:
+    # without a size of its own it is as wide as the page
     label = escape(alt, quote=True)
     svg = re.sub(r'(<svg[^>]*?)\swidth="[^"]*"', r"\1", svg, count=1)
     svg = re.sub(r'(<svg[^>]*?)\sheight="[^"]*"', r"\1", svg, count=1)

@@ -11,7 +11,7 @@ from dampyr.show.figures.symbols import symbol
 POWERS = str.maketrans("-+0123456789", "⁻⁺⁰¹²³⁴⁵⁶⁷⁸⁹")
 _POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-])0*(\d+)(?![\w])")
 
-# letters of the literature that are no words, and stand alone in prose; not those inside of a tag that is set already
+# letters of the literature that are not words, and stand alone in prose; not those inside of a tag that is set already
 _BARE = re.compile(r"(?<![\w./\"-])(?:kx|kw|k0|c0|rho)(?![\w\"]|\.\w)")
 
 
@@ -37,11 +37,12 @@ def _set(match: re.Match[str]) -> str:
 
 
 def _symbol(name: str, title: str) -> str:
-    own = symbol(name)
-    if own is None:
+    letter_and_index = symbol(name)
+    if letter_and_index is None:
         return name
-    below = f"<sub>{own[1]}</sub>" if own[1] else ""
-    return f'<var title="{title}">{own[0]}{below}</var>'
+    letter, index = letter_and_index
+    below = f"<sub>{index}</sub>" if index else ""
+    return f'<var title="{title}">{letter}{below}</var>'
 
 
 @lru_cache(maxsize=1)

@@ -22,14 +22,15 @@ def uncertainty_section(records: Sequence[Record]) -> Section | None:
         return None
     rows: list[list[Cell]] = []
     for channel, unit in CHANNELS.items():
-        all_of_it = [record.uncertainty[channel] for record in stated if channel in record.uncertainty]
-        if not all_of_it:
+        uncertainties = [record.uncertainty[channel] for record in stated if channel in record.uncertainty]
+        if not uncertainties:
             continue
         shown, factor = SHOWN.get(channel, ("°C" if unit == "degC" else unit, 1.0))
-        sizes = np.array([each.standard for each in all_of_it]) * factor
-        names = [each.largest for each in all_of_it]
+        sizes = np.array([uncertainty.standard for uncertainty in uncertainties]) * factor
+        names = [uncertainty.largest for uncertainty in uncertainties]
         parts = {
-            name: float(np.median([each.parts.get(name, 0.0) for each in all_of_it])) for name in all_of_it[0].parts
+            name: float(np.median([uncertainty.parts.get(name, 0.0) for uncertainty in uncertainties]))
+            for name in uncertainties[0].parts
         }
         rest = ", ".join(
             f"{name} {factor * size:.2g}"

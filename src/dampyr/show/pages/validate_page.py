@@ -18,7 +18,7 @@ from dampyr.origin import combined
 from dampyr.records import Record, with_velocity
 from dampyr.show.figures.calibration_range import calibrated
 from dampyr.show.figures.scores import scores as scores_figure
-from dampyr.show.identification.score import group_by_input
+from dampyr.show.identification.score import group_by_input, input_words
 from dampyr.show.identification.validate import by_input, validated_scores
 from dampyr.show.pages.best_and_worst import extremes, record_section
 from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text, to_look_at
@@ -46,28 +46,25 @@ def write_validate_page(result: Validated, path: str | Path) -> Path:
     damper, records, card = result.damper, result.records, result.card
     _check(records, result.scores)
     record_scores = {record.name: result.scores[record.name] for record in records}
-    seen = result.fitted_on
+    fitted_on = result.fitted_on
     stated = {name: text for name, text in damper.provenance.items() if name != "dampyr"}  # of cards up to 0.3.0
     of_card = damper.origin.facts() | stated
+    along = f"each of {len(records)} records" if len(records) > 1 else "one record"
     html = page(
         f"Validated: {Path(card).name}",
         [
-            Section("In short", [*_short(records, record_scores, seen), *to_look_at(result.findings)]),
+            Section("In short", [*_short(records, record_scores, fitted_on), *to_look_at(result.findings)]),
             Section("Scores", _scores(result)),
             bands_section(result),
             Section("Outside the calibrated range", _outside(damper, records)),
             *(_record(damper, records, record_scores, words, name) for words, name in extremes(record_scores)),
         ],
-        subtitle=f"{damper.composition}: a free run along {_along(records)}, of which only the offset is taken.",
+        subtitle=f"{damper.composition}: a free run along {along}, of which only the offset is taken.",
         provenance={"card": card, **{f"{name} of the card": text for name, text in of_card.items()}},
         call=f"dampyr.show.pages.write_validate_page(result, {Path(path).name!r})",
         origin=replace(combined(record.origin for record in records), kind=result.origin.kind),
     )
     return write_page(path, html)
-
-
-def _along(records: Sequence[Record]) -> str:
-    return f"each of {len(records)} records" if len(records) > 1 else "one record"
 
 
 def _check(records: Sequence[Record], scores: Mapping[str, Score]) -> None:
@@ -78,14 +75,14 @@ def _check(records: Sequence[Record], scores: Mapping[str, Score]) -> None:
         raise InputError(f"{missing[0]} has no score; score every record that is shown")
 
 
-def _short(records: Sequence[Record], scores: Mapping[str, Score], seen: Mapping[str, bool | None]) -> list[Block]:
+def _short(records: Sequence[Record], scores: Mapping[str, Score], fitted_on: Mapping[str, bool | None]) -> list[Block]:
     rows: list[list[Cell]] = []
     for state, words in SEEN.items():
-        values = [scores[r.name] for r in records if seen[r.name] is state]
+        values = [scores[r.name] for r in records if fitted_on[r.name] is state]
         if values:
             rows.append(
-                [words, len(values), 100 * _mean(s.l1 for s in values), 100 * max(s.l1 for s in values),
-                 100 * _mean(s.nrmse for s in values)]
+                [words, len(values), 100 * float(np.mean([s.l1 for s in values])), 100 * max(s.l1 for s in values),
+                 100 * float(np.mean([s.nrmse for s in values]))]
             )  # fmt: skip
     hint = {
         True: "These records were fitted, so their scores describe the fit and predict nothing.",
@@ -93,10 +90,10 @@ def _short(records: Sequence[Record], scores: Mapping[str, Score], seen: Mapping
         None: "The card does not say whether these records were fitted, so these scores may be no predictions.",
     }
     if len(records) == 1:
-        name, one = next(iter(scores.items()))
-        [state] = seen.values()
-        return [Text(f"{name}: L1 {100 * one.l1:.3g} %, NRMSE {100 * one.nrmse:.3g} %.\n\n{OF_ONE[state]}")]
-    states = set(seen.values())
+        name, score = next(iter(scores.items()))
+        [state] = fitted_on.values()
+        return [Text(f"{name}: L1 {100 * score.l1:.3g} %, NRMSE {100 * score.nrmse:.3g} %.\n\n{OF_ONE[state]}")]
+    states = set(fitted_on.values())
     text = hint[states.pop()] if len(states) == 1 else "Only the scores of unseen records are predictions."
     table = Table(
         ("by the card", "records", "mean L1", "worst L1", "mean NRMSE"), rows, ("", "", "%", "%", "%"), digits=3
@@ -104,19 +101,15 @@ def _short(records: Sequence[Record], scores: Mapping[str, Score], seen: Mapping
     return [Text(text), table]
 
 
-def _mean(values: object) -> float:
-    return float(np.mean(list(values)))  # type: ignore[call-overload]
-
-
 def _scores(result: Validated) -> list[Block]:
-    records, scores, seen = result.records, result.scores, result.fitted_on
+    records, scores, fitted_on = result.records, result.scores, result.fitted_on
     table = replace(validated_scores(result), caption="The scores by record.")
     if len(records) == 1:
         return [table]
     groups: dict[str, list[float]] = {}
     for state, words in SEEN.items():
-        some = {r.name: scores[r.name].l1 for r in records if seen[r.name] is state}
-        groups |= {f"{name}, {words}": values for name, values in group_by_input(records, some).items()}
+        l1 = {r.name: scores[r.name].l1 for r in records if fitted_on[r.name] is state}
+        groups |= {f"{name}, {words}": values for name, values in group_by_input(records, l1).items()}
     return [
         FigureBlock(
             scores_figure(groups), "L1 ratio of each record, by input and by whether the card was fitted on it."
@@ -131,7 +124,7 @@ def _outside(damper: Damper, records: Sequence[Record]) -> list[Block]:
     groups: dict[str, tuple[list[float], list[float]]] = {}
     for record in sorted(records, key=lambda r: -np.inf if r.input_value is None else r.input_value):
         stroke, frequency = motion(record)
-        group = groups.setdefault(next(iter(group_by_input([record], {record.name: 0.0}))), ([], []))
+        group = groups.setdefault(input_words(record), ([], []))
         group[0].append(frequency)
         group[1].append(0.5 * stroke)
         rows += [[record.name, *row] for row in beyond(damper, record)]
@@ -183,12 +176,12 @@ def _record(damper: Damper, records: Sequence[Record], scores: Mapping[str, Scor
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)  # what they say stands in the table of what lies outside
         force = prediction(damper, record, allow_extrapolation=True)
-    seen = scores[name].window.slice
+    scored = scores[name].window.slice
     channels = (
-        record.time[seen],
-        record.displacement[seen],
-        _velocity(damper, record)[seen],
-        record.force[seen],
-        force[seen] + scores[name].offset,
+        record.time[scored],
+        record.displacement[scored],
+        _velocity(damper, record)[scored],
+        record.force[scored],
+        force[scored] + scores[name].offset,
     )
     return record_section(words, name, channels, "card", record.origin)

@@ -56,7 +56,7 @@ def widths_figure(planned: Planned) -> Figure:
         ]
         for planned_round in planned.rounds
     }
-    return expected_widths({name: some for name, some in pairs.items() if some})
+    return expected_widths({name: widths for name, widths in pairs.items() if widths})
 
 
 def round_table(planned: Planned) -> Table:

@@ -44,10 +44,11 @@ def describe_proposal(proposal: Proposal) -> Description:
     ]
     if proposal.peak_after is not None:
         rows.append(("peak", f"{half_in_percent(proposal.peak_before)} -> {half_in_percent(proposal.peak_after)}"))
+    reached = ["With these tests the targets are expected to be met."] if proposal.reached else []
     return Description(
         f"Proposal of {counted(len(proposal.tests), 'test')}",
         [*rows, *(("note", note) for note in proposal.notes)],
-        verdict=_outcome(proposal),
+        verdict=[*map(sentence, proposal.notes), *reached],
         tables=[lambda: proposed_tests(proposal), lambda: interval_table(proposal)],
         figure=lambda: envelope_figure(proposal),
         data=lambda: _numbers(proposal),
@@ -57,14 +58,14 @@ def describe_proposal(proposal: Proposal) -> Description:
 
 def envelope_figure(proposal: Proposal) -> Figure:
     """Amplitude against frequency: the limits of a sine at each voltage, the candidates and what was chosen."""
-    at = [(c.frequency, c.amplitude) for c in proposal.envelope.candidates]
+    candidates = [(c.frequency, c.amplitude) for c in proposal.envelope.candidates]
     chosen: dict[str, list[tuple[float, float]]] = {}
     for test in proposal.tests:
         chosen.setdefault(test.candidate.kind.replace("_", " "), []).append(
             (test.candidate.frequency, test.candidate.amplitude)
         )
     limits = {f"{u:.4g} V": amplitudes for u, amplitudes in proposal.envelope.limits.items()}
-    return planned_tests(proposal.envelope.frequencies, limits, at, chosen)
+    return planned_tests(proposal.envelope.frequencies, limits, candidates, chosen)
 
 
 def proposed_tests(proposal: Proposal) -> Table:
@@ -101,11 +102,6 @@ def half_width(half: float | None) -> str | None:
     if half is None or not 0.0 <= half < math.inf:
         return None
     return f"± {100 * half:.0f} %" if half >= 1.0 else f"± {100 * half:.2g} %"
-
-
-def _outcome(proposal: Proposal) -> list[str]:
-    reached = ["With these tests the targets are expected to be met."] if proposal.reached else []
-    return [*map(sentence, proposal.notes), *reached]
 
 
 def _columns(proposal: Proposal) -> DataFrameColumns:

@@ -15,8 +15,8 @@ def describe_cut(cut: Cut) -> Description:
         ("cycles", f"{cut.run:g} run, {len(cut.cycles)} whole{'' if cut.from_start else ', from the first pass on'}")
     ]
     rows += [
-        (f"level {each.number}", f"{each.count} x {1e3 * each.stroke_m:.4g} mm at {1.0 / each.period_s:.4g} Hz")
-        for each in cut.levels[:SHOWN]
+        (f"level {level.number}", f"{level.count} x {1e3 * level.stroke_m:.4g} mm at {1.0 / level.period_s:.4g} Hz")
+        for level in cut.levels[:SHOWN]
     ]
     if len(cut.levels) > SHOWN:
         rows.append(("", f"and {len(cut.levels) - SHOWN} more levels"))

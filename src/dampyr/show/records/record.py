@@ -78,8 +78,8 @@ class RecordPlots(Plots):
         record = self.result
         values = getattr(record, channel, None) if channel in AXES else None
         if values is None:
-            there = [name for name in AXES if getattr(record, name) is not None]
-            raise InputError(f"{record.name} has no channel {channel!r} to draw; choose from {', '.join(there)}")
+            recorded = [name for name in AXES if getattr(record, name) is not None]
+            raise InputError(f"{record.name} has no channel {channel!r} to draw; choose from {', '.join(recorded)}")
         samples = np.broadcast_to(values, record.time.shape)
         return style.in_pyplot(
             history, record.time, samples, axis=AXES[channel], title=record.name, origin=record.origin

@@ -27,10 +27,7 @@ def describe_drive(drive: Drive) -> Description:
         "Drive",
         rows,
         figure=lambda: planned_drive(drive.time, drive.displacement, drive.voltage),
-        frame=lambda: _set_points(drive),
+        frame=lambda: DataFrameColumns(
+            {"time_s": drive.time, "displacement_m": drive.displacement, "voltage_V": drive.voltage}
+        ),
     )
-
-
-def _set_points(drive: Drive) -> DataFrameColumns:
-    """The set points in SI units, one row a set point."""
-    return DataFrameColumns({"time_s": drive.time, "displacement_m": drive.displacement, "voltage_V": drive.voltage})

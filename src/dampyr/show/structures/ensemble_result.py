@@ -34,16 +34,10 @@ SHOWN = {
 @describe.register
 def describe_ensemble(result: EnsembleResult) -> Description:
     """The cases, their accuracy and what is without bound; tables of the peaks and of the fragility curves."""
-    sizes, attributes = result.dataset.sizes, result.dataset.attrs
-    each = (
-        (sizes["damper"], "damper case"),
-        (sizes["input"], "input"),
-        (sizes["motion"], "motion"),
-        (sizes["scale"], "scale"),
-    )
+    attributes = result.dataset.attrs
     rows = [
         ("building", listing([str(name) for name in result.dataset.building_name.values])),
-        ("cases", f"{attributes['cases']}: {', '.join(counted(n, noun) for n, noun in each)}"),
+        ("cases", f"{attributes['cases']}: {cases_in_words(result.dataset)}"),
         (
             "accuracy",
             f"{attributes['accuracy']}, largest change on halving the step {100 * attributes['error_estimate']:.2g} %",
@@ -65,6 +59,12 @@ def describe_ensemble(result: EnsembleResult) -> Description:
         data=lambda: _numbers(result),
         frame=lambda: _peaks(result),
     )
+
+
+def cases_in_words(dataset: Any) -> str:
+    """What the cases are made of, such as ``2 damper cases, 1 input, 20 motions, 8 scales``."""
+    nouns = {"damper": "damper case", "input": "input", "motion": "motion", "scale": "scale"}
+    return ", ".join(counted(dataset.sizes[dimension], noun) for dimension, noun in nouns.items())
 
 
 def peak_table(dataset: Any) -> Table:
@@ -133,11 +133,11 @@ def _numbers(result: EnsembleResult) -> dict[str, Any]:
     """Peaks and curves for JSON, SI units."""
     curves = [
         {
-            "quantity": each.quantity, "limit": each.limit, "limit_unit": each.limit_unit,
-            "intensity": each.intensity, "intensity_unit": each.unit, "motions": each.motions,
-            "curves": [_curve_as_dict(curve) for curve in each.curves],
+            "quantity": fragility.quantity, "limit": fragility.limit, "limit_unit": fragility.limit_unit,
+            "intensity": fragility.intensity, "intensity_unit": fragility.unit, "motions": fragility.motions,
+            "curves": [_curve_as_dict(curve) for curve in fragility.curves],
         }
-        for each in result.curves
+        for fragility in result.curves
     ]  # fmt: skip
     of_all = {"damper_origin": result.origin.as_dict(), "findings": as_dicts(result.findings)}
     attributes = result.dataset.attrs | of_all

@@ -46,7 +46,7 @@ def describe_curve(curve: FragilityCurve) -> Description:
 @describe.register
 def describe_fragility(fragility: Fragility) -> Description:
     """The limit, the intensity and the medians; a table of the curves and their figure."""
-    unit, factor = _reading_unit(fragility)
+    unit, factor = ("g", 1.0 / STANDARD_GRAVITY) if fragility.unit == "m/s^2" else (fragility.unit, 1.0)
     medians = [
         f"{c.name}: {factor * c.theta:.3g} {unit}".rstrip() if c.exists else f"{c.name}: none" for c in fragility.curves
     ]
@@ -78,11 +78,6 @@ def limit_in_words(fragility: Fragility) -> str:
 def first_curves(fragility: Fragility) -> Figure:
     """As many of the curves as a figure has colours."""
     return fragility_curves(drawn_curves(fragility.curves[:MAX_CURVES]), axis_of(fragility.intensity))
-
-
-def _reading_unit(fragility: Fragility) -> tuple[str, float]:
-    """g for accelerations, else as it is."""
-    return ("g", 1.0 / STANDARD_GRAVITY) if fragility.unit == "m/s^2" else (fragility.unit, 1.0)
 
 
 def curve_table(fragility: Fragility) -> Table:
@@ -129,10 +124,10 @@ def comparisons(fragility: Fragility) -> list[str]:
 
 
 def _censored(c: FragilityCurve) -> str:
-    held, all_ = c.capacities, c.capacities.value.size
-    parts = [f"{held.above} never exceed the limit"] * bool(held.above)
-    parts += [f"{held.below} do at the weakest scale already"] * bool(held.below)
-    return f"{c.name}: of {all_} sweeps {' and '.join(parts)}"
+    capacities = c.capacities
+    parts = [f"{capacities.above} never exceed the limit"] * bool(capacities.above)
+    parts += [f"{capacities.below} do at the weakest scale already"] * bool(capacities.below)
+    return f"{c.name}: of {capacities.value.size} sweeps {' and '.join(parts)}"
 
 
 def _columns(fragility: Fragility) -> DataFrameColumns:
@@ -154,22 +149,18 @@ def _columns(fragility: Fragility) -> DataFrameColumns:
 
 def drawn_curves(curves: Sequence[FragilityCurve]) -> dict[str, Fragile]:
     """Curves, bands and counted shares as `dampyr.show.figures.fragility.fragility_curves` draws them, over one range."""
-    reach = _reach(curves)
+    # to where the last curve is nearly 1, at most as far as the motions
+    max_level = max(float(curve.levels.max()) for curve in curves)
+    full = [curve.theta * np.exp(FULL * curve.beta) for curve in curves]
+    reach = max_level if np.isnan(full).any() else float(min(max_level, max(full)))
     return {curve.name: _fragile(curve, reach) for curve in curves}
-
-
-def _reach(curves: Sequence[FragilityCurve]) -> float:
-    """How far a figure goes: to where the last curve is nearly 1, at most as far as the motions."""
-    max_level = max(float(c.levels.max()) for c in curves)
-    full = [c.theta * np.exp(FULL * c.beta) for c in curves]
-    return max_level if np.isnan(full).any() else float(min(max_level, max(full)))
 
 
 def _fragile(c: FragilityCurve, reach: float) -> Fragile:
     x = np.linspace(0.0, reach, 301)[1:]
-    at, share, _ = c.shares()
-    near = at <= reach
-    return Fragile(x, c.at(x) if c.exists else None, c.band(x, LEVEL), (at[near], share[near]))
+    intensity, share, _ = c.shares()
+    near = intensity <= reach
+    return Fragile(x, c.at(x) if c.exists else None, c.band(x, LEVEL), (intensity[near], share[near]))
 
 
 @dataclass(frozen=True)

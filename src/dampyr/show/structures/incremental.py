@@ -47,17 +47,14 @@ def describe_incremental(incremental: Incremental) -> Description:
 
 def _drawn(incremental: Incremental, sweep: IncrementalCurves) -> dict[str, Any]:
     fractiles = {f"{100 * p:g} %": sweep.fractiles[k] for k, p in enumerate(incremental.fractions)}
+    unit, factor = for_people(incremental.quantity_unit)
+    peak = style.Axis(f"largest {incremental.quantity}", unit.replace("^2", "²"), factor)
+    if not unit:
+        peak = style.Axis(f"largest {incremental.quantity} of the height", "%", 100.0)
     return {
         "intensity": sweep.intensity, "peaks": sweep.peaks, "levels": sweep.levels, "fractiles": fractiles,
-        "axis": axis_of(incremental.intensity), "peak": _peak_axis(incremental),
+        "axis": axis_of(incremental.intensity), "peak": peak,
     }  # fmt: skip
-
-
-def _peak_axis(incremental: Incremental) -> style.Axis:
-    if not incremental.quantity_unit:
-        return style.Axis(f"largest {incremental.quantity} of the height", "%", 100.0)
-    unit, factor = for_people(incremental.quantity_unit)
-    return style.Axis(f"largest {incremental.quantity}", unit.replace("^2", "²"), factor)
 
 
 @dataclass(frozen=True)

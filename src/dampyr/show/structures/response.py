@@ -175,8 +175,8 @@ class ResponsePlots(Plots):
         """
         r = self.result
         if quantity not in AXES or not len(getattr(r, quantity)):
-            there = [name for name in AXES if len(getattr(r, name))]
-            raise InputError(f"{quantity!r} is no history of this response; choose from {', '.join(there)}")
+            histories = [name for name in AXES if len(getattr(r, name))]
+            raise InputError(f"this response has no history of {quantity!r}; choose from {', '.join(histories)}")
         if quantity in ("force", "stroke", "input"):
             names = list(r.sites)
         elif quantity == "drift":

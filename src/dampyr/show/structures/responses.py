@@ -56,7 +56,7 @@ def outcome(responses: Responses) -> list[str]:
     cases = responses.cases
     note, error = truncation_note(cases), errors_in_words(cases.values())
     ends = f"the response {end_in_words(next(iter(cases.values())).after)}"
-    return [sentence(each) for each in (ends, note, f"error: {error}" if error else "") if each]
+    return [sentence(clause) for clause in (ends, note, f"error: {error}" if error else "") if clause]
 
 
 def floor_table(responses: Responses) -> Table:
@@ -117,11 +117,11 @@ def interval_table(responses: Responses) -> Table:
     floors = next(iter(responses.cases.values())).floors
     many = len(floors) > WIDE
     rows: list[list[Cell]] = []
-    for name, each in responses.intervals.items():
-        peaks = 1e3 * each["peak_displacement_m"]
+    for name, interval in responses.intervals.items():
+        peaks = 1e3 * interval["peak_displacement_m"]
         spans = [peaks.max(axis=1)] if many else list(peaks.T)
-        spans += [1e3 * each["peak_drift_m"].max(axis=1), each["peak_acceleration_m_s2"].max(axis=1)]
-        spans.append(each["peak_force_N"].max(axis=1))
+        spans += [1e3 * interval["peak_drift_m"].max(axis=1), interval["peak_acceleration_m_s2"].max(axis=1)]
+        spans.append(interval["peak_force_N"].max(axis=1))
         rows.append([name, *(f"{low:.4g} to {high:.4g}" for low, high in spans)])
     columns = [f"largest of {len(floors)} floors"] if many else [floor_name(floor) for floor in floors]
     return Table(
@@ -150,8 +150,8 @@ def truncation_note(cases: Mapping[str, Response]) -> str:
 def _numbers(responses: Responses) -> dict[str, Any]:
     """The peaks of each case for JSON, SI units."""
     cases = {name: response.as_dict() for name, response in responses.cases.items()}
-    for name, each in responses.intervals.items():
-        cases[name] |= {"intervals_90": dict(each), "draws": responses.draws}
+    for name, interval in responses.intervals.items():
+        cases[name] |= {"intervals_90": dict(interval), "draws": responses.draws}
     return dict(plain(cases))
 
 
@@ -185,7 +185,7 @@ class ResponsesPlots(Plots):
         first = next(iter(responses.cases.values()))
         name = first.floors[-1] if floor is None else str(floor)
         if name not in first.floors:
-            raise InputError(f"{floor!r} is no floor of {responses.building}; choose from {', '.join(first.floors)}")
+            raise InputError(f"{floor!r} is not a floor of {responses.building}; choose from {', '.join(first.floors)}")
         k = first.floors.index(name)
         cases = {case: response.displacement[k] for case, response in responses.cases.items()}
         return style.in_pyplot(building_response, first.time, cases, title=f"floor {name}", origin=responses.origin)

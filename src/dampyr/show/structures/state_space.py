@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dampyr.phrases import counted
 from dampyr.show.descriptions import Description, describe
 from dampyr.structures.time_history.state_space import StateSpace
 
@@ -22,6 +23,6 @@ def describe_state_space(system: StateSpace) -> Description:
     shapes = {name: " × ".join(map(str, getattr(system, name).shape)) for name in MEANING}
     floors, dampers = system.connection.shape
     return Description(
-        f"StateSpace of {floors} floors and {dampers} damper{'s' * (dampers != 1)}, SI",
+        f"StateSpace of {floors} floors and {counted(dampers, 'damper')}, SI",
         [(name, f"{shapes[name]}, {words}") for name, words in MEANING.items()],
     )
