@@ -47,7 +47,7 @@ def test_a_proposal_from_records_and_for_a_peak(client, finished, data):
     [
         ({"goal": "peak"}, "the goal peak needs the damper's voltage in the earthquake; enter it"),
         ({"goal": "speed"}, "goal = 'speed' is not known; choose from parameters, peak"),
-        ({"damper": "no_such"}, "'no_such' is no card and no published damper"),
+        ({"damper": "no_such"}, "'no_such' is neither a card nor a published damper"),
         ({"rig": "no_such"}, "rig = 'no_such' is not known"),
         ({"records": ["data/none.h5"]}, "no such file"),
         ({"tests": 0}, "greater than or equal to 1"),

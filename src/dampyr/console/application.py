@@ -84,7 +84,7 @@ def app(
     folder = Path(data).resolve()
     folder.mkdir(parents=True, exist_ok=True)
     app_state = AppState(folder, Jobs(folder / OWN / "jobs", at_once), quota, opener, clock)
-    pages = sorted(registry.members(PAGES), key=lambda each: each[1].ORDER)
+    pages = sorted(registry.members(PAGES), key=lambda member: member[1].ORDER)
     inner = FastAPI(
         title="dampyr console", version=dampyr.__version__, openapi_url="/api/openapi.json", docs_url=None, redoc_url=None,
         lifespan=_lifespan(app_state, [module for _, module in pages]), responses=PROBLEMS,

@@ -111,7 +111,7 @@ class Alarms:
             if limit.low is not None or limit.high is not None:
                 limits[limit.reading] = limit
             self._path.parent.mkdir(parents=True, exist_ok=True)
-            write_whole(self._path, json.dumps([asdict(each) for each in limits.values()], indent=1) + "\n")
+            write_whole(self._path, json.dumps([asdict(limit) for limit in limits.values()], indent=1) + "\n")
             self._limits = limits
             for side in ("low", "high"):
                 self._over(limit.reading, side)
@@ -142,8 +142,12 @@ class Alarms:
     def acknowledge(self, who: str, number: int | None = None) -> int:
         """Acknowledge one alarm, or all; how many there were."""
         with self._lock:
-            chosen = [each.number for each in self._alarms if not each.acknowledged and number in (None, each.number)]
-            self._alarms = [replace(each, acknowledged=who) if each.number in chosen else each for each in self._alarms]
+            chosen = [
+                alarm.number for alarm in self._alarms if not alarm.acknowledged and number in (None, alarm.number)
+            ]
+            self._alarms = [
+                replace(alarm, acknowledged=who) if alarm.number in chosen else alarm for alarm in self._alarms
+            ]
             return len(chosen)
 
     def reset_extremes(self) -> None:
@@ -182,7 +186,7 @@ class Alarms:
 
     def _over(self, name: Reading, side: str) -> None:
         number = self._beyond.pop((name, side), None)
-        self._alarms = [replace(each, active=False) if each.number == number else each for each in self._alarms]
+        self._alarms = [replace(alarm, active=False) if alarm.number == number else alarm for alarm in self._alarms]
 
 
 def _saved(path: Path) -> list[AlarmLimit]:
@@ -190,7 +194,7 @@ def _saved(path: Path) -> list[AlarmLimit]:
     if not path.is_file():
         return []
     try:
-        limits = [AlarmLimit(**each) for each in json.loads(path.read_text("utf-8"))]
+        limits = [AlarmLimit(**limit) for limit in json.loads(path.read_text("utf-8"))]
     except (OSError, ValueError, TypeError):
         limits = [AlarmLimit("force", math.nan)]
     for limit in limits:

@@ -105,14 +105,15 @@ def of_record(record: Record, test: str) -> ReferenceTest:
     passes = upward_passes(x, centre, HYSTERESIS * amplitude)
     spans = list(itertools.pairwise(passes))
     measures = [cycle_measures(x[i:j], force[i:j]) for i, j in spans]
-    whole = [k for k, each in enumerate(measures) if abs(each.amplitude - amplitude) <= LIKE * amplitude]
+    whole = [k for k, cycle in enumerate(measures) if abs(cycle.amplitude - amplitude) <= LIKE * amplitude]
     if not whole:
         raise DampyrError("the reference has no two whole cycles of one amplitude, so no cycle can be compared")
     medians = [float(np.median([getattr(measures[k], name) for k in whole])) for name in CycleMeasures.__annotations__]
     i, j = spans[whole[-1]]
-    at = np.unique(np.linspace(i, j, POINTS).astype(int).clip(0, len(x) - 1))
-    velocity = np.gradient(x[at], np.asarray(record.time)[at])
-    loop = ReferenceLoop(test, *(np.round(values, 4).tolist() for values in (x[at] * 1e3, force[at], velocity * 1e3)))
+    drawn = np.unique(np.linspace(i, j, POINTS).astype(int).clip(0, len(x) - 1))
+    velocity = np.gradient(x[drawn], np.asarray(record.time)[drawn])
+    channels = (x[drawn] * 1e3, force[drawn], velocity * 1e3)
+    loop = ReferenceLoop(test, *(np.round(values, 4).tolist() for values in channels))
     return ReferenceTest(CycleMeasures(*medians), loop, centre)
 
 
@@ -139,6 +140,7 @@ def upward_passes(x: Array, centre: float, threshold: float) -> list[int]:
 def cycle_measures(x: Array, force: Array) -> CycleMeasures:
     """What is compared of one cycle."""
     centre, amplitude = 0.5 * float(x.max() + x.min()), 0.5 * float(np.ptp(x))
+    # closed by its first sample, and integrated by the trapezoidal rule
     closed_x, closed_force = np.append(x, x[0]), np.append(force, force[0])
     energy = float(np.sum(0.5 * (closed_force[1:] + closed_force[:-1]) * np.diff(closed_x)))
     top, bottom = int(x.argmax()), int(x.argmin())
@@ -181,14 +183,15 @@ class CycleJudge:
         return judged
 
     def _judged(self, measures: CycleMeasures) -> JudgedCycle | None:
-        wanted = self.reference.measures
-        if abs(measures.amplitude - wanted.amplitude) > LIKE * wanted.amplitude:
+        expected = self.reference.measures
+        if abs(measures.amplitude - expected.amplitude) > LIKE * expected.amplitude:
             return None  # it grows, or fades
         self._number += 1
-        greatest = max(abs(wanted.extension), abs(wanted.compression))
-        off = (
-            measures.energy / wanted.energy - 1.0,
-            (measures.extension - wanted.extension) / greatest,
-            (measures.compression - wanted.compression) / greatest,
+        # by the greater of the two forces: an offset may leave one of them near zero
+        greatest = max(abs(expected.extension), abs(expected.compression))
+        deviations = (
+            measures.energy / expected.energy - 1.0,
+            (measures.extension - expected.extension) / greatest,
+            (measures.compression - expected.compression) / greatest,
         )
-        return JudgedCycle(self._number, all(abs(each) <= self.tolerance for each in off), *off)
+        return JudgedCycle(self._number, all(abs(value) <= self.tolerance for value in deviations), *deviations)

@@ -261,7 +261,7 @@ class Bench:
         """Take a campaign out of the queue."""
         self.clients.require(client)
         with self._thread.lock:
-            self._thread.queue[:] = [each for each in self._thread.queue if each[0].number != number]
+            self._thread.queue[:] = [waiting for waiting in self._thread.queue if waiting[0].number != number]
 
     def skip(self, client: str, test: str) -> None:
         """Leave out a test of the campaign that runs; the one under way is ended in order and stays incomplete."""
@@ -278,9 +278,11 @@ class Bench:
     def _planned(self, name: str, path: Path, about: RunAbout) -> Plan:
         """The plan of a campaign file with what is said about this run; refused as a whole."""
         rig, campaign = self._connected(), read(path)
-        said = {key: value for key, value in vars(about).items() if value}
+        stated = {key: value for key, value in vars(about).items() if value}
         campaign_plan = plan(
-            replace(campaign, header=replace(campaign.header, **said)), rig.settings, specimen(rig.settings, rig.folder)
+            replace(campaign, header=replace(campaign.header, **stated)),
+            rig.settings,
+            specimen(rig.settings, rig.folder),
         )
         self._refused, self._checked = (
             "; ".join(campaign_plan.refusals),
@@ -351,23 +353,21 @@ class Bench:
         rig, status = self._thread.rig, self._thread.status
         if rig is None or rig.calibration is None:
             return None
-        cell, settings = rig.calibration, rig.settings
-        fastest = self._thread.jogging.fastest(bool(status and status.homed))
-        bounds = settings.limits
-        limits = ChartLimits(bounds.force, settings.travel, bounds.speed, bounds.voltage, bounds.temperature)
-        stroke, about = bounds.stroke, settings.specimen.name
-        values = (
-            settings.board.rate,
-            stroke,
-            cell.scale,
-            cell.zero,
-            cell.how,
-            fastest,
-            about,
-            limits,
-            rig.origin.notice,
+        cell, settings, limits = rig.calibration, rig.settings, rig.settings.limits
+        return ConnectedRig(
+            settings.name,
+            self._simulated,
+            self._thread.identity,
+            rate=settings.board.rate,
+            stroke=limits.stroke,
+            scale=cell.scale,
+            zero=cell.zero,
+            calibrated=cell.how,
+            jog_speed=self._thread.jogging.fastest(bool(status and status.homed)),
+            specimen=settings.specimen.name,
+            limits=ChartLimits(limits.force, settings.travel, limits.speed, limits.voltage, limits.temperature),
+            notice=rig.origin.notice,
         )
-        return ConnectedRig(settings.name, self._simulated, self._thread.identity, *values)
 
     def _event(self, client: str, what: str) -> None:
         self._thread.note_event(self.clients.who(client) or "a page", what)

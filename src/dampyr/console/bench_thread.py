@@ -188,7 +188,9 @@ class BenchThread:
             self._performing = False
             self._look(rig)
             if complete and reference is not None:
-                self._report(folder, reference)
+                self.progressed(report_state="writing")
+                write = partial(self._write_report, folder, reference)  # it takes a process of its own, and minutes
+                threading.Thread(target=write, name="report", daemon=True).start()
             if not (complete and self._begin_next()):
                 self.enter("idle")
 
@@ -209,11 +211,6 @@ class BenchThread:
         self.note_event(f"queue of {who}", f"starts {queued.name} into {queued.folder}")
         self.jobs.put(partial(self.perform, campaign_plan, folder, reference))
         return True
-
-    def _report(self, folder: Path, reference: RunReference) -> None:
-        """Have the judgement of a run by its reference written as a report, in a process of its own."""
-        self.progressed(report_state="writing")
-        threading.Thread(target=self._write_report, args=(folder, reference), name="report", daemon=True).start()
 
     def _write_report(self, folder: Path, reference: RunReference) -> None:
         why = reference.write_report(folder)

@@ -69,7 +69,7 @@ class BuildingRequest(Strict):
 def published_structure(name: str) -> structures.Building:
     """The published structure of this name; never a file of the server's folder."""
     if name not in (offered := available_structures()):
-        raise InputError(f"{name!r} is no published structure; choose from {', '.join(offered)}")
+        raise InputError(f"{name!r} is not a published structure; choose from {', '.join(offered)}")
     return load_structure(name)
 
 

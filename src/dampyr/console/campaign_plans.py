@@ -10,8 +10,9 @@ import numpy as np
 
 from dampyr.campaigns import Plan
 from dampyr.console.curves import line
-from dampyr.console.grid import envelope_of, place_of, planned_text
+from dampyr.console.grid import envelope_of, planned_text, sine_frequency
 from dampyr.console.rigs import rig_file, rig_settings
+from dampyr.phrases import listing
 from dampyr.records import Record, describe
 from dampyr.to_json import plain
 
@@ -35,11 +36,11 @@ def plan_answer(data: Path, text: str, rig: str) -> dict[str, Any]:
         "duration_s": planned.duration,
         "tests": [
             {
-                "name": each.name, "words": each.words, "duration_s": each.duration, "speed_mm_s": 1e3 * each.peak_speed,
-                "position_mm": 1e3 * each.peak_position, "force_N": each.peak_force, "voltage_V": each.peak_voltage,
-                "frequency_Hz": place_of(each.peak_speed, each.peak_position)[0], "refusal": each.refusal,
+                "name": test.name, "words": test.words, "duration_s": test.duration, "speed_mm_s": 1e3 * test.peak_speed,
+                "position_mm": 1e3 * test.peak_position, "force_N": test.peak_force, "voltage_V": test.peak_voltage,
+                "frequency_Hz": sine_frequency(test), "refusal": test.refusal,
             }
-            for each in planned.tests
+            for test in planned.tests
         ],
         "notes": grouped_notes(planned),
         "refusals": list(planned.refusals),
@@ -52,22 +53,20 @@ def path_answer(data: Path, text: str, rig: str, test: str = "") -> dict[str, An
     of the test of this name; decimated so that its peaks stay. ``tests`` are the times at which each begins.
     """
     planned = _plan(data, text, rig)
-    chosen = [each for each in planned.tests if not test or each.name == test]
+    chosen = [planned_test for planned_test in planned.tests if not test or planned_test.name == test]
     rest = planned.campaign.header.rest_between
     budget = max(40, 2 * POINTS // max(len(chosen), 1))
     displacement: list[list[float | None]] = [[], []]
     voltage: list[list[float | None]] = [[], []]
     begins, start = [], 0.0
-    for each in chosen:
-        begins.append({"name": each.name, "time": start})
-        for of, (x, y) in (
-            (displacement, (each.drive.time, 1e3 * each.drive.displacement)),
-            (voltage, (each.drive.time, each.drive.voltage)),
-        ):
-            drawn = line(x, np.broadcast_to(y, np.shape(x)), budget)
-            of[0] += [start + value for value in drawn.x] + [None]  # a gap: what happens between tests is not drawn
-            of[1] += [*drawn.y, None]
-        start += each.duration + rest
+    for planned_test in chosen:
+        begins.append({"name": planned_test.name, "time": start})
+        drive = planned_test.drive
+        for path, values in ((displacement, 1e3 * drive.displacement), (voltage, drive.voltage)):
+            drawn = line(drive.time, np.broadcast_to(values, np.shape(drive.time)), budget)
+            path[0] += [start + value for value in drawn.x] + [None]  # a gap: what happens between tests is not drawn
+            path[1] += [*drawn.y, None]
+        start += planned_test.duration + rest
     return dict(
         plain({"displacement": displacement, "voltage": voltage, "tests": begins, "duration_s": max(start - rest, 0.0)})
     )
@@ -77,13 +76,13 @@ def grouped_notes(planned: Plan) -> list[str]:
     """What the expected force rests on, and each note on tests once, with the tests that it is about."""
     about: dict[str, list[str]] = {}
     largest: dict[str, tuple[float, str]] = {}
-    for each in planned.tests:
-        for note in dict.fromkeys(each.notes):
+    for test in planned.tests:
+        for note in dict.fromkeys(test.notes):
             reach = REACH.fullmatch(note)
             key = note if reach is None else f"{reach[1]} {reach[3]}"
             value = 0.0 if reach is None else float(reach[2])
             largest[key] = max(largest.get(key, (value, note)), (value, note))
-            about.setdefault(key, []).append(each.name)
+            about.setdefault(key, []).append(test.name)
     notes = [f"{_named(names, len(planned.tests))}: {_in_mm(largest[key][1])}" for key, names in about.items()]
     return [*planned.notes, *notes]
 
@@ -94,10 +93,7 @@ def _in_mm(note: str) -> str:
 
 def _named(names: list[str], count: int) -> str:
     names = list(dict.fromkeys(names))
-    if len(names) == count and count > 1:
-        return "every test"
-    more = len(names) - MAX_NAMED
-    return ", ".join(names[:MAX_NAMED]) + (f" and {more} more" if more > 0 else "")
+    return "every test" if len(names) == count and count > 1 else listing(names, MAX_NAMED)
 
 
 def _plan(data: Path, text: str, rig: str) -> Plan:

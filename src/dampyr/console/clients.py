@@ -63,8 +63,8 @@ class Clients:
     def silent(self) -> bool:
         """Forget who has said nothing for `SILENCE`; whether the holder of control was among them."""
         with self._lock:
-            late = [each for each, entry in self._clients.items() if self.clock() - entry.heard > SILENCE]
-            lost = [each for each in late if self._forget(each)]
+            late = [client for client, entry in self._clients.items() if self.clock() - entry.heard > SILENCE]
+            lost = [client for client in late if self._forget(client)]
             return bool(lost)
 
     def take(self, client: str) -> None:

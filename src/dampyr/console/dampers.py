@@ -38,10 +38,13 @@ def damper_of(data: Path, name: str) -> Damper:
             raise InputError(f"{name} has {size / 1024:.0f} KiB, a card has at most {MAX_CARD // 1024}; choose another")
         return Damper.load(path)
     if name not in studies.available_dampers():  # never a file of this name wherever the console was started
-        cards = safe_paths.files(data / CARDS, (".toml",))
-        names = [*(f"{CARDS}/{card}" for card in cards), *studies.available_dampers()]
-        raise InputError(f"{name!r} is no card and no published damper; choose from {', '.join(names)}")
+        names = ", ".join([*_cards(data), *studies.available_dampers()])
+        raise InputError(f"{name!r} is neither a card nor a published damper; choose from {names}")
     return studies.published_damper(name)
+
+
+def _cards(data: Path) -> list[str]:
+    return [f"{CARDS}/{name}" for name in safe_paths.files(data / CARDS, (".toml",))]
 
 
 def title_of(name: str) -> str:
@@ -52,7 +55,7 @@ def title_of(name: str) -> str:
 def dampers(data: Path) -> list[DamperLink]:
     """The cards first; what cannot be read is left out."""
     links = []
-    cards = [f"{CARDS}/{name}" for name in safe_paths.files(data / CARDS, (".toml",))]
+    cards = _cards(data)
     for name in [*cards, *studies.available_dampers()]:
         try:
             with warnings.catch_warnings():
@@ -69,4 +72,4 @@ def dampers(data: Path) -> list[DamperLink]:
 
 def list_dampers(data: Path) -> list[dict[str, Any]]:
     """`dampers` as plain values."""
-    return [each.model_dump() for each in dampers(data)]
+    return [link.model_dump() for link in dampers(data)]

@@ -69,8 +69,8 @@ class MinMaxBins:
         """The bins from ``number`` on that are still known, in units of the page, and the number of the next one."""
         with self._lock:
             first = max(number, self.count - len(self._ring), 0)
-            at = np.arange(first, self.count) % len(self._ring)
-            return self.count, self._ring[at] * _FACTOR
+            places = np.arange(first, self.count) % len(self._ring)
+            return self.count, self._ring[places] * _FACTOR
 
     def _begin(self, now: float) -> None:
         """A new run: what was held back is let go, and a gap stands before it."""
@@ -85,12 +85,12 @@ class MinMaxBins:
         """``bins`` is (4, bins, samples); the last bin is held back until the one after it gives its velocity."""
         time, x, force, voltage = bins
         low, high = force.argmin(axis=1), force.argmax(axis=1)
-        each = np.arange(len(low))
+        row = np.arange(len(low))
         first, second = np.minimum(low, high), np.maximum(low, high)
         rows = np.column_stack([
-            time[:, 0], x.min(axis=1), x.max(axis=1), force[each, low], force[each, high],
+            time[:, 0], x.min(axis=1), x.max(axis=1), force[row, low], force[row, high],
             voltage.min(axis=1), voltage.max(axis=1), np.full(len(low), temperature), np.zeros(len(low)),
-            x[each, first], force[each, first], x[each, second], force[each, second],
+            x[row, first], force[row, first], x[row, second], force[row, second],
         ])  # fmt: skip
         held, means = np.concatenate([self._held, rows]), np.concatenate([self._means, x.mean(axis=1)])
         if len(means) > 1:
@@ -101,8 +101,8 @@ class MinMaxBins:
 
     def _store(self, rows: Array) -> None:
         with self._lock:
-            at = np.arange(self.count, self.count + len(rows)) % len(self._ring)
-            self._ring[at] = rows
+            places = np.arange(self.count, self.count + len(rows)) % len(self._ring)
+            self._ring[places] = rows
             self.count += len(rows)
 
 

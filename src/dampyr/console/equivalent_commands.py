@@ -34,21 +34,6 @@ def _paths(keys: Iterable[str]) -> list[str]:
     return [key.removeprefix(f"{OWN}/") for key in keys]
 
 
-def _options(request: Any, **flags: str) -> list[str]:
-    """``--flag value`` for each field of ``request`` that is not as usual; ``flags`` field -> flag."""
-    words: list[str] = []
-    for field, flag in flags.items():
-        value = getattr(request, field)
-        if value == type(request).model_fields[field].default:
-            continue
-        if value is True:
-            words.append(flag)
-            continue
-        for each in value if isinstance(value, list) else [value]:
-            words += [flag, f"{each:g}" if isinstance(each, float) else "none" if each is None else str(each)]
-    return words
-
-
 def identify_command(request: IdentifyRequest) -> str:
     """As ``dampyr identify``."""
     model = ["--model", request.model] if request.model else []
@@ -83,7 +68,10 @@ def response_command(request: ResponseRequest) -> str:
     """As ``dampyr simulate``."""
     words = [*_damper(request.damper), *_structure(request.building), *_motion(request.motion)]
     words += command_words(request.options())
-    return _command("simulate", *words, note=_only_here(request))
+    motion = request.motion
+    synthetic = f"a synthetic motion of {motion.duration:g} s, seed {motion.seed}, for El Centro 1940"
+    notes = [_building(request.building), synthetic if motion.kind == "kanai_tajimi" else ""]
+    return _command("simulate", *words, note="; ".join(filter(None, notes)))
 
 
 def ensemble_command(request: EnsembleRequest) -> str:
@@ -97,7 +85,8 @@ def ensemble_command(request: EnsembleRequest) -> str:
 def _damper(request: DamperRequest) -> list[str]:
     inputs = [word for value in request.inputs for word in ("--voltage", f"{value:g}")]
     laws = [word for law in request.laws for word in ("--control", law)]
-    return [request.name, *inputs, *laws, *_options(request, storey="--storey")]
+    storey = ["--storey", str(request.storey)] if request.storey != 1 else []  # 1 as usual
+    return [request.name, *inputs, *laws, *storey]
 
 
 def _structure(request: BuildingRequest) -> Sequence[str]:
@@ -117,13 +106,6 @@ def _motions(request: MotionRequest, count: int) -> Sequence[str]:
         return _motion(request)
     pga = [] if request.pga is None else [f"--pga={request.pga:g}m/s^2"]
     return ["--synthetic", str(count), "--duration", f"{request.duration:g}", *pga]
-
-
-def _only_here(request: ResponseRequest) -> str:
-    motion = request.motion
-    synthetic = f"a synthetic motion of {motion.duration:g} s, seed {motion.seed}, for El Centro 1940"
-    notes = [_building(request.building), synthetic if motion.kind == "kanai_tajimi" else ""]
-    return "; ".join(note for note in notes if note)
 
 
 def _building(request: BuildingRequest) -> str:

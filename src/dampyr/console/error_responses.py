@@ -68,7 +68,7 @@ def _name_only(word: str) -> str:
 
 def first_of(problem: RequestValidationError) -> str:
     """The first thing that is wrong with a request, such as ``scale: Input should be greater than 0``."""
-    one = problem.errors()[0]
-    where = ".".join(str(part) for part in one["loc"] if part not in ("body", "query", "path"))
-    words = str(one["msg"]).removeprefix("Value error, ")  # of a check of ours, which names what it is of
-    return f"{where}: {words}" if where and words == one["msg"] else words
+    first = problem.errors()[0]
+    where = ".".join(str(part) for part in first["loc"] if part not in ("body", "query", "path"))
+    words = str(first["msg"]).removeprefix("Value error, ")  # of a check of ours, which names what it is of
+    return f"{where}: {words}" if where and words == first["msg"] else words

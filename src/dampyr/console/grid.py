@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.campaigns import Plan, campaign_of, plan, specimen
+from dampyr.campaigns import Plan, PlannedTest, campaign_of, plan, specimen
 from dampyr.campaigns.steps.earthquake import BUILT_IN
 from dampyr.config import parse_toml
 from dampyr.console.safe_paths import inside
@@ -80,10 +80,10 @@ def grid_of(text: str) -> Grid | None:
         return None
 
 
-def _values(given: Any, name: str) -> list[float]:
+def _values(stated: Any, name: str) -> list[float]:
     unit, factor, _ = UNITS[name]
-    listed = given if isinstance(given, list) else [given]
-    return [round_trip(parse(each, unit) * factor) for each in listed]
+    listed = stated if isinstance(stated, list) else [stated]
+    return [round_trip(parse(value, unit) * factor) for value in listed]
 
 
 def _quoted(text: str) -> str:
@@ -124,13 +124,13 @@ class Envelope:
 
 def envelope_of(campaign_plan: Plan) -> Envelope:
     """The envelope of a plan's rig, from below the slowest of its tests to above the fastest."""
-    moving = [place_of(each.peak_speed, each.peak_position)[0] for each in campaign_plan.tests if each.peak_speed > 0]
+    moving = [sine_frequency(test) for test in campaign_plan.tests if test.peak_speed > 0]
     low, high = (min(moving, default=0.1), max(moving, default=5.0))
     frequency = np.geomspace(0.5 * min(low, 0.2), 2.0 * max(high, 5.0), 120)
     limits = {f"{force:g}": (1e3 * largest_amplitude(campaign_plan.rig, frequency, force)).tolist() for force in FORCES}
     return Envelope(frequency.tolist(), limits)
 
 
-def place_of(speed: float, position: float) -> tuple[float, float]:
-    """Frequency [Hz] and amplitude [m] of the sine with a test's peak speed and farthest position."""
-    return (speed / (2 * np.pi * position) if position else 0.0), position
+def sine_frequency(test: PlannedTest) -> float:
+    """The frequency [Hz] of the sine with a test's peak speed and farthest position."""
+    return float(test.peak_speed / (2 * np.pi * test.peak_position)) if test.peak_position else 0.0

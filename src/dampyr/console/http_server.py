@@ -30,10 +30,29 @@ def serve(
 ) -> None:
     """Serve the console over the folder ``data`` until it is interrupted.
 
-    On an address that others can reach a token is asked for: the one given, or one made and told here, once. ``tell`` is called
-    with the address to open. Port 0 takes a free one. ``opener`` connects the bench's rig (`dampyr.console.application`).
+    Parameters
+    ----------
+    data
+        The folder of records, cards and campaigns, and where everything is written.
+    host
+        The address to listen on; by default only this machine reaches it.
+    port
+        The port to listen on; 0 takes a free one.
+    token
+        What a browser must present. On an address that others can reach one is made, and told once, where none is given.
+    browser
+        Whether the address is opened in a browser.
+    quota
+        Bytes that the data folder may hold before uploads are refused; by default 4 GiB.
+    tell
+        Called with the address to open.
+    opener
+        ``opener(data, name, simulate)`` connects the bench's rig, for rigs that a ``rig.toml`` cannot describe.
 
-    Raises InputError where the address cannot be had.
+    Raises
+    ------
+    InputError
+        Where the address cannot be had, or the token is shorter than 8 letters.
     """
     import uvicorn
 
@@ -47,7 +66,8 @@ def serve(
     listening = _listening(host, port)
     workers.preload()
     application = app(data, token, local, quota or QUOTA, opener=opener)
-    address = f"http://{_shown(host)}:{listening.getsockname()[1]}/" + (f"?token={token}" if token else "")
+    shown_host = socket.gethostname() if host in ("0.0.0.0", "::") else f"[{host}]" if ":" in host else host
+    address = f"http://{shown_host}:{listening.getsockname()[1]}/" + (f"?token={token}" if token else "")
     tell(address)
     if browser:
         Timer(0.5, webbrowser.open, (address,)).start()
@@ -80,9 +100,3 @@ def _listening(host: str, port: int) -> socket.socket:
         listener.close()
         raise InputError(f"{host}, port {port} cannot be had ({problem}); choose another --port or --host") from None
     return listener
-
-
-def _shown(host: str) -> str:
-    if host in ("0.0.0.0", "::"):
-        return socket.gethostname()
-    return f"[{host}]" if ":" in host else host

@@ -16,9 +16,10 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import IO, Any, Literal
+from typing import Any, Literal
 
 from dampyr import registry
 from dampyr.atomic_write import write_whole
@@ -74,7 +75,9 @@ class Jobs:
             place.mkdir()
             write_whole(place / "request.json", json.dumps({"kind": kind, "request": request}))
             self._keep(job)
-            self._forget_oldest()
+            ended = [other for other in self.all() if other.state in ENDED and other.id not in self._running]
+            for oldest in ended[MAX_ENDED:]:
+                self.remove(oldest.id)
             self._lock.notify()
         return job
 
@@ -131,7 +134,7 @@ class Jobs:
         with self._lock:
             self._closed = True
             running = list(self._running.values())
-            for job in [each for each in self._jobs.values() if each.state not in ENDED]:
+            for job in [job for job in self._jobs.values() if job.state not in ENDED]:
                 self._keep(replace(job, state="failed", reason=STOPPED, ended=time.time()))
             self._lock.notify_all()
         for process in running:
@@ -151,11 +154,6 @@ class Jobs:
         self._jobs[job.id] = job
         write_whole(self.folder / job.id / "job.json", json.dumps(asdict(job)))
 
-    def _forget_oldest(self) -> None:
-        ended = [job for job in self.all() if job.state in ENDED and job.id not in self._running]
-        for job in ended[MAX_ENDED:]:
-            self.remove(job.id)
-
     def _serve(self) -> None:
         while (job := self._next()) is not None:
             self._run(job)
@@ -165,7 +163,7 @@ class Jobs:
             while not self._closed:
                 waiting = [job for job in self._jobs.values() if job.state == "waiting"]
                 if waiting:
-                    job = replace(min(waiting, key=lambda each: each.made), state="running", stage="starting")
+                    job = replace(min(waiting, key=lambda job: job.made), state="running", stage="starting")
                     self._keep(job)
                     self._running[job.id] = _start(self.folder / job.id)
                     return job
@@ -228,7 +226,9 @@ def _start(place: Path) -> subprocess.Popen[str]:
 
 def _end(process: subprocess.Popen[str]) -> None:
     """Ask a job and what it started to end, then make it."""
-    _close(process.stdin)
+    if process.stdin is not None:
+        with suppress(OSError):
+            process.stdin.close()
     _signal(process, signal.SIGTERM)
     try:
         process.wait(GRACE)
@@ -236,21 +236,11 @@ def _end(process: subprocess.Popen[str]) -> None:
         _signal(process, getattr(signal, "SIGKILL", signal.SIGTERM))
 
 
-def _close(pipe: IO[str] | None) -> None:
-    if pipe is not None:
-        try:
-            pipe.close()
-        except OSError:
-            return
-
-
 def _signal(process: subprocess.Popen[str], what: int) -> None:
     if process.poll() is not None:
         return
     if os.name == "posix":
-        try:
+        with suppress(ProcessLookupError):
             os.killpg(process.pid, what)
-        except ProcessLookupError:
-            return
     else:
         process.terminate()

@@ -10,7 +10,7 @@ from pydantic import BaseModel, Field
 
 from dampyr.console.job_processes import Job, State
 from dampyr.console.page_words import in_page_words
-from dampyr.console.state import Here
+from dampyr.console.state import CurrentApp
 
 Id = Annotated[str, InPath(pattern="^[0-9a-f]{16}$")]
 
@@ -44,26 +44,26 @@ def as_job_state(job: Job) -> JobState:
 
 
 @router.get("/jobs")
-def list_jobs(here: Here) -> list[JobState]:
+def list_jobs(app: CurrentApp) -> list[JobState]:
     """Every stored job, the latest first."""
-    return [as_job_state(job) for job in here.jobs.all()]
+    return [as_job_state(job) for job in app.jobs.all()]
 
 
 @router.get("/jobs/{id}")
-def read_job(id: Id, here: Here) -> JobInFull:
+def read_job(id: Id, app: CurrentApp) -> JobInFull:
     """One job: its state, its request, and its result once it is done."""
-    job = here.jobs.job(id)
-    result = here.jobs.result(id) if job.state == "done" else None
-    return JobInFull(**vars(as_job_state(job)), request=here.jobs.request(id), result=result)
+    job = app.jobs.job(id)
+    result = app.jobs.result(id) if job.state == "done" else None
+    return JobInFull(**vars(as_job_state(job)), request=app.jobs.request(id), result=result)
 
 
 @router.post("/jobs/{id}/cancel")
-def cancel_job(id: Id, here: Here) -> JobState:
+def cancel_job(id: Id, app: CurrentApp) -> JobState:
     """End a job that waits or runs."""
-    return as_job_state(here.jobs.cancel(id))
+    return as_job_state(app.jobs.cancel(id))
 
 
 @router.delete("/jobs/{id}", status_code=204)
-def remove_job(id: Id, here: Here) -> None:
+def remove_job(id: Id, app: CurrentApp) -> None:
     """Forget a job that has ended, with its files."""
-    here.jobs.remove(id)
+    app.jobs.remove(id)

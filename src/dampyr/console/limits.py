@@ -8,9 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 MIB = 2**20  # bytes
-UNATTENDED = (
-    600  # s of the processor: whoever waits ends it sooner, by the wall clock, unless the console is stopped itself
-)
+UNATTENDED = 600  # s of the processor
+"""Whoever waits ends it sooner, by the wall clock, unless the console is stopped itself."""
 TOO_LONG = "it takes more than the {seconds:g} s that a request may take; {repair}"
 TOO_MUCH = "it takes more memory than the {memory:.0f} MiB that a request may take; {repair}"
 

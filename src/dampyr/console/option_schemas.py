@@ -38,21 +38,17 @@ def request_of(
     ``usual`` values stand in the place of those of ``cls``, and ``highest`` ones limit what a server computes.
     """
     defaults, limits = usual or {}, highest or {}
-    fields = {
-        option.name: (
-            _type(option, limits.get(option.name, math.inf)),
-            Field(default=_plain(defaults.get(option.name, option.default)), description=_description(option)),
-        )
-        for option in options_of(cls)
-        if option.name not in leave_out
-    }
-    made = create_model(f"{cls.__name__}Request", __base__=OptionsRequest, **fields)  # type: ignore[call-overload]
-    made.OPTIONS, made.LEFT_OUT = cls, leave_out
-    return made
-
-
-def _plain(default: Any) -> Any:
-    return list(default) if isinstance(default, tuple) else default
+    fields = {}
+    for option in options_of(cls):
+        if option.name not in leave_out:
+            default = defaults.get(option.name, option.default)
+            default = list(default) if isinstance(default, tuple) else default
+            words = f"{option.words}: {option.values(si=True)}."
+            kind = _type(option, limits.get(option.name, math.inf))
+            fields[option.name] = (kind, Field(default=default, description=words))
+    request = create_model(f"{cls.__name__}Request", __base__=OptionsRequest, **fields)  # type: ignore[call-overload]
+    request.OPTIONS, request.LEFT_OUT = cls, leave_out
+    return request
 
 
 def _number(option: Option, value: Any) -> Any:
@@ -79,10 +75,6 @@ def _type(option: Option, limit: float = math.inf) -> Any:
         pairs = Annotated[dict[str, single], Field(max_length=MAX_ITEMS)]
         single = single | pairs if option.for_all else pairs
     return single | None if option.optional else single
-
-
-def _description(option: Option) -> str:
-    return f"{option.words}: {option.values(si=True)}."
 
 
 def form_of(

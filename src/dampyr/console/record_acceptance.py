@@ -19,7 +19,7 @@ from dampyr.console.equivalent_commands import accept_command
 from dampyr.console.limits import READING
 from dampyr.console.option_schemas import form_of, request_of
 from dampyr.console.page_words import in_page_words
-from dampyr.console.state import Here
+from dampyr.console.state import CurrentApp
 from dampyr.identification import Acceptance, AcceptancePoint, Accepted, AcceptOptions, accept
 from dampyr.identification.acceptance_tests.acceptance import QUANTITIES
 from dampyr.models import Damper
@@ -140,9 +140,9 @@ class Judgement(BaseModel):
 
 
 @router.get("/references")
-async def list_references(here: Here, request: Request) -> list[DamperLink]:
+async def list_references(app: CurrentApp, request: Request) -> list[DamperLink]:
     """Dampers that records can be judged by; every record can be a reference, too."""
-    return [DamperLink(**each) for each in await here.workers.run(request, READING, list_dampers, here.data)]
+    return [DamperLink(**link) for link in await app.workers.run(request, READING, list_dampers, app.data)]
 
 
 @router.get("/acceptance/options")
@@ -152,17 +152,17 @@ def list_options() -> list[dict[str, Any]]:
 
 
 @router.get("/acceptance")
-async def judge(here: Here, request: Request, query: Annotated[AcceptanceRequest, Query()]) -> Judgement:
+async def judge(app: CurrentApp, request: Request, query: Annotated[AcceptanceRequest, Query()]) -> Judgement:
     """Judge every whole cycle of every level of records by a reference; see `dampyr.identification.accept`."""
-    return Judgement(**await here.workers.run(request, READING, judgement_of, here.data, query))
+    return Judgement(**await app.workers.run(request, READING, judgement_of, app.data, query))
 
 
 @router.get("/acceptance/page", response_class=Response, responses={200: {"content": {"text/html": {}}}})
-async def give_page(here: Here, request: Request, query: Annotated[AcceptanceRequest, Query()]) -> Response:
+async def give_page(app: CurrentApp, request: Request, query: Annotated[AcceptanceRequest, Query()]) -> Response:
     """The page as `dampyr accept --report` writes it, as a file to keep."""
-    html = await here.workers.run(request, READING, page_of, here.data, query)
-    said = {"content-disposition": 'attachment; filename="acceptance.html"'}
-    return Response(html, media_type="text/html", headers=said)
+    html = await app.workers.run(request, READING, page_of, app.data, query)
+    headers = {"content-disposition": 'attachment; filename="acceptance.html"'}
+    return Response(html, media_type="text/html", headers=headers)
 
 
 def judgement_of(data: Path, query: AcceptanceRequest) -> dict[str, Any]:
@@ -171,12 +171,12 @@ def judgement_of(data: Path, query: AcceptanceRequest) -> dict[str, Any]:
     keys = dict.fromkeys(query.key)
 
     def summaries(results: Sequence[Acceptance]) -> list[dict[str, Any]]:
-        return [_summarise(key, one).model_dump() for key, one in zip(keys, results, strict=True)]
+        return [_summarise(key, acceptance).model_dump() for key, acceptance in zip(keys, results, strict=True)]
 
     return {
         "records": summaries(accepted.results),
         "relevelled": summaries(accepted.relevelled) if accepted.relevelled else [],
-        "bands": [each.model_dump() for each in _bands(accepted.results)],
+        "bands": [acceptance_band.model_dump() for acceptance_band in _bands(accepted.results)],
         "notes": [in_page_words(finding.sentence) for finding in accepted.findings],
         "data": plain(accepted.as_dict()),
     }
@@ -196,7 +196,7 @@ def _judged(data: Path, query: AcceptanceRequest) -> Accepted:
         reference: Damper | list[Record] = damper_of(data, query.reference[0])
     else:
         reference = record_sources.read_all(data, query.reference)
-    name = ", ".join(_shown(each) for each in query.reference)
+    name = ", ".join(_shown(reference_name) for reference_name in query.reference)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         return accept(chosen, reference, query.options(), name)
@@ -211,45 +211,45 @@ def _shown(name: str) -> str:
     return Path(name).stem if "/" in name else name
 
 
-def _summarise(key: str, one: Acceptance) -> RecordVerdict:
+def _summarise(key: str, acceptance: Acceptance) -> RecordVerdict:
     return RecordVerdict(
         key=key,
-        name=one.record,
-        input=one.input,
-        input_value=one.input_value,
-        verdict=one.verdict,
-        count=len(one.points),
-        judged=len(one.judged),
-        run=one.run,
-        cut=one.cut,
-        judged_cycles=one.judged_cycles,
-        stroke_m=one.stroke_m,
-        judged_stroke_m=one.judged_stroke_m,
-        wrong_rejection=one.wrong_rejection,
-        wrong_acceptance=one.wrong_acceptance,
-        level=_finite(one.level),
+        name=acceptance.record,
+        input=acceptance.input,
+        input_value=acceptance.input_value,
+        verdict=acceptance.verdict,
+        count=len(acceptance.points),
+        judged=len(acceptance.judged),
+        run=acceptance.run,
+        cut=acceptance.cut,
+        judged_cycles=acceptance.judged_cycles,
+        stroke_m=acceptance.stroke_m,
+        judged_stroke_m=acceptance.judged_stroke_m,
+        wrong_rejection=acceptance.wrong_rejection,
+        wrong_acceptance=acceptance.wrong_acceptance,
+        level=_finite(acceptance.level),
         levels=[
             LevelJudged(
-                number=each.number,
-                stroke_m=each.stroke_m,
-                frequency_hz=each.frequency_hz,
-                cycles=each.cycles,
-                judged=each.judged,
-                outside=each in one.levels_outside,
-                deviation=dict(each.deviation),
+                number=level.number,
+                stroke_m=level.stroke_m,
+                frequency_hz=level.frequency_hz,
+                cycles=level.cycles,
+                judged=level.judged,
+                outside=level in acceptance.levels_outside,
+                deviation=dict(level.deviation),
             )
-            for each in one.levels
+            for level in acceptance.levels
         ],
-        outside_count=len(one.outside),
-        reason=one.reason,
-        reasons=one.unjudged,
-        worst=_one(one.worst) if one.worst else None,
-        outside=[_one(p) for p in one.outside[:MAX_OUTSIDE]],
-        points=[_points(q, [p for p in one.points if p.quantity == q]) for q in one.quantities],
+        outside_count=len(acceptance.outside),
+        reason=acceptance.reason,
+        reasons=acceptance.unjudged,
+        worst=_point(acceptance.worst) if acceptance.worst else None,
+        outside=[_point(p) for p in acceptance.outside[:MAX_OUTSIDE]],
+        points=[_points(q, [p for p in acceptance.points if p.quantity == q]) for q in acceptance.quantities],
     )
 
 
-def _one(p: AcceptancePoint) -> OnePoint:
+def _point(p: AcceptancePoint) -> OnePoint:
     return OnePoint(
         cycle=p.cycle, quantity=p.quantity, speed=p.speed, measured=p.measured, low=p.low, high=p.high,
         deviation=_finite(p.deviation),
@@ -273,23 +273,21 @@ def _points(quantity: str, points: Sequence[AcceptancePoint]) -> Points:
 
 def _bands(acceptances: Sequence[Acceptance]) -> list[AcceptanceBand]:
     groups: dict[tuple[str | None, float | None], list[Acceptance]] = {}
-    for one in acceptances:
-        groups.setdefault((one.input, one.input_value), []).append(one)
-    made = []
-    for (unit, value), some in sorted(
-        groups.items(), key=lambda group: math.inf if group[0][1] is None else group[0][1]
-    ):
+    for acceptance in acceptances:
+        groups.setdefault((acceptance.input, acceptance.input_value), []).append(acceptance)
+    bands = []
+    for (unit, value), group in sorted(groups.items(), key=lambda item: math.inf if item[0][1] is None else item[0][1]):
         for quantity in QUANTITIES[:2]:
-            rows = band(some, quantity)
+            rows = band(group, quantity)
             if rows:
                 speed, expected, low, high = map(list, zip(*rows, strict=True))
-                made.append(
+                bands.append(
                     AcceptanceBand(
                         input=unit, input_value=value, quantity=quantity,
                         speed=speed, expected=expected, low=low, high=high,
                     )
                 )  # fmt: skip
-    return made
+    return bands
 
 
 def _finite(value: float | None) -> float | None:

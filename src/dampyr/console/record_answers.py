@@ -34,7 +34,7 @@ def describe_all(keys: list[str], data: Path) -> Iterator[dict[str, Any]]:
 
 
 def _another_kind(data: Path, key: str) -> str:
-    """What a file that is no record is, where that is known: a ground motion that does not lie in the folder of motions."""
+    """What a file that is not a record is, where that is known: a ground motion that does not lie in the folder of motions."""
     with suppress(DampyrError, OSError):
         path = record_sources.place(data, key)
         if path.suffix.lower() in MOTION_SUFFIXES:
@@ -76,12 +76,12 @@ def curves_of(data: Path, key: str) -> dict[str, Any]:
         "force_velocity": curves.line(v, f, 2 * curves.POINTS),
         "spectrum": curves.line(*records.spectrum(record, "force")),
     }
-    return {"name": record.name, **{name: each.model_dump() for name, each in lines.items()}}
+    return {"name": record.name, **{name: line.model_dump() for name, line in lines.items()}}
 
 
 def cycles_of(data: Path, key: str) -> list[Any]:
     """Every whole cycle of one record, SI."""
-    return [plain(one) for one in records.cycle_table(record_sources.read(data, key))]
+    return [plain(cycle) for cycle in records.cycle_table(record_sources.read(data, key))]
 
 
 def export_record(data: Path, key: str, path: Path) -> str:

@@ -31,9 +31,9 @@ class RecordList:
         self, workers: Workers, request: Request | None, data: Path, keys: list[str]
     ) -> dict[str, dict[str, Any]]:
         """Key -> ``about`` or ``problem``, of the files that are meant as records."""
-        stamps = {key: each for key in keys if (each := _stamp(data, key)) is not None}
+        stamps = {key: stamp for key in keys if (stamp := _stamp(data, key)) is not None}
         with self._lock:
-            described = {key: self._stored[one] for key, one in stamps.items() if one in self._stored}
+            described = {key: self._stored[stamp] for key, stamp in stamps.items() if stamp in self._stored}
         new = [key for key in stamps if key not in described]
         for key, answer in zip(
             new, await workers.each(request, LISTING, describe_all, new, data) if new else (), strict=True
@@ -42,14 +42,11 @@ class RecordList:
             if "problem" in entry:
                 entry = {"problem": in_page_words(without_places(entry["problem"], data))[:MAX_SENTENCE]}
             described[key] = entry
-            self._store(stamps[key], entry)
+            with self._lock:
+                self._stored[stamps[key]] = entry
+                while len(self._stored) > MAX_STORED:
+                    self._stored.popitem(last=False)
         return {key: described[key] for key in keys if described.get(key)}
-
-    def _store(self, stamp: tuple[Any, ...], entry: dict[str, Any]) -> None:
-        with self._lock:
-            self._stored[stamp] = entry
-            while len(self._stored) > MAX_STORED:
-                self._stored.popitem(last=False)
 
 
 def _stamp(data: Path, key: str) -> tuple[Any, ...] | None:

@@ -49,27 +49,25 @@ def sources(data: Path) -> list[RecordFolder]:
 
 def source(data: Path, name: str) -> RecordFolder:
     """The source of this name, or MissingData."""
-    for one in sources(data):
-        if one.name == name:
-            return one
-    raise MissingData(
-        f"{name[:40]!r} is not a source of records here; choose from {', '.join(s.name for s in sources(data))}"
-    )
+    by_name = {folder.name: folder for folder in sources(data)}
+    if name not in by_name:
+        raise MissingData(f"{name[:40]!r} is not a source of records here; choose from {', '.join(by_name)}")
+    return by_name[name]
 
 
-def keys(of: RecordFolder) -> list[str]:
+def keys(source: RecordFolder) -> list[str]:
     """The keys of the files of a source that may be records, such as ``data/lab/test 1.csv``; none is opened here."""
-    names = sorted(safe_paths.files(of.folder, SUFFIXES), key=_order)
+    names = sorted(safe_paths.files(source.folder, SUFFIXES), key=_order)
     return [
-        f"{of.name}/{name}"
+        f"{source.name}/{name}"
         for name in names
-        if Path(name).name != TABLE and not (of.name == OWN and name.startswith(NOT_RECORDS))
+        if Path(name).name != TABLE and not (source.name == OWN and name.startswith(NOT_RECORDS))
     ]
 
 
-def left_out(of: RecordFolder) -> dict[str, str]:
+def left_out(source: RecordFolder) -> dict[str, str]:
     """The keys of what is left out because of its name or as a link, with the reason."""
-    return {f"{of.name}/{name}": why for name, why in safe_paths.left_out(of.folder, SUFFIXES).items()}
+    return {f"{source.name}/{name}": why for name, why in safe_paths.left_out(source.folder, SUFFIXES).items()}
 
 
 def superseded(described: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
@@ -80,13 +78,13 @@ def superseded(described: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
     best: dict[tuple[str, str], tuple[int, str]] = {}
     reasons, tries = {}, {}
     for key, about in described.items():
-        said = about["provenance"]
-        if said.get("complete") == "no":
+        provenance = about["provenance"]
+        if provenance.get("complete") == "no":
             reasons[key] = "interrupted: its recording was not completed"
-        elif "test" in said:
-            place_of_test = (key.rpartition("/")[0], said["test"])
+        elif "test" in provenance:
+            place_of_test = (key.rpartition("/")[0], provenance["test"])
             tries[key] = place_of_test
-            best[place_of_test] = max(best.get(place_of_test, (0, "")), (int(said.get("try", "1")), key))
+            best[place_of_test] = max(best.get(place_of_test, (0, "")), (int(provenance.get("try", "1")), key))
     for key, place_of_test in tries.items():
         attempt, last = best[place_of_test]
         if key != last:
@@ -130,8 +128,8 @@ def read(data: Path, key: str) -> Record:
 def stamp(data: Path, key: str) -> tuple[Any, ...]:
     """Changes where the record of a key may read otherwise: its file, and what stands beside it."""
     path = place(data, key)
-    own = path.stat()
-    return (own.st_mtime_ns, own.st_size, _stamp(path.parent / TABLE), _stamp(path.parent / "reading.toml"))
+    status = path.stat()
+    return (status.st_mtime_ns, status.st_size, _stamp(path.parent / TABLE), _stamp(path.parent / "reading.toml"))
 
 
 def read_all(data: Path, chosen: list[str]) -> list[Record]:

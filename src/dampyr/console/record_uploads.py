@@ -22,7 +22,7 @@ from dampyr.console.limits import READING
 from dampyr.console.option_schemas import form_of, request_of
 from dampyr.console.record_formats import PLAIN_TEXT, SUFFIXES
 from dampyr.console.security import MAX_UPLOAD
-from dampyr.console.state import AppState, Here
+from dampyr.console.state import AppState, CurrentApp
 from dampyr.errors import FileError, InputError
 from dampyr.records import ReadOptions
 from dampyr.records.files.column_table import guess_channels
@@ -113,18 +113,18 @@ def list_options() -> list[dict[str, Any]]:
 
 
 @router.put("/uploads/{name}", status_code=201, openapi_extra=BODY)
-async def take(here: Here, request: Request, name: Name, query: Annotated[UploadRequest, Query()]) -> Taken:
+async def take(app: CurrentApp, request: Request, name: Name, query: Annotated[UploadRequest, Query()]) -> Taken:
     """Upload a record: it is read in a process with limits and saved as an .h5 file in the folder ``uploads``."""
-    said = query.options(units=_pairs(query.unit), columns=_pairs(query.column))
+    options = query.options(units=_pairs(query.unit), columns=_pairs(query.column))
     stored = _name_of_upload(name)
-    target = safe_paths.inside(here.data, f"{UPLOADS}/{Path(stored).stem}.h5")
+    target = safe_paths.inside(app.data, f"{UPLOADS}/{Path(stored).stem}.h5")
     if target.exists():
         raise HTTPException(409, f"there is a record {target.stem!r} already; rename the file, and upload it again")
-    async with _incoming(here.data) as folder:
-        await _receive(request, folder / stored, here.data, here.quota)
-        made = folder / "read.h5"
-        taken = await here.uploads.run(
-            request, READING, record_answers.take_upload, folder / stored, made, said, ticket=query.ticket
+    async with _incoming(app.data) as folder:
+        await _receive(request, folder / stored, app.data, app.quota)
+        written = folder / "read.h5"
+        taken = await app.uploads.run(
+            request, READING, record_answers.take_upload, folder / stored, written, options, ticket=query.ticket
         )
         target.parent.mkdir(exist_ok=True)
         with safe_paths.ALONE:
@@ -132,15 +132,15 @@ async def take(here: Here, request: Request, name: Name, query: Annotated[Upload
                 raise HTTPException(
                     409, f"a record {target.stem!r} came in meanwhile; rename the file, and upload it again"
                 )
-            made.replace(target)
+            written.replace(target)
     notices = [f"{name!r} is stored as {target.stem!r}, a name that every system allows"] if stored != name else []
-    notices += [each for each in taken["history"] if each.startswith("read as ")]
+    notices += [note for note in taken["history"] if note.startswith("read as ")]
     return Taken(key=_key(target), notices=notices)
 
 
 @router.put("/preview/{name}", openapi_extra=BODY)
 async def preview(
-    here: Here,
+    app: CurrentApp,
     request: Request,
     name: Name,
     header: Annotated[int | None, Query(ge=0, le=10**6, description="Line of the names, from 1; 0: none.")] = None,
@@ -150,59 +150,59 @@ async def preview(
     stored = _name_of_upload(name)
     if Path(stored).suffix.lower() not in PLAIN_TEXT:
         return Preview(problem="the file names its channels itself")
-    async with _incoming(here.data) as folder:
-        await _receive(request, folder / stored, here.data, here.quota)
-        shown = await here.workers.run(request, READING, columns_of, folder / stored, header, part)
+    async with _incoming(app.data) as folder:
+        await _receive(request, folder / stored, app.data, app.quota)
+        shown = await app.workers.run(request, READING, columns_of, folder / stored, header, part)
     return Preview(**shown)
 
 
 @router.get("/queue")
-def read_queue(here: Here, ticket: Annotated[str, Query(min_length=1, max_length=40)]) -> Place:
+def read_queue(app: CurrentApp, ticket: Annotated[str, Query(min_length=1, max_length=40)]) -> Place:
     """How many uploads are read before that with this ticket."""
-    return Place(position=here.uploads.position(ticket))
+    return Place(position=app.uploads.position(ticket))
 
 
 @router.post("/edit")
-async def edit(here: Here, request: Request, given: Edit) -> Taken:
+async def edit(app: CurrentApp, request: Request, body: Edit) -> Taken:
     """Write an upload anew with what is said of it; the file as it came stays in the console's own folder."""
-    path = _upload(here, given.key)
-    changes = given.model_dump(exclude={"key"}, exclude_none=True)
+    path = _upload(app, body.key)
+    changes = body.model_dump(exclude={"key"}, exclude_none=True)
     if not changes:
         raise InputError("nothing is changed; enter what is known of the record")
-    safe_paths.check_quota(here.data, path.stat().st_size, here.quota)
-    async with _incoming(here.data) as folder:
-        made = folder / "read.h5"
-        await here.uploads.run(request, READING, edited, path, made, changes, time.strftime("%Y-%m-%d %H:%M"))
+    safe_paths.check_quota(app.data, path.stat().st_size, app.quota)
+    async with _incoming(app.data) as folder:
+        written = folder / "read.h5"
+        await app.uploads.run(request, READING, edited, path, written, changes, time.strftime("%Y-%m-%d %H:%M"))
         with safe_paths.ALONE:
-            _keep_original(here, path)
-            made.replace(path)
-    return Taken(key=given.key)
+            _keep_original(app, path)
+            written.replace(path)
+    return Taken(key=body.key)
 
 
 @router.post("/rename")
-def rename(here: Here, given: RecordRename) -> Taken:
+def rename(app: CurrentApp, body: RecordRename) -> Taken:
     """Give an upload another name; its note goes with it."""
-    path = _upload(here, given.key)
-    if not safe_paths.is_new_name(given.name):
-        raise InputError(f"{given.name!r} is not a file name; use letters, digits, space and .()+@=-_")
-    target = path.with_name(f"{given.name}{path.suffix}")
+    path = _upload(app, body.key)
+    if not safe_paths.is_new_name(body.name):
+        raise InputError(f"{body.name!r} is not a file name; use letters, digits, space and .()+@=-_")
+    target = path.with_name(f"{body.name}{path.suffix}")
     with safe_paths.ALONE:
         if target.exists():
-            raise HTTPException(409, f"there is a record {given.name!r} already; choose another name")
+            raise HTTPException(409, f"there is a record {body.name!r} already; choose another name")
         path.rename(target)
         with suppress(FileNotFoundError):
-            _original(here, path).rename(_original(here, target))
-        record_notes.move_note(here.data, given.key, _key(target))
+            _original(app, path).rename(_original(app, target))
+        record_notes.move_note(app.data, body.key, _key(target))
     return Taken(key=_key(target))
 
 
 @router.delete("/uploads/{name}", status_code=204)
-def remove(here: Here, name: Annotated[str, InPath(max_length=260)]) -> None:
+def remove(app: CurrentApp, name: Annotated[str, InPath(max_length=260)]) -> None:
     """Delete a record that was uploaded, with its note."""
-    path = safe_paths.existing(here.data, f"{UPLOADS}/{name}")
+    path = safe_paths.existing(app.data, f"{UPLOADS}/{name}")
     path.unlink()
-    _original(here, path).unlink(missing_ok=True)
-    record_notes.write_note(here.data, _key(path), "")
+    _original(app, path).unlink(missing_ok=True)
+    record_notes.write_note(app.data, _key(path), "")
 
 
 def columns_of(path: Path, header: int | None, part: bool) -> dict[str, Any]:
@@ -262,25 +262,25 @@ def _name_of_upload(name: str) -> str:
     return stored
 
 
-def _upload(here: AppState, key: str) -> Path:
+def _upload(app: AppState, key: str) -> Path:
     """The file of a record that was uploaded; the others are not changed here."""
     prefix = f"{record_sources.OWN}/{UPLOADS}/"
     if not key.startswith(prefix) or "/" in key.removeprefix(prefix):
         raise InputError("only records that were uploaded can be changed; those of a run stay as they were recorded")
-    return safe_paths.existing(here.data, f"{UPLOADS}/{key.removeprefix(prefix)}")
+    return safe_paths.existing(app.data, f"{UPLOADS}/{key.removeprefix(prefix)}")
 
 
 def _key(path: Path) -> str:
     return f"{record_sources.OWN}/{UPLOADS}/{path.name}"
 
 
-def _original(here: AppState, path: Path) -> Path:
-    return here.data / ORIGINALS / path.name
+def _original(app: AppState, path: Path) -> Path:
+    return app.data / ORIGINALS / path.name
 
 
-def _keep_original(here: AppState, path: Path) -> None:
+def _keep_original(app: AppState, path: Path) -> None:
     """Link the file as it came under its name in the console's own folder, where it is the first."""
-    original = _original(here, path)
+    original = _original(app, path)
     if original.exists():
         return
     original.parent.mkdir(exist_ok=True)
@@ -290,11 +290,11 @@ def _keep_original(here: AppState, path: Path) -> None:
         shutil.copyfile(path, original)
 
 
-def _pairs(given: list[str]) -> dict[str, str]:
-    for pair in given:
+def _pairs(texts: list[str]) -> dict[str, str]:
+    for pair in texts:
         if "=" not in pair or len(pair) > 120:
             raise InputError(f"{pair[:60]!r} is not a pair; write it as in displacement=mm")
-    return dict(pair.split("=", 1) for pair in given)
+    return dict(pair.split("=", 1) for pair in texts)
 
 
 @asynccontextmanager

@@ -106,13 +106,13 @@ class Rules:
         client = scope.get("client")
         if scope["path"] in self.open_here and client and is_loopback(client[0]):
             return True
-        given = headers.get("authorization", "").removeprefix("Bearer ") or _cookie(headers.get("cookie", ""))
-        return same(given, self.token)
+        presented = headers.get("authorization", "").removeprefix("Bearer ") or _cookie(headers.get("cookie", ""))
+        return same(presented, self.token)
 
 
-def same(given: str, token: str) -> bool:
+def same(presented: str, token: str) -> bool:
     """Whether two tokens are the same, in a time that does not tell how much of them is."""
-    return hmac.compare_digest(given.encode(), token.encode())
+    return hmac.compare_digest(presented.encode(), token.encode())
 
 
 @dataclass
@@ -130,12 +130,12 @@ class Brake:
         wrong, last = self._wrong.get(address, ((), 0.0))
         return max(0.0, last + PAUSE - self.clock()) if len(wrong) >= ALLOWED else 0.0
 
-    def count(self, address: str, given: str, right: bool) -> None:
+    def count(self, address: str, presented: str, right: bool) -> None:
         """A token was looked at."""
         wrong, last = self._wrong.pop(address, ((), 0.0))
         if not right:
-            new = hash(given) not in wrong
-            latest = (*wrong, hash(given))[-ALLOWED:] if new else wrong
+            new = hash(presented) not in wrong
+            latest = (*wrong, hash(presented))[-ALLOWED:] if new else wrong
             self._wrong[address] = (latest, self.clock() if new else last)
         while len(self._wrong) > MAX_ADDRESSES:
             self._wrong.popitem(last=False)
@@ -169,14 +169,14 @@ class Guard:
 
     def _braked(self, scope: Scope) -> Response | None:
         """The answer to an address that has sent wrong tokens again and again: none of its tokens is looked at for a while."""
-        token, given = self.rules.token, _given(scope)
+        token, presented = self.rules.token, _presented(scope)
         address = (scope.get("client") or ("",))[0]
-        if token is None or not given or scope["path"] in self.rules.open_here:
+        if token is None or not presented or scope["path"] in self.rules.open_here:
             return None
         if (seconds := self.brake.wait(address)) > 0.0:
             words = f"too many wrong tokens came from this address; wait {seconds:.0f} s, and try again"
             return JSONResponse({"detail": words}, 429, {"retry-after": f"{seconds:.0f}"})
-        self.brake.count(address, given, same(given, token))
+        self.brake.count(address, presented, same(presented, token))
         return None
 
     def _entered(self, scope: Scope) -> Response | None:
@@ -184,9 +184,8 @@ class Guard:
         token = self.rules.token
         if token is None or scope["type"] != "http" or scope["path"] != "/" or scope["method"] != "GET":
             return None
-        given = parse_qs(scope.get("query_string", b"").decode("latin-1")).get("token", [""])[0]
         bare = Rules(None, self.rules.loopback_only)
-        if not same(given, token) or bare.refusal(scope) is not None:
+        if not same(_presented(scope), token) or bare.refusal(scope) is not None:
             return None
         answer = RedirectResponse("/", 303)
         answer.set_cookie(COOKIE, token, httponly=True, samesite="strict")
@@ -283,7 +282,7 @@ def _is_address(name: str) -> bool:
     return True
 
 
-def _given(scope: Scope) -> str:
+def _presented(scope: Scope) -> str:
     """The token that a request brings, wherever it stands; "" where it brings none."""
     if scope["path"] == "/":
         return parse_qs(scope.get("query_string", b"").decode("latin-1")).get("token", [""])[0]

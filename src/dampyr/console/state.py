@@ -43,8 +43,8 @@ def get_app_state(connection: HTTPConnection) -> AppState:
     return app_state
 
 
-Here = Annotated[AppState, Depends(get_app_state)]
-"""Such as ``def list_cards(here: Here)``; serves requests and WebSockets."""
+CurrentApp = Annotated[AppState, Depends(get_app_state)]
+"""Such as ``def list_cards(app: CurrentApp)``; serves requests and WebSockets."""
 
 
 class ErrorAnswer(BaseModel):

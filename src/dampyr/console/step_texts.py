@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 from dampyr import registry
 from dampyr.campaigns.kinds import REGISTRY, kind
-from dampyr.config import origin, split
+from dampyr.config import is_required, origin, split
 
 SHOWN = {"m": (1e3, "mm"), "m/s": (1e3, "mm/s")}
 TYPES = {str: "text", bool: "yes", int: "whole"}
@@ -69,7 +69,7 @@ def step_fields(name: str) -> list[StepField]:
     hints = get_type_hints(cls, include_extras=True)
     required = {field.name for field in _required(cls)}
     shown = []
-    for field in sorted(fields(cls), key=lambda one: one.name not in required):
+    for field in sorted(fields(cls), key=lambda field: field.name not in required):
         if not field.init or field.name == "contents":
             continue
         plain, quantity = split(hints[field.name])
@@ -96,7 +96,7 @@ def step_fields(name: str) -> list[StepField]:
 def _value(field: Field[Any], factor: float) -> str:
     value = field.default_factory() if field.default_factory is not MISSING else field.default
     listed = value if isinstance(value, tuple) else (value,)
-    return "; ".join(_typed(each, factor) for each in listed if each is not None)
+    return "; ".join(_typed(item, factor) for item in listed if item is not None)
 
 
 def _typed(value: Any, factor: float) -> str:
@@ -112,7 +112,7 @@ def _example_shown(plain: Any, unit: str, count: int) -> str:
 
 
 def _required(cls: Any) -> list[Field[Any]]:
-    return [field for field in fields(cls) if field.default is MISSING and field.default_factory is MISSING]
+    return [field for field in fields(cls) if is_required(field)]
 
 
 def _example(plain: Any, unit: str, count: int) -> str:

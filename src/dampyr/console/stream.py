@@ -122,7 +122,7 @@ class Stream:
 
 
 def _object(message: Mapping[str, Any]) -> dict[str, Any]:
-    """What a page said; empty where it is no object."""
+    """What a page said; empty where it is not an object."""
     if message["type"] == "websocket.disconnect":
         raise WebSocketDisconnect(message.get("code", 1006))
     try:
@@ -133,7 +133,7 @@ def _object(message: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _speed(value: Any) -> float:
-    """m/s; what is no number is 0: the table stops."""
+    """m/s; what is not a number is 0: the table stops."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return 0.0
     try:

@@ -74,7 +74,7 @@ def run(folder: Path) -> int:
     except Exception:
         traceback.print_exc()
         return 1
-    messages = dict.fromkeys(str(each.message) for each in caught if issubclass(each.category, DampyrWarning))
+    messages = dict.fromkeys(str(warning.message) for warning in caught if issubclass(warning.category, DampyrWarning))
     write_whole(folder / "result.json", json.dumps(plain(result | {"warnings": list(messages)})))
     return 0
 

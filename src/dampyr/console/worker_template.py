@@ -66,7 +66,9 @@ def answer(reading: BinaryIO, writing: BinaryIO) -> None:
                 result = None
             say(result=result)
     except DampyrError as problem:
-        say(refused=_capped(str(problem)), missing=isinstance(problem, MissingData))
+        text = str(problem)
+        sentence = text if len(text) <= MAX_REASON else f"{text[: MAX_REASON - 2]} …"
+        say(refused=sentence, missing=isinstance(problem, MissingData))
     except (MemoryError, RecursionError):
         say(refused=limits.too_much)
     except Exception as problem:
@@ -75,10 +77,6 @@ def answer(reading: BinaryIO, writing: BinaryIO) -> None:
         else:
             traceback.print_exc()
             say(fault=True)
-
-
-def _capped(text: str) -> str:
-    return text if len(text) <= MAX_REASON else f"{text[: MAX_REASON - 2]} …"
 
 
 def end_with(link: socket.socket) -> None:
@@ -143,7 +141,7 @@ def main(argument: str) -> None:
     """Serve, or answer once."""
     if argument == "-":
         writing = os.fdopen(os.dup(1), "wb")
-        os.dup2(2, 1)  # what a library prints is no answer
+        os.dup2(2, 1)  # what a library prints is not part of the answer
         answer(sys.stdin.buffer, writing)
         return
     control = socket.socket(fileno=int(argument))

@@ -19,7 +19,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, BinaryIO
 
 from fastapi import HTTPException
@@ -103,13 +103,6 @@ class Workers:
             self._threads.shutdown(wait=False, cancel_futures=True)
         self._threads = None
 
-    def _submit(self, order: _Order) -> Future[Any]:
-        """Put an order in the queue; its threads begin with the first one, and again where the console does."""
-        with self._lock:
-            if self._threads is None:
-                self._threads = ThreadPoolExecutor(self._at_once, thread_name_prefix="worker")
-            return self._threads.submit(order.serve)
-
     async def _ordered(self, request: Request | None, order: _Order) -> Any:
         with self._lock:
             if len(self._orders) >= MAX_WAITING:
@@ -117,7 +110,11 @@ class Workers:
             self._orders.append(order)
         leaving = None if request is None else asyncio.create_task(_cancel_when_left(request, order))
         try:
-            return await asyncio.wrap_future(self._submit(order))
+            with self._lock:  # the threads begin with the first order, and again where the console does
+                if self._threads is None:
+                    self._threads = ThreadPoolExecutor(self._at_once, thread_name_prefix="worker")
+                future = self._threads.submit(order.serve)
+            return await asyncio.wrap_future(future)
         except Withdrawn:
             raise HTTPException(503, "the request was withdrawn") from None
         finally:

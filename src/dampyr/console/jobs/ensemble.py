@@ -19,13 +19,11 @@ from dampyr.show.figures.fragility import axis_of
 from dampyr.show.pages.ensemble_page import write_ensemble_page
 from dampyr.show.pages.how_made import made_by
 from dampyr.show.structures.ensemble_result import peak_table, trust
-from dampyr.show.structures.fragility import comparisons, curve_table, limit_in_words
+from dampyr.show.structures.fragility import LEVEL, comparisons, curve_table, limit_in_words
 from dampyr.show.table import Table
-from dampyr.structures import EnsembleResult, Fragility
+from dampyr.structures import EnsembleResult, Fragility, FragilityCurve
 from dampyr.structures import ensemble as run_ensemble
 from dampyr.to_json import plain
-
-BAND = 0.9  # of the bootstrap's curves, as on the page of ``dampyr ensemble --report``
 
 
 def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], None]) -> dict[str, Any]:
@@ -71,7 +69,7 @@ def _fragility(curves: Fragility) -> dict[str, Any]:
         "axis": {"words": axis.words, "unit": axis.unit, "factor": axis.per_si},
         "table": _as_columns(curve_table(curves)),
         "remarks": comparisons(curves),
-        "curves": [_curve(one) for one in curves.curves],
+        "curves": [_curve(curve) for curve in curves.curves],
     }
 
 
@@ -79,16 +77,16 @@ def _as_columns(table: Table) -> dict[str, Any]:
     return {"columns": list(table.columns), "units": list(table.units), "rows": table.rows}
 
 
-def _curve(one: Any) -> dict[str, Any]:
+def _curve(curve: FragilityCurve) -> dict[str, Any]:
     """A curve over the intensity, SI, with its band and what was counted."""
-    x = np.linspace(0.0, float(one.levels.max()), 121)[1:]
-    at, share, _ = one.shares()
-    low, high = one.band(x, BAND) if one.exists else (None, None)
+    x = np.linspace(0.0, float(curve.levels.max()), 121)[1:]
+    intensity, share, _ = curve.shares()
+    low, high = curve.band(x, LEVEL) if curve.exists else (None, None)
     return {
-        "name": one.name,
+        "name": curve.name,
         "x": x,
-        "y": one.at(x) if one.exists else None,
+        "y": curve.at(x) if curve.exists else None,
         "low": low,
         "high": high,
-        "counted": {"x": at, "y": share},
+        "counted": {"x": intensity, "y": share},
     }

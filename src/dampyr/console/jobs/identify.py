@@ -23,7 +23,7 @@ from dampyr.findings import besides
 from dampyr.identification import Fit, fit, prediction, score
 from dampyr.identification.fits.diagnostics import findings
 from dampyr.identification.model_choice.parallel import local_processes
-from dampyr.records import Record
+from dampyr.show.identification.fit_predictions import mean_l1
 from dampyr.show.identification.leaderboard import choice_in_words
 from dampyr.show.identification.validation import score_table
 from dampyr.show.pages.fit_page import write_fit_page
@@ -47,14 +47,14 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
         write_fit_page(result, folder / PAGE)
     if result.damper is not None:
         result.damper.save(folder / CARD)
-    write_whole(folder / CURVES, json.dumps(_curves(result, result.validation_records)))
+    write_whole(folder / CURVES, json.dumps(_curves(result)))
     return {DATA: result.as_dict(), **_summarise(result)}
 
 
 def _summarise(fit: Fit) -> dict[str, Any]:
     """What the page shows in its own form, besides the data."""
     scores = score_table(fit.scores)
-    l1 = [one.l1 for one in fit.scores.values()]
+    l1 = [score.l1 for score in fit.scores.values()]
     return {
         "model": str(fit.problem.composition),
         "notice": fit.origin.notice,
@@ -66,8 +66,8 @@ def _summarise(fit: Fit) -> dict[str, Any]:
         "findings": list(findings(fit.residuals)),
         "mean_l1": float(np.mean(l1)),
         "parameters": [
-            {"columns": list(one.columns), "rows": [list(row) for row in one.rows], "caption": one.caption}
-            for one in parameter_tables(fit)
+            {"columns": list(table.columns), "rows": [list(row) for row in table.rows], "caption": table.caption}
+            for table in parameter_tables(fit)
         ],
         "choice": choice_in_words(fit.leaderboard) if fit.leaderboard else [],
         "settling": fit.settling,
@@ -78,40 +78,39 @@ def _summarise(fit: Fit) -> dict[str, Any]:
         },
         "records": [record.name for record in (*fit.records, *fit.validation_records)],
         "held": [
-            {"record": name, "l1": math.nan, "problem": one}
-            if isinstance(one, str)
-            else {"record": name, "l1": one.l1, "problem": ""}
-            for name, one in fit.predicted.items()
+            {"record": name, "l1": math.nan, "problem": score}
+            if isinstance(score, str)
+            else {"record": name, "l1": score.l1, "problem": ""}
+            for name, score in fit.predicted.items()
         ],
         "predictions": [
             {
-                "split": one.split,
-                "mean_l1": float(np.mean([s.l1 for s in one.scores.values()])),
-                "records": len(one.scores),
+                "split": validation.split,
+                "mean_l1": mean_l1(validation),
+                "records": len(validation.scores),
             }
-            for one in fit.validations
-            if one.scores
+            for validation in fit.validations
+            if validation.scores
         ],
     }
 
 
-def _curves(fit: Fit, others: tuple[Record, ...]) -> dict[str, Any]:
+def _curves(fit: Fit) -> dict[str, Any]:
     """Lines by record: measured and modelled force over time, displacement and velocity, and the residual."""
-    made = {
+    lines = {
         piece.name: _lines(piece.t, piece.x, piece.v, piece.force, force)
         for piece, force in zip(fit.problem.pieces, fit.forces, strict=True)
     }
-    for record in others if fit.damper is not None else ():
+    for record in fit.validation_records if fit.damper is not None else ():
         try:
             assert fit.damper is not None
-            at, force = score(fit.damper, record), prediction(fit.damper, record)
+            scored, force = score(fit.damper, record), prediction(fit.damper, record)
         except InputError:
             continue
         v = record.velocity if record.velocity is not None else np.gradient(record.displacement, record.time)
-        part = at.window.slice
-        lines = (record.time, record.displacement, v, record.force, force + at.offset)
-        made[record.name] = _lines(*(values[part] for values in lines))
-    return dict(plain(made))
+        channels = (record.time, record.displacement, v, record.force, force + scored.offset)
+        lines[record.name] = _lines(*(values[scored.window.slice] for values in channels))
+    return dict(plain(lines))
 
 
 def _lines(t: Any, x: Any, v: Any, measured: Any, model: Any) -> dict[str, Any]:

@@ -53,22 +53,15 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
         "floors": list(result.cases[BARE].floors),
         "unit": result.unit,
         "end": end_in_words(result.cases[BARE].after),
-        "findings": [{"severity": one.severity, "sentence": one.sentence} for one in result.findings],
+        "findings": [{"severity": finding.severity, "sentence": finding.sentence} for finding in result.findings],
         "note": f"{note}." if note else "",
-        "cases": [_summarise(name, each) for name, each in result.cases.items()],
+        "cases": [_summarise(name, response) for name, response in result.cases.items()],
     }
 
 
 def _summarise(name: str, r: Response) -> dict[str, Any]:
     """Peaks and energies of a case, SI."""
-    e = r.energy
-    ends = {
-        "input": e.input,
-        "viscous": e.viscous,
-        "dampers": e.damper,
-        "moving": e.kinetic + e.strain,
-        "residual": e.residual,
-    }
+    ends = _energies(r) | {"residual": r.energy.residual}
     summary = {
         "name": name,
         "peak_displacement": r.peak_displacement,
@@ -99,16 +92,19 @@ def _curves(cases: Mapping[str, Response]) -> dict[str, Any]:
 
 
 def _case(r: Response) -> dict[str, Any]:
-    e = r.energy
-    parts = {"input": e.input, "viscous": e.viscous, "dampers": e.damper, "moving": e.kinetic + e.strain}
     return {
         "displacement": [_line(r.time, row) for row in r.displacement],
         "drift": [_line(r.time, row) for row in r.drift],
         "acceleration": [_line(r.time, row) for row in r.acceleration],
         "loops": [_line(x, f, 2 * POINTS) for x, f in zip(r.stroke, r.force, strict=True)],
         "inputs": [_line(r.time, row) for row in r.input],
-        "energy": {word: _line(r.time, values) for word, values in parts.items()},
+        "energy": {word: _line(r.time, values) for word, values in _energies(r).items()},
     }
+
+
+def _energies(r: Response) -> dict[str, Any]:
+    e = r.energy
+    return {"input": e.input, "viscous": e.viscous, "dampers": e.damper, "moving": e.kinetic + e.strain}
 
 
 def _line(x: Any, y: Any, points: int = POINTS) -> dict[str, Any]:

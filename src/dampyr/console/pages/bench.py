@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import itertools
 import shutil
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from datetime import date
 from glob import escape as glob_escape
@@ -34,7 +34,7 @@ from dampyr.console.grid import FOLDER
 from dampyr.console.guided import Step
 from dampyr.console.rigs import rig_names, rig_settings
 from dampyr.console.run_reference import REPORT, RunReference
-from dampyr.console.state import AppState, Here
+from dampyr.console.state import AppState, CurrentApp
 from dampyr.console.stream import ABORTING, Stream
 from dampyr.errors import InputError
 
@@ -47,9 +47,9 @@ ID = "^[A-Za-z0-9-]{8,64}$"
 router = APIRouter()
 
 
-def bench(here: Here) -> Bench:
+def bench(app: CurrentApp) -> Bench:
     """The bench of this console."""
-    session: Bench = here.own["bench"]
+    session: Bench = app.own["bench"]
     return session
 
 
@@ -59,11 +59,11 @@ CurrentBench = Annotated[Bench, Depends(bench)]
 @asynccontextmanager
 async def lifespan(app_state: AppState) -> AsyncIterator[None]:
     """A bench for as long as the console runs; at its end the rig is disarmed."""
-    made = app_state.own["bench"] = Bench(app_state.data, app_state.opener, app_state.clock)
+    session = app_state.own["bench"] = Bench(app_state.data, app_state.opener, app_state.clock)
     try:
         yield
     finally:
-        await asyncio.to_thread(made.close)
+        await asyncio.to_thread(session.close)
 
 
 class ClientRequest(BaseModel):
@@ -239,14 +239,14 @@ def strips(
 
 
 @router.get("/rigs")
-def rigs(here: Here) -> list[RigFile]:
+def rigs(app: CurrentApp) -> list[RigFile]:
     """The rigs that can be connected; the original one first."""
     rig_files = []
-    for name in ("", *rig_names(here.data)):
+    for name in ("", *rig_names(app.data)):
         try:
-            settings = rig_settings(here.data, name)
+            settings = rig_settings(app.data, name)
         except InputError as problem:
-            words = without_places(str(problem), here.data)[:MAX_SENTENCE]
+            words = without_places(str(problem), app.data)[:MAX_SENTENCE]
             rig_files.append(RigFile(name=name, title=name, wired=False, problem=words))
             continue
         rig_files.append(RigFile(name=name, title=settings.name, wired=bool(settings.wires.serial)))
@@ -254,51 +254,51 @@ def rigs(here: Here) -> list[RigFile]:
 
 
 @router.get("/runs")
-def runs(here: Here) -> list[RunFolder]:
+def runs(app: CurrentApp) -> list[RunFolder]:
     """The folders of records that campaigns left, the latest first; the last hundred."""
-    journals = [path for path in (here.data / RUNS).glob(f"*/{JOURNAL}") if not path.is_symlink()]
+    journals = [path for path in (app.data / RUNS).glob(f"*/{JOURNAL}") if not path.is_symlink()]
     latest = sorted(journals, key=lambda path: path.stat().st_mtime, reverse=True)[:MAX_RUNS]
     return [run_folder(path.parent) for path in latest]
 
 
 @router.get("/runs/{folder}/report")
-def report(here: Here, folder: Annotated[str, InPath(max_length=100)]) -> FileResponse:
+def report(app: CurrentApp, folder: Annotated[str, InPath(max_length=100)]) -> FileResponse:
     """The report that was written at the end of a run."""
-    path = safe_paths.existing(here.data, f"{RUNS}/{folder}/{REPORT}")
+    path = safe_paths.existing(app.data, f"{RUNS}/{folder}/{REPORT}")
     return FileResponse(path, filename=f"{folder}-{REPORT}", headers={"content-type": "text/html; charset=utf-8"})
 
 
 @router.get("/folder")
 def folder_state_of(
-    here: Here,
+    app: CurrentApp,
     bench: CurrentBench,
     campaign: Annotated[str, Query(max_length=100)],
     folder: Annotated[str, Query(max_length=100)],
 ) -> FolderState:
     """What starting a campaign into a folder would mean, before it is started."""
-    place = _run_folder(here, folder)
+    place = _run_folder(app, folder)
     if not (place / JOURNAL).is_file():
         return FolderState(state="new", words="a new folder")
-    path = safe_paths.existing(here.data, f"{FOLDER}/{campaign}.toml")
-    settings = bench.rig.settings if bench.rig is not None else rig_settings(here.data, "")
+    path = safe_paths.existing(app.data, f"{FOLDER}/{campaign}.toml")
+    settings = bench.rig.settings if bench.rig is not None else rig_settings(app.data, "")
     state, words = folder_state(plan(read_campaign(path), settings), place)
     return FolderState(state=state, words=words)
 
 
 @router.get("/suggested")
-def suggested(here: Here, campaign: Annotated[str, Query(max_length=100)]) -> SuggestedFolder:
+def suggested(app: CurrentApp, campaign: Annotated[str, Query(max_length=100)]) -> SuggestedFolder:
     """A folder for the next run of a campaign: its name, the date, and a number from the second one of a day on."""
     name = f"{campaign}-{date.today().isoformat()}"[:95]
-    taken = {path.name for path in (here.data / RUNS).glob(f"{glob_escape(name)}*")}
+    taken = {path.name for path in (app.data / RUNS).glob(f"{glob_escape(name)}*")}
     numbers = (name if k == 1 else f"{name}-{k}" for k in itertools.count(1))
-    return SuggestedFolder(folder=next(each for each in numbers if each not in taken))
+    return SuggestedFolder(folder=next(free for free in numbers if free not in taken))
 
 
 @router.get("/disk")
-def disk(here: Here) -> Disk:
+def disk(app: CurrentApp) -> Disk:
     """The room on the disk of the data folder."""
-    usage = shutil.disk_usage(here.data)
-    return Disk(folder=here.data.resolve().name, total=usage.total, free=usage.free)
+    usage = shutil.disk_usage(app.data)
+    return Disk(folder=app.data.resolve().name, total=usage.total, free=usage.free)
 
 
 @router.get("/events")
@@ -314,156 +314,58 @@ def reference(bench: CurrentBench) -> ReferenceLoop | None:
 
 
 @router.get("/tests")
-def tests(here: Here, folder: Annotated[str, Query(max_length=100)]) -> list[TestState]:
+def tests(app: CurrentApp, folder: Annotated[str, Query(max_length=100)]) -> list[TestState]:
     """The tests of a run, from its journal and its files; none where it has no journal yet."""
-    place = safe_paths.inside(here.data, f"{RUNS}/{folder}")
+    place = safe_paths.inside(app.data, f"{RUNS}/{folder}")
     if not (place / JOURNAL).is_file():
         return []
     entries, _ = read_journal(place)
     return [
-        TestState(name=each.name, state=each.state, attempt=each.attempt, reason=each.reason)
-        for each in entries_with_files(entries, place)
+        TestState(name=entry.name, state=entry.state, attempt=entry.attempt, reason=entry.reason)
+        for entry in entries_with_files(entries, place)
     ]
 
 
-@router.post("/control")
-def control(request: ClientRequest, bench: CurrentBench) -> Done:
-    """Take control, from whoever has it; what they moved stops."""
-    bench.take_control(request.client)
-    return Done()
+COMMANDS: dict[str, tuple[type[ClientRequest], Callable[..., None], str]] = {
+    "control": (ClientRequest, Bench.take_control, "Take control, from whoever has it; what they moved stops."),
+    "disconnect": (ClientRequest, Bench.disconnect, "Let go of the rig; an armed one is disarmed first."),
+    "arm": (ClientRequest, Bench.arm, "Let energy in."),
+    "disarm": (ClientRequest, Bench.disarm, "Bring the table to rest, and let no energy in."),
+    "home": (Home, Bench.home, "Find the middle of the stroke."),
+    "jog": (Jog, Bench.jog, "Move for a third of a second; ask again to move on."),
+    "go": (Go, Bench.go, "Move slowly to a position."),
+    "sine": (SineMotion, Bench.sine, "Move as a sine, without recording."),
+    "coil": (CoilVoltage, Bench.energise, "Put a voltage on the coil for a time, with the table at rest."),
+    "halt": (ClientRequest, Bench.halt, "End a motion by hand or the coil's voltage, and stay armed."),
+    "extremes": (ClientRequest, Bench.reset_extremes, "Let the least and the greatest readings begin anew."),
+    "zero": (ClientRequest, Bench.zero, "Take the load cell's signal of a second for no force."),
+    "calibration": (ClientRequest, Bench.calibrate, "Begin the guided steps of calibrating the load cell."),
+    "calibration/step": (CalibrationRequest, Bench.calibrate_step, "Read the load cell."),
+    "calibration/end": (Keep, Bench.calibrate_end, "Save the result, or discard it."),
+    "skip": (TestName, Bench.skip, "Leave out a test, or end the one under way in order; it stays incomplete."),
+    "repeat": (TestName, Bench.repeat, "Record a test once more, after those that are left."),
+    "stop": (ClientRequest, Bench.stop, "End the test under way in order, and the campaign with it."),
+}
+"""Path -> the kind of its request, the command of the bench that takes the fields of the request, and what it does."""
 
 
-@router.post("/connect")
-def connect(request: Connect, here: Here, bench: CurrentBench) -> Done:
-    """Connect a rig."""
-    rig_settings(here.data, request.rig)
-    bench.connect(request.client, request.rig, request.simulate)
-    return Done()
+def _add_command(path: str, kind: type[ClientRequest], command: Callable[..., None], words: str) -> None:
+    def answer(request: ClientRequest, bench: CurrentBench) -> Done:
+        command(bench, **vars(request))
+        return Done()
+
+    answer.__annotations__["request"] = kind  # by which FastAPI reads and documents the request
+    router.post(f"/{path}", name=path.replace("/", "_"), description=words)(answer)
 
 
-@router.post("/disconnect")
-def disconnect(request: ClientRequest, bench: CurrentBench) -> Done:
-    """Let go of the rig; an armed one is disarmed first."""
-    bench.disconnect(request.client)
-    return Done()
-
-
-@router.post("/arm")
-def arm(request: ClientRequest, bench: CurrentBench) -> Done:
-    """Let energy in."""
-    bench.arm(request.client)
-    return Done()
-
-
-@router.post("/disarm")
-def disarm(request: ClientRequest, bench: CurrentBench) -> Done:
-    """Bring the table to rest, and let no energy in."""
-    bench.disarm(request.client)
-    return Done()
-
-
-@router.post("/home")
-def home(request: Home, bench: CurrentBench) -> Done:
-    """Find the middle of the stroke."""
-    bench.home(request.client, request.here)
-    return Done()
-
-
-@router.post("/jog")
-def jog(request: Jog, bench: CurrentBench) -> Done:
-    """Move for a third of a second; ask again to move on."""
-    bench.jog(request.client, request.speed)
-    return Done()
-
-
-@router.post("/go")
-def go(request: Go, bench: CurrentBench) -> Done:
-    """Move slowly to a position."""
-    bench.go(request.client, request.position)
-    return Done()
-
-
-@router.post("/sine")
-def sine(request: SineMotion, bench: CurrentBench) -> Done:
-    """Move as a sine, without recording."""
-    bench.sine(request.client, request.amplitude, request.frequency, request.voltage, request.cycles)
-    return Done()
-
-
-@router.post("/coil")
-def coil(request: CoilVoltage, bench: CurrentBench) -> Done:
-    """Put a voltage on the coil for a time, with the table at rest."""
-    bench.energise(request.client, request.voltage, request.seconds)
-    return Done()
-
-
-@router.post("/halt")
-def halt(request: ClientRequest, bench: CurrentBench) -> Done:
-    """End a motion by hand or the coil's voltage, and stay armed."""
-    bench.halt(request.client)
-    return Done()
-
-
-@router.post("/extremes")
-def extremes(request: ClientRequest, bench: CurrentBench) -> Done:
-    """Let the least and the greatest readings begin anew."""
-    bench.reset_extremes(request.client)
-    return Done()
-
-
-@router.post("/alarms/limit")
-def alarm_limit(request: LimitRequest, bench: CurrentBench) -> Done:
-    """Set, change or remove an alarm limit."""
-    bench.set_alarm_limit(request.client, AlarmLimit(request.reading, request.low, request.high))
-    return Done()
+for _path, _command in COMMANDS.items():
+    _add_command(_path, *_command)
 
 
 @router.post("/alarms/acknowledge")
 def acknowledge(request: AlarmRequest, bench: CurrentBench) -> Done:
     """Acknowledge an alarm, or all of them."""
     bench.acknowledge(request.client, request.number)
-    return Done()
-
-
-@router.post("/zero")
-def zero(request: ClientRequest, bench: CurrentBench) -> Done:
-    """Take the load cell's signal of a second for no force."""
-    bench.zero(request.client)
-    return Done()
-
-
-@router.post("/calibration")
-def calibration(request: ClientRequest, bench: CurrentBench) -> Done:
-    """Begin the guided steps of calibrating the load cell."""
-    bench.calibrate(request.client)
-    return Done()
-
-
-@router.post("/calibration/step")
-def calibration_step(request: CalibrationRequest, bench: CurrentBench) -> Done:
-    """Read the load cell."""
-    bench.calibrate_step(request.client, request.step, request.load)
-    return Done()
-
-
-@router.post("/calibration/end")
-def calibration_end(request: Keep, bench: CurrentBench) -> Done:
-    """Save the result, or discard it."""
-    bench.calibrate_end(request.client, request.keep)
-    return Done()
-
-
-@router.post("/start")
-def start(request: Start, here: Here, bench: CurrentBench) -> Done:
-    """Check a campaign and run it, or what is left of it."""
-    bench.start(request.client, request.campaign, *_what_to_run(request, here))
-    return Done()
-
-
-@router.post("/queue")
-def enqueue(request: Start, here: Here, bench: CurrentBench) -> Done:
-    """Run a campaign after the one under way."""
-    bench.enqueue(request.client, request.campaign, *_what_to_run(request, here))
     return Done()
 
 
@@ -474,35 +376,50 @@ def dequeue(request: Number, bench: CurrentBench) -> Done:
     return Done()
 
 
-@router.post("/skip")
-def skip(request: TestName, bench: CurrentBench) -> Done:
-    """Leave out a test, or end the one under way in order; it stays incomplete."""
-    bench.skip(request.client, request.test)
+@router.post("/connect")
+def connect(request: Connect, app: CurrentApp, bench: CurrentBench) -> Done:
+    """Connect a rig."""
+    rig_settings(app.data, request.rig)
+    bench.connect(request.client, request.rig, request.simulate)
     return Done()
 
 
-@router.post("/repeat")
-def repeat(request: TestName, bench: CurrentBench) -> Done:
-    """Record a test once more, after those that are left."""
-    bench.repeat(request.client, request.test)
+@router.post("/alarms/limit")
+def alarm_limit(request: LimitRequest, bench: CurrentBench) -> Done:
+    """Set, change or remove an alarm limit."""
+    bench.set_alarm_limit(request.client, AlarmLimit(request.reading, request.low, request.high))
     return Done()
 
 
-def _what_to_run(request: Start, here: AppState) -> tuple[Path, Path, RunAbout, RunReference | None]:
-    path = safe_paths.existing(here.data, f"{FOLDER}/{request.campaign}.toml")
-    against = None
+@router.post("/start")
+def start(request: Start, app: CurrentApp, bench: CurrentBench) -> Done:
+    """Check a campaign and run it, or what is left of it."""
+    bench.start(request.client, request.campaign, *_what_to_run(request, app))
+    return Done()
+
+
+@router.post("/queue")
+def enqueue(request: Start, app: CurrentApp, bench: CurrentBench) -> Done:
+    """Run a campaign after the one under way."""
+    bench.enqueue(request.client, request.campaign, *_what_to_run(request, app))
+    return Done()
+
+
+def _what_to_run(request: Start, app: AppState) -> tuple[Path, Path, RunAbout, RunReference | None]:
+    path = safe_paths.existing(app.data, f"{FOLDER}/{request.campaign}.toml")
+    reference = None
     if request.reference:
-        folder = safe_paths.existing(here.data, f"{RUNS}/{request.reference}/{JOURNAL}").parent
+        folder = safe_paths.existing(app.data, f"{RUNS}/{request.reference}/{JOURNAL}").parent
         if request.reference == request.folder:
             raise InputError(f"reference = {request.reference!r} is the folder of this run; choose an earlier run")
-        against = RunReference(folder, request.tolerance)
+        reference = RunReference(folder, request.tolerance)
     about = RunAbout(request.operator.strip(), request.specimen.strip(), request.note.strip())
-    return path, _run_folder(here, request.folder), about, against
+    return path, _run_folder(app, request.folder), about, reference
 
 
-def _run_folder(here: AppState, name: str) -> Path:
-    folder = safe_paths.inside(here.data, f"{RUNS}/{name}")
-    if folder.parent != here.data / RUNS:
+def _run_folder(app: AppState, name: str) -> Path:
+    folder = safe_paths.inside(app.data, f"{RUNS}/{name}")
+    if folder.parent != app.data / RUNS:
         raise InputError(f"folder = {name!r} is not allowed; give a name without /")
     return folder
 
@@ -521,17 +438,10 @@ def resume(request: ClientRequest, bench: CurrentBench) -> Done:
     return Done()
 
 
-@router.post("/stop")
-def stop(request: ClientRequest, bench: CurrentBench) -> Done:
-    """End the test under way in order, and the campaign with it."""
-    bench.stop(request.client)
-    return Done()
-
-
 @router.post("/abort")
 async def abort(request: Abort, connection: Request, bench: CurrentBench) -> Done:
     """Brake and cut the coil, now. Needs no control, and on this machine no token; answers when it is done."""
-    # Nobody has a page here: whoever it is, the address is what is known of them.
+    # whoever asks need not have a page open: only their address is certain
     who = f"{request.who or 'a request'} from {connection.client.host if connection.client else 'an unknown address'}"
     await asyncio.get_running_loop().run_in_executor(ABORTING, bench.abort, who)
     return Done()

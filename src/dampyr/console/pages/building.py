@@ -24,7 +24,7 @@ from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import CURVES, PAGE
 from dampyr.console.limits import READING
 from dampyr.console.option_schemas import form_of
-from dampyr.console.state import Here
+from dampyr.console.state import CurrentApp
 from dampyr.errors import MissingData
 from dampyr.options import options_of
 from dampyr.structures.building_options import InstallationOptions
@@ -49,11 +49,11 @@ class BuildingChoices(BaseModel):
 
 
 @router.get("/choices")
-async def list_choices(here: Here, request: Request) -> BuildingChoices:
+async def list_choices(app: CurrentApp, request: Request) -> BuildingChoices:
     """Dampers, control laws and ground motions that can be chosen."""
-    links = [DamperLink(**each) for each in await here.workers.run(request, READING, list_dampers, here.data)]
-    motions = safe_paths.files(here.data / MOTIONS, MOTION_SUFFIXES)
-    files = [f"{STRUCTURES}/{name}" for name in safe_paths.files(here.data / STRUCTURES, (".toml",))]
+    links = [DamperLink(**link) for link in await app.workers.run(request, READING, list_dampers, app.data)]
+    motions = safe_paths.files(app.data / MOTIONS, MOTION_SUFFIXES)
+    files = [f"{STRUCTURES}/{name}" for name in safe_paths.files(app.data / STRUCTURES, (".toml",))]
     offered = [name for name in available_structures() if name != THESIS]
     shared = tuple(option.name for option in options_of(InstallationOptions))
     return BuildingChoices(
@@ -68,39 +68,39 @@ async def list_choices(here: Here, request: Request) -> BuildingChoices:
 
 
 @router.post("/responses", status_code=202)
-def respond(here: Here, request: ResponseRequest) -> JobState:
+def respond(app: CurrentApp, request: ResponseRequest) -> JobState:
     """Start to compute a response; bare, and with the damper at each input."""
-    _check(here.data, request)
+    _check(app.data, request)
     title = f"{request.building.title}, {request.motion.kind.replace('_', ' ')}, {_shown(request.damper.name)}"
     title += f", {_inputs(request)}"
-    return as_job_state(here.jobs.submit(RESPONSE, request.model_dump(), title))
+    return as_job_state(app.jobs.submit(RESPONSE, request.model_dump(), title))
 
 
 @router.post("/ensembles", status_code=202)
-def run_ensemble(here: Here, request: EnsembleRequest) -> JobState:
+def run_ensemble(app: CurrentApp, request: EnsembleRequest) -> JobState:
     """Start an ensemble; its result holds fragility curves."""
-    _check(here.data, request)
+    _check(app.data, request)
     title = f"ensemble, {request.motions} motions, {len(request.scales)} scales, {_shown(request.damper.name)}"
     title += f", {_inputs(request)}, seed {request.seed}"
-    return as_job_state(here.jobs.submit(ENSEMBLE, request.model_dump(), title))
+    return as_job_state(app.jobs.submit(ENSEMBLE, request.model_dump(), title))
 
 
 @router.get("/responses/{id}/curves")
-def read_curves(here: Here, id: Id) -> dict[str, Any]:
+def read_curves(app: CurrentApp, id: Id) -> dict[str, Any]:
     """The histories of every case, SI, and the frames of the animation."""
-    here.jobs.result(id)
-    if here.jobs.job(id).kind != RESPONSE:
+    app.jobs.result(id)
+    if app.jobs.job(id).kind != RESPONSE:
         raise MissingData("that job is not a response")
-    return dict(json.loads((here.jobs.place(id) / CURVES).read_text("utf-8")))
+    return dict(json.loads((app.jobs.place(id) / CURVES).read_text("utf-8")))
 
 
 @router.get("/jobs/{id}/page", response_class=Response, responses={200: {"content": {"text/html": {}}}})
-def give_page(here: Here, id: Id) -> FileResponse:
+def give_page(app: CurrentApp, id: Id) -> FileResponse:
     """The page as `dampyr simulate --report` or `dampyr ensemble --report` writes it, as a file to keep."""
-    here.jobs.result(id)
-    if here.jobs.job(id).kind not in (RESPONSE, ENSEMBLE):
+    app.jobs.result(id)
+    if app.jobs.job(id).kind not in (RESPONSE, ENSEMBLE):
         raise MissingData("that job is neither a response nor an ensemble")
-    return FileResponse(here.jobs.place(id) / PAGE, media_type="text/html", filename=f"{here.jobs.job(id).kind}.html")
+    return FileResponse(app.jobs.place(id) / PAGE, media_type="text/html", filename=f"{app.jobs.job(id).kind}.html")
 
 
 def _check(data: Any, request: ResponseRequest | EnsembleRequest) -> None:

@@ -21,7 +21,7 @@ from dampyr.console.limits import PLANNING
 from dampyr.console.option_schemas import form_of
 from dampyr.console.proposals import ProposalRequest
 from dampyr.console.rigs import rig_file
-from dampyr.console.state import AppState, Here
+from dampyr.console.state import AppState, CurrentApp
 from dampyr.console.step_texts import StepKind, step_kinds
 from dampyr.errors import InputError, MissingData
 from dampyr.planning import PlanOptions
@@ -144,33 +144,33 @@ class Proposing(BaseModel):
 
 
 @router.get("/proposing")
-def list_proposing(here: Here) -> Proposing:
+def list_proposing(app: CurrentApp) -> Proposing:
     """What can be chosen where tests are proposed."""
-    return Proposing(dampers=dampers(here.data), structures=list(available_structures()), options=form_of(PlanOptions))
+    return Proposing(dampers=dampers(app.data), structures=list(available_structures()), options=form_of(PlanOptions))
 
 
 @router.post("/proposals", status_code=202)
-def start_proposal(here: Here, request: ProposalRequest) -> JobState:
+def start_proposal(app: CurrentApp, request: ProposalRequest) -> JobState:
     """Start to look for the next tests; the job reports progress and has a campaign's text."""
     for key in request.records:
-        record_sources.place(here.data, key)
+        record_sources.place(app.data, key)
     if request.damper:
-        damper_of(here.data, request.damper)
-    rig_file(here.data, request.rig)
+        damper_of(app.data, request.damper)
+    rig_file(app.data, request.rig)
     replace(request.options(), peak=request.peak()).check_goal()
-    return as_job_state(here.jobs.submit("propose", request.model_dump(), request.title))
+    return as_job_state(app.jobs.submit("propose", request.model_dump(), request.title))
 
 
 @router.get("/files")
-def files(here: Here) -> list[str]:
+def files(app: CurrentApp) -> list[str]:
     """The campaigns of the data folder."""
-    return [name.removesuffix(".toml") for name in safe_paths.files(here.data / FOLDER, (".toml",)) if "/" not in name]
+    return [name.removesuffix(".toml") for name in safe_paths.files(app.data / FOLDER, (".toml",)) if "/" not in name]
 
 
 @router.get("/files/{name}")
-async def load(name: Name, here: Here, request: Request) -> File:
+async def load(name: Name, app: CurrentApp, request: Request) -> File:
     """A campaign."""
-    path = safe_paths.existing(here.data, f"{FOLDER}/{name}.toml")
+    path = safe_paths.existing(app.data, f"{FOLDER}/{name}.toml")
     if (size := path.stat().st_size) > MAX_TEXT_LENGTH:
         raise InputError(
             f"{name}.toml has {size / 1024:.0f} KiB, a page edits at most {MAX_TEXT_LENGTH // 1024}; shorten it"
@@ -179,58 +179,58 @@ async def load(name: Name, here: Here, request: Request) -> File:
         text = path.read_text("utf-8")
     except UnicodeDecodeError:
         raise InputError(f"{name}.toml is not UTF-8 text; rewrite it") from None
-    return File(name=name, text=text, grid=await _grid(here, request, text))
+    return File(name=name, text=text, grid=await _grid(app, request, text))
 
 
 @router.put("/files/{name}")
-async def save(name: Name, given: Saved, here: Here, request: Request) -> File:
+async def save(name: Name, body: Saved, app: CurrentApp, request: Request) -> File:
     """Save a campaign that can be read; what the rig cannot do may be saved."""
-    path = safe_paths.inside(here.data, f"{FOLDER}/{name}.toml")
-    if path.parent != here.data / FOLDER or not (safe_paths.is_new_name(name) or path.is_file()):
+    path = safe_paths.inside(app.data, f"{FOLDER}/{name}.toml")
+    if path.parent != app.data / FOLDER or not (safe_paths.is_new_name(name) or path.is_file()):
         raise InputError(f"{name!r} is not a valid campaign name; use letters, digits, space and .()+@=-_")
-    await here.workers.run(request, PLANNING, plan_answer, here.data, given.text, given.rig)
-    grid = await _grid(here, request, given.text)
-    await to_thread.run_sync(_write, here, path, given)
-    return File(name=name, text=given.text, grid=grid)
+    await app.workers.run(request, PLANNING, plan_answer, app.data, body.text, body.rig)
+    grid = await _grid(app, request, body.text)
+    await to_thread.run_sync(_write, app, path, body)
+    return File(name=name, text=body.text, grid=grid)
 
 
 @router.post("/rename")
-def rename(given: CampaignRename, here: Here) -> File:
+def rename(body: CampaignRename, app: CurrentApp) -> File:
     """Give a campaign another name."""
-    path, target = _campaign(here, given.name), _campaign(here, given.to)
-    if not safe_paths.is_new_name(given.to):
-        raise InputError(f"{given.to!r} is not a valid campaign name; use letters, digits, space and .()+@=-_")
+    path, target = _campaign(app, body.name), _campaign(app, body.to)
+    if not safe_paths.is_new_name(body.to):
+        raise InputError(f"{body.to!r} is not a valid campaign name; use letters, digits, space and .()+@=-_")
     with safe_paths.ALONE:
         if not path.is_file():
-            raise MissingData(f"there is no campaign {given.name!r}; it may have been renamed or deleted meanwhile")
+            raise MissingData(f"there is no campaign {body.name!r}; it may have been renamed or deleted meanwhile")
         if target.exists():
-            raise HTTPException(409, f"there is a campaign {given.to!r} already; choose another name")
+            raise HTTPException(409, f"there is a campaign {body.to!r} already; choose another name")
         path.rename(target)
-    return File(name=given.to, text="", grid=None)
+    return File(name=body.to, text="", grid=None)
 
 
 @router.delete("/files/{name}", status_code=204)
-def remove(name: Name, here: Here) -> None:
+def remove(name: Name, app: CurrentApp) -> None:
     """Delete a campaign; records of it stay."""
-    safe_paths.existing(here.data, f"{FOLDER}/{name}.toml").unlink()
+    safe_paths.existing(app.data, f"{FOLDER}/{name}.toml").unlink()
 
 
-def _campaign(here: AppState, name: str) -> Path:
-    path = safe_paths.inside(here.data, f"{FOLDER}/{name}.toml")
-    if path.parent != here.data / FOLDER:
+def _campaign(app: AppState, name: str) -> Path:
+    path = safe_paths.inside(app.data, f"{FOLDER}/{name}.toml")
+    if path.parent != app.data / FOLDER:
         raise InputError(f"{name!r} is not a valid campaign name; leave out the /")
     return path
 
 
-def _write(here: AppState, path: Path, given: Saved) -> None:
-    safe_paths.check_quota(here.data, len(given.text), here.quota)
+def _write(app: AppState, path: Path, body: Saved) -> None:
+    safe_paths.check_quota(app.data, len(body.text), app.quota)
     path.parent.mkdir(exist_ok=True)
     with safe_paths.ALONE:
-        if given.replaces is not None and path.exists() and path.read_bytes() != given.replaces.encode():
+        if body.replaces is not None and path.exists() and path.read_bytes() != body.replaces.encode():
             raise HTTPException(
                 409, f"{path.stem!r} holds another campaign by now; open it anew, or save under another name"
             )
-        write_whole(path, given.text)
+        write_whole(path, body.text)
 
 
 @router.get("/kinds")
@@ -246,20 +246,20 @@ def text(grid: GridForm) -> CampaignText:
 
 
 @router.post("/plan")
-async def dry_run(given: PlanRequest, here: Here, request: Request) -> PlanAnswer:
+async def dry_run(body: PlanRequest, app: CurrentApp, request: Request) -> PlanAnswer:
     """What a campaign would ask of a rig, and all that it cannot do; nothing moves."""
-    return PlanAnswer(**await here.workers.run(request, PLANNING, plan_answer, here.data, given.text, given.rig))
+    return PlanAnswer(**await app.workers.run(request, PLANNING, plan_answer, app.data, body.text, body.rig))
 
 
 @router.post("/path")
-async def draw_path(given: PathRequest, here: Here, request: Request) -> CampaignPath:
+async def draw_path(body: PathRequest, app: CurrentApp, request: Request) -> CampaignPath:
     """The path of a whole campaign over time, or of one of its tests."""
-    arguments = (here.data, given.text, given.rig, given.test)
-    return CampaignPath(**await here.workers.run(request, PLANNING, path_answer, *arguments))
+    arguments = (app.data, body.text, body.rig, body.test)
+    return CampaignPath(**await app.workers.run(request, PLANNING, path_answer, *arguments))
 
 
-async def _grid(here: AppState, request: Request, text: str) -> GridForm | None:
-    form = await here.workers.run(request, PLANNING, grid_values, text)
+async def _grid(app: AppState, request: Request, text: str) -> GridForm | None:
+    form = await app.workers.run(request, PLANNING, grid_values, text)
     return None if form is None else GridForm(**form)
 
 

@@ -16,11 +16,12 @@ from dampyr.console.identify_schemas import IdentifyRequest, ValidateRequest
 from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import CARD, CURVES, PAGE
 from dampyr.console.option_schemas import form_of
-from dampyr.console.state import AppState, Here
+from dampyr.console.state import AppState, CurrentApp
 from dampyr.errors import InputError, MissingData
 from dampyr.identification import FitOptions
 from dampyr.models import Damper, available_parts
 from dampyr.models.part import part
+from dampyr.phrases import counted
 
 TITLE, ORDER = "Identify", 40
 KIND, VALIDATION = "identify", "validate"
@@ -62,40 +63,40 @@ def list_choices() -> IdentifyChoices:
 
 
 @router.post("/jobs", status_code=202)
-def start_identification(here: Here, request: IdentifyRequest) -> JobState:
+def start_identification(app: CurrentApp, request: IdentifyRequest) -> JobState:
     """Start to identify; the job reports progress and has the result."""
-    _check_keys(here, request.records)
+    _check_keys(app, request.records)
     request.options().check_of_model(request.model)
-    title = f"{request.model or 'the best model'}, {_counted(len(request.records))}"
-    return as_job_state(here.jobs.submit(KIND, request.model_dump(), title))
+    title = f"{request.model or 'the best model'}, {counted(len(request.records), 'record')}"
+    return as_job_state(app.jobs.submit(KIND, request.model_dump(), title))
 
 
 @router.post("/validations", status_code=202)
-def start_validation(here: Here, request: ValidateRequest) -> JobState:
+def start_validation(app: CurrentApp, request: ValidateRequest) -> JobState:
     """Start to validate a card on records that it predicts."""
-    _check_keys(here, request.records)
-    damper_of(here.data, request.card)
-    title = f"validation of {title_of(request.card)}, {_counted(len(request.records))}"
-    return as_job_state(here.jobs.submit(VALIDATION, request.model_dump(), title))
+    _check_keys(app, request.records)
+    damper_of(app.data, request.card)
+    title = f"validation of {title_of(request.card)}, {counted(len(request.records), 'record')}"
+    return as_job_state(app.jobs.submit(VALIDATION, request.model_dump(), title))
 
 
 @router.get("/jobs/{id}/curves")
-def read_curves(here: Here, id: Id, record: Annotated[str, Query(max_length=200)]) -> dict[str, Any]:
+def read_curves(app: CurrentApp, id: Id, record: Annotated[str, Query(max_length=200)]) -> dict[str, Any]:
     """Measured and modelled force of one record: over time, displacement and velocity; and the residual over time."""
-    curves = json.loads((_done(here, id) / CURVES).read_text("utf-8"))
+    curves = json.loads((_done(app, id) / CURVES).read_text("utf-8"))
     if record not in curves:
         raise MissingData(f"{record!r} is not among the records of this fit")
     return dict(curves[record])
 
 
 @router.post("/jobs/{id}/card", status_code=201)
-def save_card(here: Here, id: Id, card: Card) -> SavedCard:
+def save_card(app: CurrentApp, id: Id, card: Card) -> SavedCard:
     """Save the damper's card in the folder ``cards`` of the data folder; an existing one is not replaced."""
-    damper = _damper(here, id)
+    damper = _damper(app, id)
     if not safe_paths.is_new_name(card.name):
         raise InputError(f"{card.name!r} is not a file name; use letters, digits, space and .()+@=-_")
-    target = safe_paths.inside(here.data, f"{CARDS}/{card.name}.toml")
-    safe_paths.check_quota(here.data, 2**16, here.quota)
+    target = safe_paths.inside(app.data, f"{CARDS}/{card.name}.toml")
+    safe_paths.check_quota(app.data, 2**16, app.quota)
     target.parent.mkdir(exist_ok=True)
     with safe_paths.ALONE:
         if target.exists():
@@ -105,9 +106,9 @@ def save_card(here: Here, id: Id, card: Card) -> SavedCard:
 
 
 @router.get("/jobs/{id}/export", response_class=Response, responses={200: {"content": {"application/zip": {}}}})
-def give_export(here: Here, id: Id, to: Annotated[str, Query(max_length=40)]) -> Response:
+def give_export(app: CurrentApp, id: Id, to: Annotated[str, Query(max_length=40)]) -> Response:
     """The damper for another tool as `dampyr export` writes it, in a zip."""
-    content = zipped_export(_damper(here, id), to)
+    content = zipped_export(_damper(app, id), to)
     return Response(
         content,
         media_type="application/zip",
@@ -116,31 +117,27 @@ def give_export(here: Here, id: Id, to: Annotated[str, Query(max_length=40)]) ->
 
 
 @router.get("/jobs/{id}/page", response_class=Response, responses={200: {"content": {"text/html": {}}}})
-def give_page(here: Here, id: Id) -> FileResponse:
+def give_page(app: CurrentApp, id: Id) -> FileResponse:
     """The page as `dampyr identify --report` or `dampyr validate --report` writes it, as a file to keep."""
     name = {KIND: "identified.html", VALIDATION: "validated.html"}
-    path = _done(here, id, tuple(name)) / PAGE
-    return FileResponse(path, media_type="text/html", filename=name[here.jobs.job(id).kind])
+    path = _done(app, id, tuple(name)) / PAGE
+    return FileResponse(path, media_type="text/html", filename=name[app.jobs.job(id).kind])
 
 
-def _done(here: AppState, id: str, kinds: tuple[str, ...] = (KIND,)) -> Any:
-    if here.jobs.job(id).kind not in kinds:
+def _done(app: AppState, id: str, kinds: tuple[str, ...] = (KIND,)) -> Any:
+    if app.jobs.job(id).kind not in kinds:
         raise MissingData("that job is not an identification")
-    here.jobs.result(id)
-    return here.jobs.place(id)
+    app.jobs.result(id)
+    return app.jobs.place(id)
 
 
-def _damper(here: AppState, id: str) -> Damper:
-    card = _done(here, id) / CARD
+def _damper(app: AppState, id: str) -> Damper:
+    card = _done(app, id) / CARD
     if not card.is_file():
         raise InputError("this fit made no damper, so there is no card; see its reason")
     return Damper.load(card)
 
 
-def _check_keys(here: AppState, keys: list[str]) -> None:
+def _check_keys(app: AppState, keys: list[str]) -> None:
     for key in keys:
-        record_sources.place(here.data, key)
-
-
-def _counted(count: int) -> str:
-    return f"{count} record{'s' if count > 1 else ''}"
+        record_sources.place(app.data, key)

@@ -18,7 +18,7 @@ from dampyr.console import record_notes as written
 from dampyr.console.curves import Line
 from dampyr.console.limits import READING
 from dampyr.console.record_formats import MEDIA_TYPES, RecordFormats, offered_formats
-from dampyr.console.state import Here
+from dampyr.console.state import CurrentApp
 
 TITLE, ORDER = "Records", 30
 Key = Annotated[str, Query(min_length=3, max_length=640, description="Such as data/uploads/test.h5.")]
@@ -68,27 +68,27 @@ class Note(BaseModel):
 
 
 @router.get("/sources")
-def list_sources(here: Here) -> list[SourceLink]:
+def list_sources(app: CurrentApp) -> list[SourceLink]:
     """Where records come from."""
-    return [SourceLink(name=one.name, title=one.title) for one in record_sources.sources(here.data)]
+    return [SourceLink(name=folder.name, title=folder.title) for folder in record_sources.sources(app.data)]
 
 
 @router.get("/list")
 async def list_records(
-    here: Here, request: Request, source: Annotated[str, Query(max_length=40)] = record_sources.OWN
+    app: CurrentApp, request: Request, source: Annotated[str, Query(max_length=40)] = record_sources.OWN
 ) -> list[RecordEntry]:
     """The records of a source, measured and checked."""
-    said = written.notes(here.data)
-    of = record_sources.source(here.data, source)
-    keys = await to_thread.run_sync(record_sources.keys, of)
-    described = await here.records.describe(here.workers, request, here.data, keys[: record_sources.MAX_RECORDS])
-    reasons = record_sources.superseded({key: one["about"] for key, one in described.items() if "about" in one})
+    notes = written.notes(app.data)
+    folder = record_sources.source(app.data, source)
+    keys = await to_thread.run_sync(record_sources.keys, folder)
+    described = await app.records.describe(app.workers, request, app.data, keys[: record_sources.MAX_RECORDS])
+    reasons = record_sources.superseded({key: entry["about"] for key, entry in described.items() if "about" in entry})
     entries = [
-        RecordEntry(key=key, note=said.get(key, ""), left_out=reasons.get(key, ""), **one)
-        for key, one in described.items()
+        RecordEntry(key=key, note=notes.get(key, ""), left_out=reasons.get(key, ""), **entry)
+        for key, entry in described.items()
     ]
     entries.sort(key=lambda entry: bool(entry.problem))  # what cannot be read stands below what can
-    unseen = await to_thread.run_sync(record_sources.left_out, of)
+    unseen = await to_thread.run_sync(record_sources.left_out, folder)
     entries += [RecordEntry(key=key, problem=why) for key, why in list(unseen.items())[: record_sources.MAX_RECORDS]]
     if more := keys[record_sources.MAX_RECORDS :]:
         words = f"{len(more)} more files are not listed, a list has {record_sources.MAX_RECORDS}; take some out of the folder"
@@ -97,32 +97,32 @@ async def list_records(
 
 
 @router.get("/one")
-async def read_one(here: Here, request: Request, key: Key) -> RecordEntry:
+async def read_one(app: CurrentApp, request: Request, key: Key) -> RecordEntry:
     """One record in full."""
-    about = await here.workers.run(request, READING, record_answers.describe_one, here.data, key)
-    return RecordEntry(key=key, about=about, note=written.notes(here.data).get(key, ""))
+    about = await app.workers.run(request, READING, record_answers.describe_one, app.data, key)
+    return RecordEntry(key=key, about=about, note=written.notes(app.data).get(key, ""))
 
 
 @router.get("/curves")
-async def read_curves(here: Here, request: Request, key: Key) -> Curves:
+async def read_curves(app: CurrentApp, request: Request, key: Key) -> Curves:
     """The lines of one record."""
-    return Curves(**await here.workers.run(request, READING, record_answers.curves_of, here.data, key))
+    return Curves(**await app.workers.run(request, READING, record_answers.curves_of, app.data, key))
 
 
 @router.get("/cycles")
-async def read_cycles(here: Here, request: Request, key: Key) -> list[dict[str, float | None]]:
+async def read_cycles(app: CurrentApp, request: Request, key: Key) -> list[dict[str, float | None]]:
     """Every whole cycle of one record, SI, with the peak-velocity pick-up; see `dampyr.records.Cycle`."""
-    cycles: list[dict[str, float | None]] = await here.workers.run(
-        request, READING, record_answers.cycles_of, here.data, key
+    cycles: list[dict[str, float | None]] = await app.workers.run(
+        request, READING, record_answers.cycles_of, app.data, key
     )
     return cycles
 
 
 @router.put("/notes")
-def write_note(here: Here, note: Note) -> Note:
+def write_note(app: CurrentApp, note: Note) -> Note:
     """Keep a note about a record; an empty one takes it away."""
-    record_sources.place(here.data, note.key)
-    written.write_note(here.data, note.key, note.text)
+    record_sources.place(app.data, note.key)
+    written.write_note(app.data, note.key, note.text)
     return note
 
 
@@ -136,13 +136,13 @@ def list_formats() -> RecordFormats:
     "/export", response_class=Response, responses={200: {"content": {kind: {} for kind in MEDIA_TYPES.values()}}}
 )
 async def give(
-    here: Here, request: Request, key: Key, format: Annotated[str, Query(pattern=f"^({'|'.join(MEDIA_TYPES)})$")]
+    app: CurrentApp, request: Request, key: Key, format: Annotated[str, Query(pattern=f"^({'|'.join(MEDIA_TYPES)})$")]
 ) -> FileResponse:
     """One record as a file: csv and h5 in SI, mat as the campaign's files, png a figure of its loops."""
     folder = Path(tempfile.mkdtemp(prefix="dampyr-"))
     path = folder / f"record.{format}"
     try:
-        record = await here.workers.run(request, READING, record_answers.export_record, here.data, key, path)
+        record = await app.workers.run(request, READING, record_answers.export_record, app.data, key, path)
     except BaseException:
         shutil.rmtree(folder)
         raise

@@ -19,7 +19,7 @@ function place() {
 async function show(first = false) {
   const { name, query } = place();
   if (location.hash && !location.hash.startsWith("#/")) return;
-  const page = pages.find((one) => one.name === name);
+  const page = pages.find((page) => page.name === name);
   const turn = ++showing;
   leave?.();
   leave = null;
@@ -120,9 +120,9 @@ async function start() {
     const about = await get("console");
     pages = about.pages;
     document.getElementById("pages").append(
-      ...pages.map((one) => h("a", { href: `#/${one.name}`, "data-name": one.name }, one.title)),
+      ...pages.map((page) => h("a", { href: `#/${page.name}`, "data-name": page.name }, page.title)),
     );
-    if (pages.some((one) => one.name === "bench")) (await import("./lib/abort.js")).begin(document.getElementById("aside"));
+    if (pages.some((page) => page.name === "bench")) (await import("./lib/abort.js")).begin(document.getElementById("aside"));
     document.querySelector(".brand").title = `dampyr ${about.version}`;
   } catch (problem) {
     say(problem.message, "bad");

@@ -33,7 +33,7 @@ export async function acceptance(keys, request, changed, charts) {
     if (!result.children.length) result.append(h("p", { class: "soft" }, "Judging …"));
     const judgement = await attempt(() => get(`records/acceptance?${question}`));
     if (mine !== last) return undefined;
-    for (const one of charts.splice(0)) one.clear();
+    for (const chart of charts.splice(0)) chart.clear();
     return result.replaceChildren(...(judgement ? shown(judgement, question, charts) : []));
   }
 
@@ -45,8 +45,8 @@ export async function acceptance(keys, request, changed, charts) {
 function asking(keys, dampers, request, changed) {
   const reference = h("select", {}, h("option", { value: "" }, "choose …"));
   const groups = [
-    ["Cards", dampers.filter((one) => one.name.startsWith("cards/")).map((one) => [one.name, one.title])],
-    ["Published dampers", dampers.filter((one) => !one.name.startsWith("cards/")).map((one) => [one.name, one.title.replace("published: ", "")])],
+    ["Cards", dampers.filter((damper) => damper.name.startsWith("cards/")).map((damper) => [damper.name, damper.title])],
+    ["Published dampers", dampers.filter((damper) => !damper.name.startsWith("cards/")).map((damper) => [damper.name, damper.title.replace("published: ", "")])],
     ["Records shown", [...(keys.length > 1 ? [[OTHERS, "each by the others"]] : []), ...keys.map((key) => [key, short(key)])]],
   ];
   const offered = groups.flatMap(([, all]) => all.map(([value]) => value));
@@ -70,32 +70,32 @@ function asking(keys, dampers, request, changed) {
 }
 
 function shown(judgement, question, charts) {
-  const names = judgement.records.map((one) => one.name);
-  const colourOf = new Map(judgement.records.map((one, k) => [one, COLOURS[k]]));
-  const inputs = [...new Map(judgement.records.map((one) => [inputOf(one), one])).keys()];
+  const names = judgement.records.map((record) => record.name);
+  const colourOf = new Map(judgement.records.map((record, k) => [record, COLOURS[k]]));
+  const inputs = [...new Map(judgement.records.map((record) => [inputOf(record), record])).keys()];
   const forces = drawCharts(inputs.flatMap((input) => {
-    const some = judgement.records.filter((one) => inputOf(one) === input);
-    return WAYS.filter((way) => some.some((one) => one.points.some((p) => p.quantity === way && p.cycle.length))).map((way) => ({
-      label: `Forces at peak velocity in ${way} of ${some.map((one) => one.name).join(", ")} in the band about the reference`, height: 270,
+    const some = judgement.records.filter((record) => inputOf(record) === input);
+    return WAYS.filter((way) => some.some((record) => record.points.some((p) => p.quantity === way && p.cycle.length))).map((way) => ({
+      label: `Forces at peak velocity in ${way} of ${some.map((record) => record.name).join(", ")} in the band about the reference`, height: 270,
       x: { words: `peak velocity${input ? ` at ${input}` : ""}, ${way}`, unit: "mm/s", pad: 0.06, least: 5 }, y: { words: "force", unit: "N", least: 20 },
-      series: [...judgement.bands.filter((one) => inputOf(one) === input && one.quantity === way).flatMap(asBand),
-        ...some.flatMap((one) => asPoints(one, colourOf.get(one), one.points.filter((p) => p.quantity === way), (p, i) => [1e3 * p.speed[i], p.measured[i]]))],
+      series: [...judgement.bands.filter((band) => inputOf(band) === input && band.quantity === way).flatMap(asBand),
+        ...some.flatMap((record) => asPoints(record, colourOf.get(record), record.points.filter((p) => p.quantity === way), (p, i) => [1e3 * p.speed[i], p.measured[i]]))],
     }));
   }), { across: true });
-  const cycles = Math.max(1, ...judgement.records.flatMap((one) => one.points.flatMap((p) => p.cycle)));
+  const cycles = Math.max(1, ...judgement.records.flatMap((record) => record.points.flatMap((p) => p.cycle)));
   const used = chart({
     label: `Deviation within the band, every cycle of ${names.join(", ")} uses`, height: 260,
     x: { words: "cycle", pad: 0.04 }, y: { words: "off by", unit: "half-widths" },
     series: [{ name: "edges of the band", x: [0, cycles + 1, null, 0, cycles + 1], y: [1, 1, null, -1, -1], colour: "ink", dash: "dashed", width: 1, always: true, silent: true },
-      ...judgement.records.flatMap((one) => asPoints(one, colourOf.get(one), one.points, (p, i) => (p.used[i] === null ? null : [p.cycle[i], p.used[i]])))],
+      ...judgement.records.flatMap((record) => asPoints(record, colourOf.get(record), record.points, (p, i) => (p.used[i] === null ? null : [p.cycle[i], p.used[i]])))],
   });
   charts.push(forces, used);
-  const judged = judgement.records.some((one) => one.judged);
-  const any = judgement.records.some((one) => one.points.some((p) => WAYS.includes(p.quantity) && p.cycle.length));
+  const judged = judgement.records.some((record) => record.judged);
+  const any = judgement.records.some((record) => record.points.some((p) => WAYS.includes(p.quantity) && p.cycle.length));
   return [
     originLine(judgement.data.origin, "This judgement"),
     h("p", { class: "verdict", role: "status" }, inShort(judgement.records)),
-    ...judgement.notes.map((one) => h("p", { class: "verdict fair" }, one)),
+    ...judgement.notes.map((note) => h("p", { class: "verdict fair" }, note)),
     summary(judgement.records),
     h("p", { class: "soft" }, "Cycles count from the start of the motion. Wrong rejection: the chance, at the record's scatter, that a damper like the reference fails; wrong acceptance: that one passes of which one quantity at one level lies a third of the half-width beyond the band."),
     h("div", { class: "row" }, h("a", { class: "button", href: `/api/records/acceptance/page?${question}`, download: "acceptance.html" }, "Save the page")),
@@ -109,7 +109,7 @@ function shown(judgement, question, charts) {
 }
 
 function inShort(records) {
-  const counts = Object.keys(BADGES).map((verdict) => [verdict, records.filter((one) => one.verdict === verdict).length]).filter(([, count]) => count);
+  const counts = Object.keys(BADGES).map((verdict) => [verdict, records.filter((record) => record.verdict === verdict).length]).filter(([, count]) => count);
   return `${counts.map(([verdict, count]) => `${count} ${verdict}`).join(", ")}.`;
 }
 
@@ -118,9 +118,9 @@ function summary(records) {
     caption: "One point outside fails a record, and so does the mean of a level. Where less than half of a level's cycles could be judged, it has neither passed nor failed.",
     columns: [{ name: "record" }, { name: "verdict", align: "left" }, { name: "run", align: "right" }, { name: "whole" }, { name: "judged", align: "right" }, { name: "stroke", unit: "mm" }, { name: "judged to", unit: "mm" }, { name: "outside" },
       { name: "worst", align: "left" }, { name: "cycle" }, { name: "off by", unit: "%", digits: 3 }, { name: "wrong rejection", unit: "%", align: "right" }, { name: "wrong acceptance", unit: "%", align: "right" }],
-    rows: records.map((one) => [one.name, badge(one.verdict),
-      { key: one.run, show: one.run.toFixed(1) }, one.cut, { key: one.judged_cycles, show: `${one.judged_cycles} of ${one.cut}` }, 1e3 * one.stroke_m, one.judged ? 1e3 * one.judged_stroke_m : null, one.outside_count,
-      one.worst?.quantity ?? null, one.worst?.cycle ?? null, percent(one.worst?.deviation), chance(one.wrong_rejection), chance(one.wrong_acceptance)]),
+    rows: records.map((record) => [record.name, badge(record.verdict),
+      { key: record.run, show: record.run.toFixed(1) }, record.cut, { key: record.judged_cycles, show: `${record.judged_cycles} of ${record.cut}` }, 1e3 * record.stroke_m, record.judged ? 1e3 * record.judged_stroke_m : null, record.outside_count,
+      record.worst?.quantity ?? null, record.worst?.cycle ?? null, percent(record.worst?.deviation), chance(record.wrong_rejection), chance(record.wrong_acceptance)]),
   });
 }
 
@@ -128,15 +128,15 @@ function relevelled(records) {
   return records.length ? section("Relevelled", table({
     caption: "Judged again with the level of the first cycles, measured over expected, taken out of the later ones",
     columns: [{ name: "record" }, { name: "level", digits: 4 }, { name: "verdict", align: "left" }, { name: "judged" }, { name: "outside" }, { name: "worst", align: "left" }, { name: "off by", unit: "%", digits: 3 }],
-    rows: records.map((one) => [one.name, one.level, badge(one.verdict), one.judged_cycles, one.outside_count, one.worst?.quantity ?? null, percent(one.worst?.deviation)]),
+    rows: records.map((record) => [record.name, record.level, badge(record.verdict), record.judged_cycles, record.outside_count, record.worst?.quantity ?? null, percent(record.worst?.deviation)]),
   })) : null;
 }
 
 const badge = (verdict) => ({ key: verdict, show: h("span", { class: BADGES[verdict] }, { passed: "✓ ", failed: "✗ ", "not judged": "? " }[verdict], verdict) });
 
 function levels(records) {
-  const rows = records.filter((one) => one.levels.length > 1).flatMap((one) => one.levels.map((each) => [one.name, each.number, { key: each.judged, show: `${each.judged} of ${each.cycles}` }, 1e3 * each.stroke_m, each.frequency_hz,
-    ...QUANTITIES.map((quantity) => percent(each.deviation[quantity])), each.outside ? h("span", { class: "badge bad" }, "✗ outside") : ""]));
+  const rows = records.filter((record) => record.levels.length > 1).flatMap((record) => record.levels.map((level) => [record.name, level.number, { key: level.judged, show: `${level.judged} of ${level.cycles}` }, 1e3 * level.stroke_m, level.frequency_hz,
+    ...QUANTITIES.map((quantity) => percent(level.deviation[quantity])), level.outside ? h("span", { class: "badge bad" }, "✗ outside") : ""]));
   return rows.length ? section("Means of each level", table({
     caption: "Mean of measured over expected less 1",
     columns: [{ name: "record" }, { name: "level" }, { name: "judged", align: "right" }, { name: "stroke", unit: "mm" }, { name: "frequency", unit: "Hz" }, ...QUANTITIES.map((name) => ({ name, unit: "%", digits: 3 })), { name: "", words: "verdict", plain: true }],
@@ -145,9 +145,9 @@ function levels(records) {
 }
 
 function outside(records) {
-  const rows = records.flatMap((one) => one.outside.map((p) => [one.name, p.cycle, p.quantity, percent(p.deviation), 1e3 * p.speed, p.measured, p.low, p.high, p.quantity === "energy" ? "J" : "N"]));
+  const rows = records.flatMap((record) => record.outside.map((p) => [record.name, p.cycle, p.quantity, percent(p.deviation), 1e3 * p.speed, p.measured, p.low, p.high, p.quantity === "energy" ? "J" : "N"]));
   if (!rows.length) return null;
-  const all = records.reduce((sum, one) => sum + one.outside_count, 0);
+  const all = records.reduce((sum, record) => sum + record.outside_count, 0);
   return section("Points outside", table({
     caption: rows.length < all ? `The worst ${rows.length} of ${all}` : "The worst of each record first; above 0 % is stronger than the reference",
     columns: [{ name: "record" }, { name: "cycle" }, { name: "quantity", align: "left" }, { name: "off by", unit: "%", digits: 3 }, { name: "at", unit: "mm/s" }, { name: "measured" }, { name: "band from" }, { name: "to" },
@@ -157,7 +157,7 @@ function outside(records) {
 }
 
 function open(records) {
-  const rows = records.flatMap((one) => Object.entries(one.reasons).map(([why, count]) => [one.name, count, why]));
+  const rows = records.flatMap((record) => Object.entries(record.reasons).map(([why, count]) => [record.name, count, why]));
   return rows.length ? section("Not judged", table({ caption: "Nothing is extrapolated from a reference", columns: [{ name: "record" }, { name: "points" }, { name: "why", align: "left" }], rows })) : null;
 }
 
@@ -165,20 +165,20 @@ const chance = (value) => (value === null ? null : { key: value, show: value < 1
 
 const percent = (value) => (value === null || value === undefined ? null : 100 * value);
 
-const inputOf = (one) => (one.input === null ? "" : `${number(one.input_value, 5)} ${one.input}`);
+const inputOf = (record) => (record.input === null ? "" : `${number(record.input_value, 5)} ${record.input}`);
 
-function asBand(one) {
-  const speeds = one.speed.map((value) => 1e3 * value);
+function asBand(band) {
+  const speeds = band.speed.map((value) => 1e3 * value);
   const reach = 0.02 * Math.max(...speeds.map(Math.abs));
   const x = [speeds[0] - reach, ...speeds, speeds.at(-1) + reach];
   const ends = (values) => [values[0], ...values, values.at(-1)];
-  const round = { name: "band", x: [...x, ...[...x].reverse()], y: [...ends(one.high), ...ends(one.low).reverse()], colour: "sky", fill: true, always: true, silent: true };
-  return [round, { name: "reference", x, y: ends(one.expected), colour: "ink", dash: "dashed", width: 1.2, always: true }];
+  const round = { name: "band", x: [...x, ...[...x].reverse()], y: [...ends(band.high), ...ends(band.low).reverse()], colour: "sky", fill: true, always: true, silent: true };
+  return [round, { name: "reference", x, y: ends(band.expected), colour: "ink", dash: "dashed", width: 1.2, always: true }];
 }
 
 function asPoints(record, colour, columns, place) {
   return SHAPES.map(([state, shape, words]) => {
     const at = columns.flatMap((p) => p.inside.flatMap((inside, i) => (inside === state ? [[place(p, i), `cycle ${p.cycle[i]}, ${p.quantity}, ${words}`]] : []))).filter(([point]) => point);
     return { name: state === true ? record.name : "", of: record.name, points: true, shape, colour, always: true, ...(state === false ? { size: 11, width: 2.6 } : {}), x: at.map(([[x]]) => x), y: at.map(([[, y]]) => y), tips: at.map(([, tip]) => tip) };
-  }).filter((one) => one.x.length || one.name);
+  }).filter((shape) => shape.x.length || shape.name);
 }

@@ -15,15 +15,15 @@ export function alarmBanner() {
   const element = h("div", { class: "alarms", role: "alert", hidden: true }, list, all);
   let drawn = "";
   function show(alarms, mine) {
-    const open = alarms.filter((one) => one.active || !one.acknowledged);
+    const open = alarms.filter((alarm) => alarm.active || !alarm.acknowledged);
     const now = JSON.stringify([open, mine]);
     if (now === drawn) return;
     drawn = now;
     element.hidden = !open.length;
-    all.hidden = !open.some((one) => !one.acknowledged);
+    all.hidden = !open.some((alarm) => !alarm.acknowledged);
     all.disabled = !mine;
-    list.replaceChildren(...open.slice(0, SHOWN).map((one) => h("li", {}, h("strong", {}, one.active ? "Alarm" : "Alarm, over"), ` ${clock(one.time)}: ${one.words}`,
-      one.acknowledged ? h("span", { class: "soft" }, ` (acknowledged by ${one.acknowledged})`) : null)));
+    list.replaceChildren(...open.slice(0, SHOWN).map((alarm) => h("li", {}, h("strong", {}, alarm.active ? "Alarm" : "Alarm, over"), ` ${clock(alarm.time)}: ${alarm.words}`,
+      alarm.acknowledged ? h("span", { class: "soft" }, ` (acknowledged by ${alarm.acknowledged})`) : null)));
     if (open.length > SHOWN) list.append(h("li", { class: "soft" }, `and ${open.length - SHOWN} more, in the list below`));
   }
   return { element, show };
@@ -33,7 +33,7 @@ export const clock = (time) => time.slice(11, 19);
 
 /** Limits of the readings, every alarm, and the log of events. */
 export function alarmsAndLog() {
-  const which = choice(Object.entries(READINGS).map(([key, one]) => [key, `${one.name} [${one.unit}]`]), { id: "alarm-reading" });
+  const which = choice(Object.entries(READINGS).map(([key, reading]) => [key, `${reading.name} [${reading.unit}]`]), { id: "alarm-reading" });
   const low = h("input", { type: "number", step: "any", id: "alarm-low" });
   const high = h("input", { type: "number", step: "any", id: "alarm-high" });
   const set = button("Set", () => {
@@ -54,13 +54,13 @@ export function alarmsAndLog() {
     const now = JSON.stringify([state.alarms, state.alarm_limits]);
     if (now !== drawn) {
       drawn = now;
-      limits.replaceChildren(...state.alarm_limits.map((one) => {
-        const { name, unit, factor } = READINGS[one.reading];
-        const sides = [one.low === null ? null : `below ${number(one.low * factor)} ${unit}`, one.high === null ? null : `above ${number(one.high * factor)} ${unit}`];
+      limits.replaceChildren(...state.alarm_limits.map((limit) => {
+        const { name, unit, factor } = READINGS[limit.reading];
+        const sides = [limit.low === null ? null : `below ${number(limit.low * factor)} ${unit}`, limit.high === null ? null : `above ${number(limit.high * factor)} ${unit}`];
         return h("li", {}, `Alarm where the ${name} is ${sides.filter(Boolean).join(" or ")} `,
-          button("Remove", () => ask("alarms/limit", { reading: one.reading, low: null, high: null }), { class: "quiet", "aria-label": `Remove the limit of ${name}` }));
+          button("Remove", () => ask("alarms/limit", { reading: limit.reading, low: null, high: null }), { class: "quiet", "aria-label": `Remove the limit of ${name}` }));
       }));
-      const rows = state.alarms.map((one) => [clock(one.time), one.words, one.active ? "lasts" : "over", one.acknowledged || "–"]);
+      const rows = state.alarms.map((alarm) => [clock(alarm.time), alarm.words, alarm.active ? "lasts" : "over", alarm.acknowledged || "–"]);
       alarms.replaceChildren(...(rows.length ? [table({ caption: "Alarms of this session", columns: [{ name: "time" }, { name: "alarm" }, { name: "state" }, { name: "acknowledged by" }], rows })] : []));
     }
   }
@@ -69,7 +69,7 @@ export function alarmsAndLog() {
     const now = JSON.stringify(events[0] ?? null) + events.length;
     if (now === latest) return;
     latest = now;
-    const rows = events.map((one) => [one.time.slice(0, 19).replace("T", " "), one.who, one.what]);
+    const rows = events.map((entry) => [entry.time.slice(0, 19).replace("T", " "), entry.who, entry.what]);
     log.replaceChildren(table({ caption: "Who did what; all of it is in bench/bench-events.jsonl of the data folder, and what happened during a run in the folder of the run",
       columns: [{ name: "time" }, { name: "who" }, { name: "what" }], rows, empty: "Nothing was done yet." }));
   }

@@ -14,7 +14,7 @@ export function before(page, kinds, follow) {
   async function look() {
     let jobs;
     try {
-      jobs = (await get("jobs")).filter((one) => kinds.includes(one.kind)).slice(0, MAX_SHOWN);
+      jobs = (await get("jobs")).filter((job) => kinds.includes(job.kind)).slice(0, MAX_SHOWN);
     } catch {
       return; // the head of the page shows when the console does not answer
     }
@@ -26,10 +26,10 @@ export function before(page, kinds, follow) {
     if (focused) element.querySelector(`a[href="${CSS.escape(focused)}"]`)?.focus();
   }
 
-  function line(one) {
-    const chosen = (event) => (event.preventDefault(), follow(one.id));
-    const kind = { done: "good", failed: "bad" }[one.state] ?? "";
-    return h("li", {}, h("a", { href: `#/${page}?job=${one.id}`, onclick: chosen }, one.title), h("small", {}, when(one.made)), " ", h("span", { class: `badge ${kind}` }, one.state));
+  function line(job) {
+    const chosen = (event) => (event.preventDefault(), follow(job.id));
+    const kind = { done: "good", failed: "bad" }[job.state] ?? "";
+    return h("li", {}, h("a", { href: `#/${page}?job=${job.id}`, onclick: chosen }, job.title), h("small", {}, when(job.made)), " ", h("span", { class: `badge ${kind}` }, job.state));
   }
 
   /** The time of today, or the day and the time. */

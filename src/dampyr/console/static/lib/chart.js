@@ -34,13 +34,13 @@ export function charts(panels, { linked = false, across = false } = {}) {
   const tools = h("div", { class: "tools", role: "group", "aria-label": "Tools of the chart" });
   const parts = panels.map((panel) => part(panel));
   const element = h("figure", { class: "chart" }, h("div", { class: "plot-foot" }, names, tools),
-    h("div", { class: across ? "chart-panels across" : "chart-panels" }, parts.map((one) => one.box)));
+    h("div", { class: across ? "chart-panels across" : "chart-panels" }, parts.map((part) => part.box)));
   const hidden = new Set();
   let drawing = null;
   let cleared = false;
 
   const entries = legendOf(panels);
-  if (entries.length > 1 || entries.some((one) => one.always)) names.append(...entries.map(entry));
+  if (entries.length > 1 || entries.some((entry) => entry.always)) names.append(...entries.map(entry));
   draw();
 
   async function draw() {
@@ -53,18 +53,18 @@ export function charts(panels, { linked = false, across = false } = {}) {
       await drawing.show();
       if (cleared) return drawing.clear();
       tools.append(...toolbar());
-      for (const [k, one] of parts.entries()) one.box.addEventListener("pointermove", (event) => read(k, event));
+      for (const [k, part] of parts.entries()) part.box.addEventListener("pointermove", (event) => read(k, event));
     } catch (problem) {
       element.replaceChildren(h("p", { class: "verdict bad", role: "alert" }, problem.message));
     }
   }
 
-  function entry(one) {
-    const swatch = h("span", { class: ["swatch", one.dash, one.fill && "area", one.points && "dot", one.points && one.shape].filter(Boolean).join(" ") });
-    swatch.style.color = `var(--${one.colour})`;
-    const made = button([swatch, one.name], () => {
-      if (!hidden.delete(one.name)) hidden.add(one.name);
-      made.setAttribute("aria-pressed", String(!hidden.has(one.name)));
+  function entry(line) {
+    const swatch = h("span", { class: ["swatch", line.dash, line.fill && "area", line.points && "dot", line.points && line.shape].filter(Boolean).join(" ") });
+    swatch.style.color = `var(--${line.colour})`;
+    const made = button([swatch, line.name], () => {
+      if (!hidden.delete(line.name)) hidden.add(line.name);
+      made.setAttribute("aria-pressed", String(!hidden.has(line.name)));
       drawing?.hide(hidden);
       rescale();
     }, { class: "name", "aria-pressed": "true", title: "Show or hide" });
@@ -96,7 +96,7 @@ export function charts(panels, { linked = false, across = false } = {}) {
     const place = parts[k].box.getBoundingClientRect();
     const [sx, sy] = [event.clientX - place.left, event.clientY - place.top];
     const at = drawing.nearest(k, sx, sy, (series) => !hidden.has(series.of ?? series.name));
-    for (const [j, one] of parts.entries()) one.point(j === k ? at : null, linked && at ? at.sx : null);
+    for (const [j, part] of parts.entries()) part.point(j === k ? at : null, linked && at ? at.sx : null);
   }
 
   function dress() {
@@ -104,7 +104,7 @@ export function charts(panels, { linked = false, across = false } = {}) {
   }
 
   async function save() {
-    const picture = drawing.picture(entries.filter((one) => !hidden.has(one.name)), across);
+    const picture = drawing.picture(entries.filter((entry) => !hidden.has(entry.name)), across);
     const blob = await new Promise((resolve) => picture.toBlob(resolve, "image/png"));
     const link = h("a", { href: URL.createObjectURL(blob), download: `${fileName(panels[0].label)}.png` });
     link.click();
@@ -128,9 +128,9 @@ const fileName = (label) => label.toLowerCase().replace(/[^a-z0-9.]+/g, "-").rep
 function legendOf(panels) {
   const named = new Map();
   for (const panel of panels) {
-    panel.series.forEach((one, k) => {
-      const mine = { ...one, colour: one.colour ?? COLOURS[k % COLOURS.length] };
-      if (one.name && !named.has(one.name)) named.set(one.name, mine);
+    panel.series.forEach((line, k) => {
+      const mine = { ...line, colour: line.colour ?? COLOURS[k % COLOURS.length] };
+      if (line.name && !named.has(line.name)) named.set(line.name, mine);
     });
   }
   return [...named.values()];
@@ -171,34 +171,34 @@ function build(library, parts, linked) {
   const shared = linked ? new library.Range1d({ start: 0, end: 1 }) : null;
   const made = parts.map(({ panel }, k) => plotOf(library, panel, shared, linked && k < parts.length - 1));
   const document = new library.Document();
-  for (const one of made) document.add_root(one.plot);
+  for (const plot of made) document.add_root(plot.plot);
   const frames = []; // of the ranges as they are without a zoom
   let views = null;
   let held = coarse ? null : "zoom";
 
   async function show() {
-    views = await library.embed.add_document_standalone(document, parts[0].host, parts.map((one) => one.host));
-    for (const one of made) {
-      one.view = views.get(one.plot);
-      one.view.canvas_view.events_el.removeAttribute("tabindex"); // an image holds nothing to focus
+    views = await library.embed.add_document_standalone(document, parts[0].host, parts.map((part) => part.host));
+    for (const plot of made) {
+      plot.view = views.get(plot.plot);
+      plot.view.canvas_view.events_el.removeAttribute("tabindex"); // an image holds nothing to focus
     }
     drag(held);
   }
 
   function dress() {
-    for (const one of made) one.dress();
+    for (const plot of made) plot.dress();
   }
 
   function hide(names) {
-    for (const one of made) for (const { series, renderer } of one.drawn) renderer.visible = !names.has(series.of ?? series.name);
+    for (const plot of made) for (const { series, renderer } of plot.drawn) renderer.visible = !names.has(series.of ?? series.name);
   }
 
   function rescale(isShown) {
     const spans = made.map(({ panel }) => panel.series.filter(isShown));
-    made.forEach((one, k) => {
+    made.forEach((plot, k) => {
       const across = linked ? spans.flat() : spans[k];
-      fit(one.plot.x_range, extent(across.map((each) => each.x), one.panel.x), linked ? 0 : 2 * k);
-      fit(one.plot.y_range, extent(spans[k].map((each) => each.y), { pad: 0.06, zero: one.panel.zero, ...one.panel.y }), 2 * k + 1);
+      fit(plot.plot.x_range, extent(across.map((line) => line.x), plot.panel.x), linked ? 0 : 2 * k);
+      fit(plot.plot.y_range, extent(spans[k].map((line) => line.y), { pad: 0.06, zero: plot.panel.zero, ...plot.panel.y }), 2 * k + 1);
     });
   }
 
@@ -214,14 +214,14 @@ function build(library, parts, linked) {
 
   function drag(tool) {
     held = tool;
-    for (const one of made) {
-      one.zoom.active = tool === "zoom";
-      one.pan.active = tool === "pan";
+    for (const plot of made) {
+      plot.zoom.active = tool === "zoom";
+      plot.pan.active = tool === "pan";
     }
   }
 
   function turnWheel() {
-    for (const one of made) one.wheel.active = !one.wheel.active;
+    for (const plot of made) plot.wheel.active = !plot.wheel.active;
     return made[0].wheel.active;
   }
 
@@ -255,7 +255,7 @@ function build(library, parts, linked) {
 
   /** The charts and their legend on one canvas. */
   function picture(entries, across) {
-    const layers = made.map((one) => one.view.export("png").canvas);
+    const layers = made.map((plot) => plot.view.export("png").canvas);
     const ratio = layers[0].width / parts[0].host.clientWidth;
     const columns = across && parts.length > 1 && parts[0].box.offsetTop === parts[1].box.offsetTop;
     const total = (side) => layers.reduce((sum, layer) => sum + layer[side], 0);
@@ -268,12 +268,12 @@ function build(library, parts, linked) {
     context.font = `${13 * ratio}px system-ui, sans-serif`;
     context.textBaseline = "middle";
     let at = 10 * ratio;
-    for (const one of entries) {
-      context.fillStyle = colour(one.colour);
+    for (const entry of entries) {
+      context.fillStyle = colour(entry.colour);
       context.fillRect(at, head / 2 - ratio, 18 * ratio, 3 * ratio);
       context.fillStyle = colour("ink");
-      context.fillText(one.name, at + 24 * ratio, head / 2);
-      at += 42 * ratio + context.measureText(one.name).width;
+      context.fillText(entry.name, at + 24 * ratio, head / 2);
+      at += 42 * ratio + context.measureText(entry.name).width;
     }
     let [left, top] = [0, head];
     for (const layer of layers) {
@@ -314,9 +314,9 @@ function plotOf(library, panel, shared, bare) {
     for (const axis of [x, y]) {
       axis.setv({ axis_line_color: muted, major_tick_line_color: muted, minor_tick_line_color: (axis === x ? panel.x : panel.y).log ? muted : null, major_label_text_color: soft, axis_label_text_color: ink });
     }
-    for (const one of grids) one.setv({ grid_line_color: grid });
+    for (const gridLine of grids) gridLine.setv({ grid_line_color: grid });
     zoom.overlay.setv({ fill_color: blue, fill_alpha: 0.15, line_color: blue });
-    for (const one of drawn) one.dress();
+    for (const drawing of drawn) drawing.dress();
   }
   return { panel, plot, drawn, zoom, pan, wheel, dress };
 }
@@ -340,7 +340,7 @@ function logTicker(ticker) {
     const ticks = (steps) => {
       const values = [];
       for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power++) values.push(...steps.map((step) => step * 10 ** power));
-      return values.filter((one) => one >= low && one <= high);
+      return values.filter((tick) => tick >= low && tick <= high);
     };
     if (decades > 2.5) return { major: ticks([1]), minor: ticks([2, 3, 4, 5, 6, 7, 8, 9]) };
     return { major: ticks(decades > 0.7 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9]), minor: ticks([2, 3, 4, 5, 6, 7, 8, 9]) };

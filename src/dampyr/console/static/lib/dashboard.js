@@ -15,8 +15,8 @@ export async function dashboard(root, pages) {
   const runs = h("div", {});
   const jobs = h("div", {});
   root.append(h("h1", {}, "dampyr"), h("div", { class: "cards" }, rig, disk), runs, jobs,
-    section("Pages", h("ul", { class: "doors" }, pages.map((one) => h("li", {}, h("a", { href: `#/${one.name}` }, one.title))))));
-  const end = pages.some((one) => one.name === "bench") ? listen(() => rigCard(rig)) : () => {};
+    section("Pages", h("ul", { class: "doors" }, pages.map((page) => h("li", {}, h("a", { href: `#/${page.name}` }, page.title))))));
+  const end = pages.some((page) => page.name === "bench") ? listen(() => rigCard(rig)) : () => {};
   rigCard(rig);
   const [listed, all, room] = await Promise.all([get("bench/runs"), get("jobs"), get("bench/disk")]);
   const share = 1 - room.free / room.total;
@@ -24,12 +24,12 @@ export async function dashboard(root, pages) {
     h("meter", { min: "0", max: "1", high: "0.9", value: String(share), "aria-label": "Used part of the disk" }), h("p", { class: "soft" }, `data folder: ${room.folder}`));
   runs.replaceChildren(section("Last runs", table({ caption: "The latest first", empty: "No campaign was run into this data folder yet.",
     columns: [{ name: "folder" }, { name: "campaign" }, { name: "state" }, { name: "tests" }, { name: "operator" }, { name: "last event, UTC" }],
-    rows: listed.slice(0, RUNS).map((one) => [h("span", { class: "named" }, h("a", { href: one.state === "complete" ? "#/records" : "#/bench" }, one.name), originBadge(one.origin)), one.campaign, badge(one.state), `${one.complete} of ${one.tests}`,
-      one.operator || "–", one.time.slice(0, 16).replace("T", " ")]) })));
+    rows: listed.slice(0, RUNS).map((run) => [h("span", { class: "named" }, h("a", { href: run.state === "complete" ? "#/records" : "#/bench" }, run.name), originBadge(run.origin)), run.campaign, badge(run.state), `${run.complete} of ${run.tests}`,
+      run.operator || "–", run.time.slice(0, 16).replace("T", " ")]) })));
   jobs.replaceChildren(section("Last jobs", table({ caption: "Fits and simulations", empty: "No job was started yet.",
     columns: [{ name: "job" }, { name: "state" }, { name: "started" }, { name: "took", unit: "s" }],
-    rows: all.slice(0, JOBS).map((one) => [one.title, badge(one.state), { key: one.made, show: local(one.made) },
-      one.ended ? { key: one.ended - one.made, show: (one.ended - one.made).toFixed(1) } : null]) })));
+    rows: all.slice(0, JOBS).map((job) => [job.title, badge(job.state), { key: job.made, show: local(job.made) },
+      job.ended ? { key: job.ended - job.made, show: (job.ended - job.made).toFixed(1) } : null]) })));
   return end;
 }
 
@@ -44,7 +44,7 @@ function rigCard(place) {
     if (state.run?.outcome === "running") rows.push(h("p", {}, `${state.run.name}: ${state.run.done} of ${state.run.tests} tests, ${clockOf(state.run.time_left)} left`));
     else if (state.run) rows.push(h("p", {}, `${state.run.name}: ${state.run.outcome}`));
   }
-  const alarms = state?.alarms.filter((one) => one.active || !one.acknowledged).length ?? 0;
+  const alarms = state?.alarms.filter((alarm) => alarm.active || !alarm.acknowledged).length ?? 0;
   if (alarms) rows.push(h("p", { class: "verdict bad" }, `${number(alarms)} alarm${alarms > 1 ? "s" : ""} to be acknowledged`));
   place.replaceChildren(h("h2", {}, "Rig"), ...rows, h("p", {}, h("a", { href: "#/bench" }, "to the bench")));
 }

@@ -36,8 +36,8 @@ export function tick(label, attributes = {}) {
 /** A choice among [value, words] pairs or plain words. */
 export function choice(options, attributes = {}) {
   const made = h("select", attributes);
-  for (const one of options) {
-    const [value, words] = Array.isArray(one) ? one : [one, one];
+  for (const option of options) {
+    const [value, words] = Array.isArray(option) ? option : [option, option];
     made.append(h("option", { value }, words));
   }
   if (attributes.value !== undefined) made.value = attributes.value;

@@ -17,14 +17,14 @@ export function oneNumber(text, name) {
 /** The numbers of a list; an Error says what is wrong. */
 export function numberList(text, name) {
   const typed = text.trim().replaceAll("−", "-");
-  if (typed.includes(";")) return typed.split(";").map((one) => one.trim()).filter(Boolean).map((one) => oneNumber(one, name));
-  return typed.split(/,\s+|\s+|,$/).filter(Boolean).map((one) => {
-    if (one.includes(",")) {
-      const parts = one.split(",");
+  if (typed.includes(";")) return typed.split(";").map((text) => text.trim()).filter(Boolean).map((text) => oneNumber(text, name));
+  return typed.split(/,\s+|\s+|,$/).filter(Boolean).map((text) => {
+    if (text.includes(",")) {
+      const parts = text.split(",");
       const reading = parts.length === 2 ? `can be the number ${parts.join(".")} or the list ${parts.join("; ")}` : "can be read in more than one way";
-      throw new Error(`${name}: ${one} ${reading}; part the values of a list by ; as in ${parts.length === 2 ? `${parts.join(",")}; 2 or ` : ""}${parts.join("; ")}`);
+      throw new Error(`${name}: ${text} ${reading}; part the values of a list by ; as in ${parts.length === 2 ? `${parts.join(",")}; 2 or ` : ""}${parts.join("; ")}`);
     }
-    if (!NUMBER.test(one)) throw new Error(`${name}: ${one} must be a number; part the values of a list by ; as in 2; 4,5; 8`);
-    return Number(one);
+    if (!NUMBER.test(text)) throw new Error(`${name}: ${text} must be a number; part the values of a list by ; as in 2; 4,5; 8`);
+    return Number(text);
   });
 }

@@ -10,13 +10,13 @@ import { numberList, oneNumber } from "./numbers.js";
 export function optionsForm(options, chosen = {}, changed = () => {}) {
   const controls = options.map((option) => [option, control(option, Object.hasOwn(chosen, option.name) ? chosen[option.name] : option.default)]);
   const groups = [...new Set(options.map((option) => option.group))];
-  const of = (group) => h("div", { class: "fields" }, controls.filter(([option]) => option.group === group).map(([, one]) => one.element));
+  const of = (group) => h("div", { class: "fields" }, controls.filter(([option]) => option.group === group).map(([, control]) => control.element));
   return {
     element: h("div", { onchange: changed }, groups.map((group) => (group ? h("details", {}, h("summary", {}, group), of(group)) : of(group)))),
     values() {
       const values = {};
-      for (const [option, one] of controls) {
-        const value = one.value();
+      for (const [option, control] of controls) {
+        const value = control.value();
         if (JSON.stringify(value) !== JSON.stringify(option.default)) values[option.name] = value;
       }
       return values;
@@ -64,8 +64,8 @@ function typed(option, value) {
 
 function asText(option, value) {
   if (value === null || value === undefined) return "";
-  if (option.several) return value.map((one) => single(option, one)).join("; ");
-  if (option.pairs && typeof value === "object") return Object.entries(value).map(([name, one]) => `${name} = ${single(option, one)}`).join("; ");
+  if (option.several) return value.map((item) => single(option, item)).join("; ");
+  if (option.pairs && typeof value === "object") return Object.entries(value).map(([name, item]) => `${name} = ${single(option, item)}`).join("; ");
   return single(option, value);
 }
 
@@ -84,13 +84,13 @@ function pairs(option, text) {
   if (!entries.length) return option.default;
   if (option.for_all && entries.length === 1 && !entries[0].includes("=")) return entries[0];
   return Object.fromEntries(entries.map((entry) => {
-    const [name, value] = entry.includes("=") ? entry.split("=", 2).map((one) => one.trim()) : ["*", entry];
+    const [name, value] = entry.includes("=") ? entry.split("=", 2).map((text) => text.trim()) : ["*", entry];
     if (name === "*" && !option.for_all) throw new Error(`${option.label}: ${entry} has no =; write it as in NAME = VALUE`);
     return [name, option.kind === "str" ? value : quantity(option, value, `${option.label}, ${name}`)];
   }));
 }
 
-const parts = (text) => text.split(";").map((one) => one.trim()).filter(Boolean);
+const parts = (text) => text.split(";").map((text) => text.trim()).filter(Boolean);
 
 const WITH_UNIT = /^[+-]?[\d.,]+(e[+-]?\d+)?\s*[a-zµ%].*$/i;
 

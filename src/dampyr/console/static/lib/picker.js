@@ -11,22 +11,22 @@ export async function picker(start, changed) {
   const taken = new Set(start);
   let listed = [];
   const first = start[0]?.split("/")[0];
-  const source = choice(sources.map((one) => [one.name, one.title]), { value: first ?? sources.at(-1).name, onchange: load });
+  const source = choice(sources.map((source) => [source.name, source.title]), { value: first ?? sources.at(-1).name, onchange: load });
   const filter = h("input", { type: "search", oninput: fill });
   const list = h("div");
   const rest = tick("interrupted and repeated ones", { onchange: fill });
-  const isLeftOut = (one) => one.left_out && !rest.firstChild.checked && !taken.has(one.key);
+  const isLeftOut = (record) => record.left_out && !rest.firstChild.checked && !taken.has(record.key);
   const count = h("span", { class: "soft", role: "status" });
   const element = h("div", {}, h("div", { class: "fields sources" }, field("Source", source), field("Filter", filter)),
     h("div", { class: "row" }, button("All shown", () => mark(true)), button("None", () => mark(false)), rest, count), list);
 
-  const shown = () => listed.filter((one) => !one.problem && !isLeftOut(one) && `${one.key} ${one.about.input_value} ${one.about.role}`.toLowerCase().includes(filter.value.toLowerCase()));
+  const shown = () => listed.filter((record) => !record.problem && !isLeftOut(record) && `${record.key} ${record.about.input_value} ${record.about.role}`.toLowerCase().includes(filter.value.toLowerCase()));
 
-  const unreadable = () => listed.filter((one) => one.problem).length;
+  const unreadable = () => listed.filter((record) => record.problem).length;
 
   function mark(on) {
     if (!on) taken.clear();
-    else for (const one of shown()) taken.add(one.key);
+    else for (const record of shown()) taken.add(record.key);
     fill();
     tell();
   }

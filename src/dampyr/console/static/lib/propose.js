@@ -21,7 +21,7 @@ export function proposal(rig, take) {
     place.replaceChildren(h("p", { class: "soft" }, "Reading the dampers and the records …"));
     const offered = await attempt(() => get("campaigns/proposing"));
     if (!offered) return place.replaceChildren(); // and once more when it is opened again
-    const damper = choice([["", "that of the rig"], ...offered.dampers.map((one) => [one.name, one.title])]);
+    const damper = choice([["", "that of the rig"], ...offered.dampers.map((damper) => [damper.name, damper.title])]);
     const records = await picker([], () => {});
     const structure = choice(offered.structures);
     const voltage = h("input", { type: "text", inputmode: "decimal" });

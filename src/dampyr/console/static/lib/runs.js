@@ -34,9 +34,9 @@ export async function campaignPanel(files, chosen) {
 
   async function refresh() {
     const runs = await get("bench/runs");
-    const open = runs.filter((one) => one.state === "interrupted");
-    const rows = open.slice(0, 5).map((one) => h("li", {}, h("strong", {}, one.name), " ", originBadge(one.origin), ` ${one.complete} of ${one.tests} tests, ${one.time.slice(0, 10)} `,
-      button("Continue…", () => attempt(() => dialog.open(files.includes(one.campaign) ? one.campaign : which.value, one)), { class: "continue", disabled: !mayRun, "aria-label": `Continue ${one.name}` })));
+    const open = runs.filter((run) => run.state === "interrupted");
+    const rows = open.slice(0, 5).map((run) => h("li", {}, h("strong", {}, run.name), " ", originBadge(run.origin), ` ${run.complete} of ${run.tests} tests, ${run.time.slice(0, 10)} `,
+      button("Continue…", () => attempt(() => dialog.open(files.includes(run.campaign) ? run.campaign : which.value, run)), { class: "continue", disabled: !mayRun, "aria-label": `Continue ${run.name}` })));
     earlier.replaceChildren(...(rows.length ? [h("h3", {}, "Interrupted runs"), h("ul", { class: "plain" }, rows)] : []));
   }
 
@@ -48,9 +48,9 @@ export async function campaignPanel(files, chosen) {
     start.textContent = running ? "Queue…" : "Start…";
     enable(start, mine && ["idle", "armed", "campaign"].includes(phase));
     mayRun = mine && ["idle", "armed"].includes(phase);
-    for (const one of earlier.querySelectorAll("button")) one.disabled = !mayRun;
+    for (const control of earlier.querySelectorAll("button")) control.disabled = !mayRun;
     dialog.running = running;
-    for (const one of [pause, resume, stop]) enable(one, mine && running);
+    for (const control of [pause, resume, stop]) enable(control, mine && running);
     pause.hidden = !running || run?.paused;
     resume.hidden = !running || !run?.paused;
     stop.hidden = !running;
@@ -86,25 +86,25 @@ export async function campaignPanel(files, chosen) {
     } catch {
       return; // its journal is not there yet
     }
-    const action = (one) => {
+    const action = (test) => {
       if (!may) return "";
-      if (one.state === "complete") return button("Repeat", () => ask("repeat", { test: one.name }), { "aria-label": `Repeat ${one.name}` });
-      if (["planned", "running"].includes(one.state)) return button("Skip", () => ask("skip", { test: one.name }), { "aria-label": `Skip ${one.name}` });
+      if (test.state === "complete") return button("Repeat", () => ask("repeat", { test: test.name }), { "aria-label": `Repeat ${test.name}` });
+      if (["planned", "running"].includes(test.state)) return button("Skip", () => ask("skip", { test: test.name }), { "aria-label": `Skip ${test.name}` });
       return "";
     };
-    const rows = states.map((one) => [one.name, mark(one.state), one.attempt, one.reason, ...(may ? [action(one)] : [])]);
+    const rows = states.map((test) => [test.name, mark(test.state), test.attempt, test.reason, ...(may ? [action(test)] : [])]);
     const columns = [{ name: "test" }, { name: "state" }, { name: "try" }, { name: "marks and reasons" }, ...(may ? [{ name: "", words: "action", plain: true }] : [])];
     const focused = document.activeElement?.getAttribute("aria-label");
     tests.replaceChildren(section("Tests", table({ caption: `The tests of ${run.folder}`, columns, rows })));
-    if (focused && !document.activeElement?.closest("button")) [...tests.querySelectorAll("button")].find((one) => one.getAttribute("aria-label") === focused)?.focus();
+    if (focused && !document.activeElement?.closest("button")) [...tests.querySelectorAll("button")].find((control) => control.getAttribute("aria-label") === focused)?.focus();
   }
 
   function showQueue(state, mine) {
     const now = JSON.stringify([state.queue, mine]);
     if (now === told) return;
     told = now;
-    queue.replaceChildren(...state.queue.map((one) => h("li", {}, h("strong", {}, one.name), ` into ${one.folder} `,
-      button("Remove", () => ask("queue/remove", { number: one.number }), { class: "quiet", disabled: !mine, "aria-label": `Remove ${one.folder} from the queue` }))));
+    queue.replaceChildren(...state.queue.map((waiting) => h("li", {}, h("strong", {}, waiting.name), ` into ${waiting.folder} `,
+      button("Remove", () => ask("queue/remove", { number: waiting.number }), { class: "quiet", disabled: !mine, "aria-label": `Remove ${waiting.folder} from the queue` }))));
   }
 
   let judged = "";
@@ -117,8 +117,8 @@ export async function campaignPanel(files, chosen) {
     const verdict = h("p", { class: `verdict ${failed ? "bad" : passed ? "good" : ""}` },
       `${passed} of ${passed + failed} cycles within ${number(100 * tolerance, 3)} % of ${folder}${reason ? `; ${reason}` : ""}`);
     const percent = (value) => ({ key: value, show: `${value < 0 ? "−" : "+"}${Math.abs(100 * value).toFixed(1)}` });
-    const rows = [...comparison.cycles].reverse().slice(0, 4).map((one) => [one.number, one.passed ? h("span", { class: "badge good" }, "pass") : h("span", { class: "badge bad" }, "fail"),
-      percent(one.energy), percent(one.extension), percent(one.compression)]);
+    const rows = [...comparison.cycles].reverse().slice(0, 4).map((cycle) => [cycle.number, cycle.passed ? h("span", { class: "badge good" }, "pass") : h("span", { class: "badge bad" }, "fail"),
+      percent(cycle.energy), percent(cycle.extension), percent(cycle.compression)]);
     cycles.replaceChildren(verdict, ...(rows.length ? [table({ caption: "The last cycles against the reference",
       columns: [{ name: "cycle" }, { name: "" , words: "verdict", plain: true }, { name: "energy", unit: "%", align: "right" }, { name: "extension", unit: "%", align: "right" }, { name: "compression", unit: "%", align: "right" }], rows })] : []));
   }
@@ -138,7 +138,7 @@ const stateWords = (run) => {
 
 export const clockOf = (seconds) => {
   const whole = Math.max(0, Math.round(seconds));
-  const parts = [Math.floor(whole / 60) % 60, whole % 60].map((one) => String(one).padStart(2, "0"));
+  const parts = [Math.floor(whole / 60) % 60, whole % 60].map((part) => String(part).padStart(2, "0"));
   return whole >= 3600 ? `${Math.floor(whole / 3600)}:${parts.join(":")} h` : `${Number(parts[0])}:${parts[1]} min`;
 };
 
@@ -217,8 +217,8 @@ function startDialog(files) {
     const before = remembered.read("last") ?? {};
     operator.value ||= before.operator ?? "";
     specimen.value = run ? "" : (before.specimen ?? bench.state?.rig?.specimen ?? "");
-    const runs = (await get("bench/runs")).filter((one) => one.state === "complete");
-    reference.replaceChildren(h("option", { value: "" }, "nothing"), ...runs.map((one) => h("option", { value: one.name }, `${one.name}, ${one.tests} tests`)));
+    const runs = (await get("bench/runs")).filter((run) => run.state === "complete");
+    reference.replaceChildren(h("option", { value: "" }, "nothing"), ...runs.map((run) => h("option", { value: run.name }, `${run.name}, ${run.tests} tests`)));
     form.querySelector("h2").textContent = made.running ? "Queue a campaign" : run ? "Continue a campaign" : "Start a campaign";
     go.textContent = made.running ? "Add to the queue" : run ? "Continue" : "Start";
     go.disabled = true;

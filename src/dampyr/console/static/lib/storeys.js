@@ -20,7 +20,7 @@ export function storeys({ time, cases, colourOf }) {
   const clock = h("span", { class: "stage" });
   const play = button("Play", () => (running ? stop() : start()));
   const element = h("div", { class: "moving" },
-    h("div", { class: "frames" }, drawn.map((one) => h("figure", {}, one.svg, h("figcaption", {}, one.name)))),
+    h("div", { class: "frames" }, drawn.map((drawing) => h("figure", {}, drawing.svg, h("figcaption", {}, drawing.name)))),
     h("div", { class: "row" }, play, h("div", { class: "slide" }, slide), clock),
     h("p", { class: "soft" }, `Displacements relative to the ground, magnified; the largest is ${number(1e3 * most, 3)} mm.`));
   let running = 0;
@@ -30,7 +30,7 @@ export function storeys({ time, cases, colourOf }) {
     slide.value = String(k);
     clock.textContent = `${number(time[k], 3)} s`;
     slide.setAttribute("aria-valuetext", clock.textContent);
-    for (const one of drawn) one.move(k, scale);
+    for (const drawing of drawn) drawing.move(k, scale);
   }
 
   function start() {

@@ -38,18 +38,18 @@ export function strip(host, { label, y, series = [{}], limits = [], height = 130
   function draw(context, width) {
     const frame = { left: LEFT, right: width - RIGHT, top: TOP, bottom: height - (bare ? BARE : BOTTOM) };
     const { now, span, origin = null, lines } = shown ?? { now: 0, span: 10, lines: [] };
-    const ends = axis.fit(lines.flatMap((one) => [one.low, one.high]));
+    const ends = axis.fit(lines.flatMap((line) => [line.low, line.high]));
     const toX = scale([now - span, now], [frame.left, frame.right]);
     const toY = scale(ends, [frame.bottom, frame.top]);
     grid(context, frame, ticks([now - span, now], 7, origin ?? now), toX, bare ? null : (t) => number(Number((t - (origin ?? now)).toFixed(6))), true);
     grid(context, frame, ticks(ends, 4), toY, (value) => number(value, 6), false);
     title(context, frame, y);
     if (!bare) words(context, origin === null ? "time from now [s]" : "time since the start [s]", (frame.left + frame.right) / 2, frame.bottom + 30, "center", "soft");
-    clipped(context, frame, () => lines.forEach((one, k) => {
+    clipped(context, frame, () => lines.forEach((line, k) => {
       context.strokeStyle = colour(series[k]?.colour ?? "blue");
-      trace(context, band(one, toX, toY));
+      trace(context, band(line, toX, toY));
     }));
-    bounds.forEach((one) => limit(context, frame, one, ends, toY, y.unit));
+    bounds.forEach((bound) => limit(context, frame, bound, ends, toY, y.unit));
   }
 
   function set(given) {
@@ -78,30 +78,30 @@ export function loop(host, { label, x, y, series = [{}], limits = [], height = 2
 
   function draw(context, width) {
     const frame = { left: LEFT, right: width - RIGHT, top: TOP, bottom: height - BOTTOM };
-    const [wide, high] = [across.fit(shown.lines.map((one) => one.x)), up.fit(shown.lines.map((one) => one.y))];
+    const [wide, high] = [across.fit(shown.lines.map((line) => line.x)), up.fit(shown.lines.map((line) => line.y))];
     const toX = scale(wide, [frame.left, frame.right]);
     const toY = scale(high, [frame.bottom, frame.top]);
     grid(context, frame, ticks(wide, 5), toX, (value) => number(value, 6), true);
     grid(context, frame, ticks(high, 6), toY, (value) => number(value, 6), false);
     title(context, frame, y);
     words(context, x.unit ? `${x.words} [${x.unit}]` : x.words, (frame.left + frame.right) / 2, frame.bottom + 30, "center", "soft");
-    clipped(context, frame, () => shown.lines.forEach((one, k) => {
+    clipped(context, frame, () => shown.lines.forEach((line, k) => {
       context.strokeStyle = colour(series[k]?.colour ?? "blue");
-      const { recent = 0 } = one;
+      const { recent = 0 } = line;
       if (recent > 0) {
         context.globalAlpha = 0.35;
-        trace(context, polyline(one, 0, recent + 1, toX, toY));
+        trace(context, polyline(line, 0, recent + 1, toX, toY));
         context.globalAlpha = 1;
       }
-      trace(context, polyline(one, recent, one.x.length, toX, toY));
+      trace(context, polyline(line, recent, line.x.length, toX, toY));
     }));
-    bounds.forEach((one) => limit(context, frame, one, high, toY, y.unit));
+    bounds.forEach((bound) => limit(context, frame, bound, high, toY, y.unit));
   }
 
   function set(given) {
     shown = given;
     chart.draw();
-    chart.say(() => summary(given.lines.map((one) => ({ low: one.y, high: one.y })), series, y.unit));
+    chart.say(() => summary(given.lines.map((line) => ({ low: line.y, high: line.y })), series, y.unit));
   }
 
   return { element: chart.element, set, limits: (given) => ((bounds = given), chart.draw()), clear: chart.clear };
@@ -327,10 +327,10 @@ function polyline({ x, y }, from, to, toX, toY) {
 
 /** Such as "now 12.1 mm, from -4 to 15 mm", for every line. */
 function summary(lines, series, unit) {
-  const parts = lines.map((one, k) => {
-    const values = [...one.low, ...one.high].filter((value) => value !== null);
+  const parts = lines.map((line, k) => {
+    const values = [...line.low, ...line.high].filter((value) => value !== null);
     if (!values.length) return "";
-    const last = one.high.findLast((value) => value !== null);
+    const last = line.high.findLast((value) => value !== null);
     const [low, high] = [values.reduce((a, b) => Math.min(a, b)), values.reduce((a, b) => Math.max(a, b))];
     const name = lines.length > 1 && series[k]?.name ? `${series[k].name} ` : "";
     return `${name}now ${number(last, 3)}, from ${number(low, 3)} to ${number(high, 3)}${unit ? ` ${unit}` : ""}`;

@@ -26,7 +26,7 @@ export function table({ caption = "", columns, rows, empty = "Nothing here." }) 
     const filled = made.filter(({ keys }) => keys[k] !== null && keys[k] !== "");
     const sign = turned.falling ? -1 : 1;
     filled.sort((a, b) => sign * order(a.keys[k], b.keys[k]));
-    body.append(...filled.map(({ line }) => line), ...made.filter((one) => !filled.includes(one)).map(({ line }) => line));
+    body.append(...filled.map(({ line }) => line), ...made.filter((plot) => !filled.includes(plot)).map(({ line }) => line));
   }
 
   const all = h("table", {}, caption ? h("caption", {}, caption) : null, h("thead", {}, head), body);
@@ -41,8 +41,8 @@ function heading(column, side, onclick) {
 }
 
 const isNumeric = (rows, k) => {
-  const keys = rows.map((row) => key(row[k])).filter((one) => one !== null && one !== "");
-  return keys.length > 0 && keys.every((one) => typeof one === "number");
+  const keys = rows.map((row) => key(row[k])).filter((row) => row !== null && row !== "");
+  return keys.length > 0 && keys.every((key) => typeof key === "number");
 };
 
 function key(cell) {
@@ -70,13 +70,13 @@ const MAX_RATIO = 1e5; // of the largest to the least number of a column that is
  * null where no number of decimals suits all.
  */
 export function decimals(values, digits) {
-  const sizes = values.filter((one) => Number.isFinite(one) && one !== 0).map(Math.abs);
+  const sizes = values.filter((value) => Number.isFinite(value) && value !== 0).map(Math.abs);
   if (!sizes.length) return values.length ? 0 : null;
   if (values.every(Number.isInteger)) return Math.max(...sizes) < 1e6 ? 0 : null;
   const [least, largest] = [Math.min(...sizes), Math.max(...sizes)];
   const places = Math.max(0, digits - 1 - Math.floor(Math.log10(largest)), 1 - Math.floor(Math.log10(least)));
   if (places > MAX_PLACES || largest >= 1e6 || largest / least > MAX_RATIO) return null;
-  const idle = Math.min(...values.map((one) => /0*$/.exec(one.toFixed(places))[0].length));
+  const idle = Math.min(...values.map((value) => /0*$/.exec(value.toFixed(places))[0].length));
   return Math.max(0, places - idle);
 }
 

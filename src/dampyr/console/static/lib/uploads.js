@@ -11,7 +11,7 @@ const UNITS = { time: "s", displacement: "mm", force: "N", velocity: "mm/s", vol
 /** uploads(formats, options, taken): the form; `options` is what can be said of a file besides its columns, `taken` is called with the keys of the records that came in. */
 export function uploads(formats, options, taken) {
   const plainText = ["csv", "txt", "dat"];
-  const file = h("input", { type: "file", multiple: true, accept: formats.map((one) => `.${one.name}`).join() });
+  const file = h("input", { type: "file", multiple: true, accept: formats.map((format) => `.${format.name}`).join() });
   const about = optionsForm(options, {}, () => said().header !== header && preview());
   const which = choice([], { "aria-label": "File whose columns are shown" });
   const shown = h("div", { id: "columns", "aria-live": "polite" });
@@ -36,34 +36,34 @@ export function uploads(formats, options, taken) {
       result = { columns: [], problem: problem.message };
     }
     if (mine !== turn) return;
-    columns = result.columns.map((one, k) => column(one, k, result.channels));
-    shown.replaceChildren(...(result.problem ? [h("p", { class: "verdict bad" }, result.problem)] : [tableOf(result)]), ...(result.notices ?? []).map((one) => h("p", { class: "soft" }, `${one}.`)));
+    columns = result.columns.map((shownColumn, k) => column(shownColumn, k, result.channels));
+    shown.replaceChildren(...(result.problem ? [h("p", { class: "verdict bad" }, result.problem)] : [tableOf(result)]), ...(result.notices ?? []).map((notice) => h("p", { class: "soft" }, `${notice}.`)));
   }
 
-  function column(one, k, channels) {
-    const name = one.name || `column ${k}`;
-    const unit = h("input", { type: "text", maxlength: "20", value: one.unit || (one.kind === "number" ? UNITS[one.channel] ?? "" : ""), disabled: Boolean(one.unit) || one.kind !== "number", "aria-label": `Unit of ${name}` });
-    const channel = choice([["", "not read"], ...Object.keys(channels)], { value: one.channel, "aria-label": `Channel of ${name}`, onchange: () => (unit.value ||= unit.disabled ? "" : UNITS[channel.value] ?? "") });
-    return { ...one, name, k, unit, channel, stated: one.unit, guessed: one.channel };
+  function column(description, k, channels) {
+    const name = description.name || `column ${k}`;
+    const unit = h("input", { type: "text", maxlength: "20", value: description.unit || (description.kind === "number" ? UNITS[description.channel] ?? "" : ""), disabled: Boolean(description.unit) || description.kind !== "number", "aria-label": `Unit of ${name}` });
+    const channel = choice([["", "not read"], ...Object.keys(channels)], { value: description.channel, "aria-label": `Channel of ${name}`, onchange: () => (unit.value ||= unit.disabled ? "" : UNITS[channel.value] ?? "") });
+    return { ...description, name, k, unit, channel, stated: description.unit, guessed: description.channel };
   }
 
   function tableOf(result) {
     const row = (label, cells) => h("tr", {}, h("th", { scope: "row" }, label), cells.map((cell) => h("td", {}, cell)));
     const rows = result.columns[0]?.values.length ?? 0;
     return h("div", { class: "table", tabindex: "0", role: "region", "aria-label": "Columns of the file" }, h("table", {}, h("caption", {}, "Columns of the file; what is chosen here holds for all files"),
-      h("tbody", {}, row("Column", columns.map((one) => one.name)), row("Channel", columns.map((one) => one.channel)), row("Unit", columns.map((one) => one.unit)),
-        Array.from({ length: rows }, (_, i) => h("tr", {}, i ? null : h("th", { scope: "row", rowspan: String(rows) }, "First rows"), result.columns.map((one) => h("td", { class: "right" }, number(one.values[i], 6))))))));
+      h("tbody", {}, row("Column", columns.map((shownColumn) => shownColumn.name)), row("Channel", columns.map((shownColumn) => shownColumn.channel)), row("Unit", columns.map((shownColumn) => shownColumn.unit)),
+        Array.from({ length: rows }, (_, i) => h("tr", {}, i ? null : h("th", { scope: "row", rowspan: String(rows) }, "First rows"), result.columns.map((shownColumn) => h("td", { class: "right" }, number(shownColumn.values[i], 6))))))));
   }
 
   /** What the columns say besides the files: only what differs from what the files say themselves. */
   function mapping() {
-    const chosen = columns.filter((one) => one.channel.value);
-    const twice = chosen.find((one, k) => chosen.findIndex((other) => other.channel.value === one.channel.value) !== k);
+    const chosen = columns.filter((shownColumn) => shownColumn.channel.value);
+    const twice = chosen.find((choice, k) => chosen.findIndex((other) => other.channel.value === choice.channel.value) !== k);
     if (twice) throw new Error(`two columns are the ${twice.channel.value}; choose one of them`);
-    const unit = chosen.filter((one) => !one.stated && one.unit.value.trim()).map((one) => `${one.channel.value}=${one.unit.value.trim()}`);
-    if (columns.every((one) => one.channel.value === one.guessed)) return { unit };
-    const dropped = columns.filter((one) => one.guessed && !chosen.some((other) => other.channel.value === one.guessed));
-    return { unit, column: [...chosen.map((one) => `${one.channel.value}=${one.k}`), ...dropped.map((one) => `${one.guessed}=-`)] };
+    const unit = chosen.filter((choice) => !choice.stated && choice.unit.value.trim()).map((choice) => `${choice.channel.value}=${choice.unit.value.trim()}`);
+    if (columns.every((shownColumn) => shownColumn.channel.value === shownColumn.guessed)) return { unit };
+    const dropped = columns.filter((shownColumn) => shownColumn.guessed && !chosen.some((other) => other.channel.value === shownColumn.guessed));
+    return { unit, column: [...chosen.map((choice) => `${choice.channel.value}=${choice.k}`), ...dropped.map((column) => `${column.guessed}=-`)] };
   }
 
   /** What the form says, and nothing while it says what is wrong: the upload tells. */
@@ -75,7 +75,7 @@ export function uploads(formats, options, taken) {
     }
   }
 
-  async function one(chosen, request) {
+  async function uploadFile(chosen, request) {
     const state = h("span", { class: "badge" }, "sending");
     const words = h("small");
     states.append(h("li", {}, h("span", {}, chosen.name, " ", words), state));
@@ -103,13 +103,13 @@ export function uploads(formats, options, taken) {
   }
 
   file.addEventListener("change", () => {
-    which.replaceChildren(...[...file.files].map((each, k) => h("option", { value: String(k) }, each.name)));
+    which.replaceChildren(...[...file.files].map((reading, k) => h("option", { value: String(k) }, reading.name)));
     which.hidden = file.files.length < 2;
     preview();
   });
   which.addEventListener("change", preview);
   which.hidden = true;
-  const form = h("form", {}, field("File", file, `${formats.map((each) => each.title).join(", ")}; several at once, at most 64 MiB each`), which, shown,
+  const form = h("form", {}, field("File", file, `${formats.map((format) => format.title).join(", ")}; several at once, at most 64 MiB each`), which, shown,
     about.element,
     h("div", { class: "row" }, go), states);
   form.addEventListener("submit", async (event) => {
@@ -125,7 +125,7 @@ export function uploads(formats, options, taken) {
     go.disabled = true;
     states.replaceChildren();
     const keys = [];
-    for (const each of chosen) keys.push(await one(each, request)); // one after the other: the console reads them so
+    for (const item of chosen) keys.push(await uploadFile(item, request)); // one after the other: the console reads them so
     go.disabled = false;
     const came = keys.filter(Boolean);
     if (!came.length) return;

@@ -23,7 +23,7 @@ export async function show(root, query) {
   const charts = live();
   const campaign = await campaignPanel(files, query.get("campaign"));
   const log = alarmsAndLog();
-  const parts = { ...head(), ...connecting(rigs.filter((one) => !one.problem)), ...moving(), ...byHand(), ...calibrating(), campaign, log, banner: alarmBanner(), announcer: announcer(), tiles: readings(), bar: strokeBar(), charts };
+  const parts = { ...head(), ...connecting(rigs.filter((rig) => !rig.problem)), ...moving(), ...byHand(), ...calibrating(), campaign, log, banner: alarmBanner(), announcer: announcer(), tiles: readings(), bar: strokeBar(), charts };
   root.classList.add("bench");
   root.append(
     h("div", { class: "bench-head" }, parts.control, parts.rings), parts.origin, parts.lost, parts.banner.element,
@@ -66,10 +66,10 @@ function head() {
 }
 
 function connecting(rigs) {
-  const which = choice(rigs.map((one) => [one.name, one.name ? `${one.name}: ${one.title}` : one.title]), { id: "rig" });
+  const which = choice(rigs.map((rig) => [rig.name, rig.name ? `${rig.name}: ${rig.title}` : rig.title]), { id: "rig" });
   const simulate = tick("simulated", { id: "simulate", checked: true });
   const box = simulate.querySelector("input");
-  which.addEventListener("change", () => { box.checked = !rigs.find((one) => one.name === which.value).wired; });
+  which.addEventListener("change", () => { box.checked = !rigs.find((rig) => rig.name === which.value).wired; });
   const go = button("Connect", () => ask("connect", { rig: which.value, simulate: box.checked }), { class: "main", id: "connect" });
   const leave = button("Disconnect", () => ask("disconnect"), { id: "disconnect" });
   const arm = button("Arm", () => ask("arm"), { class: "energy", id: "arm" });
@@ -182,7 +182,7 @@ function refreshAge(parts) {
 
 function disableAll(parts) {
   parts.who.textContent = "The console does not answer.";
-  for (const one of Object.values(parts)) if (one instanceof HTMLButtonElement) one.disabled = true;
+  for (const part of Object.values(parts)) if (part instanceof HTMLButtonElement) part.disabled = true;
 }
 
 function refresh(parts) {
@@ -216,7 +216,7 @@ function refresh(parts) {
     if (Number(parts.speed.value) > rig.jog_speed * 1000) parts.speed.value = parts.speed.max;
     parts.charts.limits(rig.limits);
   }
-  for (const one of [parts.motion, parts.manual, parts.cell, parts.tiles.element, parts.charts.element]) one.hidden = !rig;
+  for (const control of [parts.motion, parts.manual, parts.cell, parts.tiles.element, parts.charts.element]) control.hidden = !rig;
   parts.hint.hidden = Boolean(rig);
   guided(parts, state.guided);
   parts.campaign.show(state, mine);
@@ -253,9 +253,9 @@ function followFocus(parts, focused) {
 
 const others = (state) => (state.clients > 1 ? `; ${state.clients - 1} more watch` : "");
 
-function ring(one) {
-  const kind = one.state === "acted" ? "bad" : one.state === "watching" ? "good" : "";
-  return h("li", { class: kind }, h("strong", {}, one.name), h("span", { class: `badge ${kind}` }, WORDS[one.state]), h("span", { class: "soft" }, one.words));
+function ring(layer) {
+  const kind = layer.state === "acted" ? "bad" : layer.state === "watching" ? "good" : "";
+  return h("li", { class: kind }, h("strong", {}, layer.name), h("span", { class: `badge ${kind}` }, WORDS[layer.state]), h("span", { class: "soft" }, layer.words));
 }
 
 function allow(parts, { phase, homed }, mine) {
@@ -264,11 +264,11 @@ function allow(parts, { phase, homed }, mine) {
   at(parts.leave, "idle", "armed");
   at(parts.arm, "idle");
   at(parts.disarm, "armed", "homing", "measuring", "moving");
-  for (const one of [parts.home, parts.here, parts.zero, parts.coil]) at(one, "armed");
-  for (const one of [parts.away, parts.out]) one.disabled = !(mine && phase === "armed");
-  for (const one of [parts.goTo, parts.sine]) enable(one, mine && phase === "armed" && homed);
+  for (const control of [parts.home, parts.here, parts.zero, parts.coil]) at(control, "armed");
+  for (const control of [parts.away, parts.out]) control.disabled = !(mine && phase === "armed");
+  for (const control of [parts.goTo, parts.sine]) enable(control, mine && phase === "armed" && homed);
   at(parts.halt, "moving", "homing");
-  for (const one of [parts.begin, parts.unloaded, parts.loaded, parts.shunted, parts.keep, parts.forget]) at(one, "idle");
+  for (const control of [parts.begin, parts.unloaded, parts.loaded, parts.shunted, parts.keep, parts.forget]) at(control, "idle");
   enable(parts.peaks, mine);
 }
 
@@ -276,7 +276,7 @@ function guided(parts, reading) {
   parts.steps.hidden = !reading;
   parts.begin.hidden = Boolean(reading);
   if (!reading) return;
-  for (const one of [parts.loaded, parts.shunted, parts.keep]) if (!reading.zeroed) enable(one, false);
+  for (const control of [parts.loaded, parts.shunted, parts.keep]) if (!reading.zeroed) enable(control, false);
   const zero = reading.zeroed ? `No force at ${number(reading.zero)} V, noise ${number(reading.noise, 2)} N rms. ` : "No reading yet.";
   parts.reading.textContent = zero + (reading.scaled ? `Scale ${number(reading.scale, 5)} N/V. ${reading.doubt}` : "");
 }

@@ -64,7 +64,7 @@ export async function show(root, query) {
   }
 
   function clear() {
-    for (const one of live) one.clear();
+    for (const chart of live) chart.clear();
     live = [];
   }
 
@@ -77,7 +77,7 @@ export async function show(root, query) {
   /** The charts of `host`, in place of those that it had. */
   const redraw = (host, panels, settings) => {
     host.drawing?.clear();
-    live = live.filter((one) => one !== host.drawing);
+    live = live.filter((chart) => chart !== host.drawing);
     host.replaceChildren(plot(panels, settings));
     host.drawing = live.at(-1);
   };
@@ -87,7 +87,7 @@ export async function show(root, query) {
   async function response({ id, result: r }) {
     const curves = await attempt(() => get(`building/responses/${id}/curves`));
     if (!curves) return;
-    const names = r.cases.map((one) => one.name);
+    const names = r.cases.map((response) => response.name);
     const colourOf = (name) => (names.indexOf(name) ? COLOURS[(names.indexOf(name) - 1) % COLOURS.length] : "muted");
     const moving = storeys({ ...curves.frames, colourOf });
     live.push(moving);
@@ -109,7 +109,7 @@ export async function show(root, query) {
     const energies = () => redraw(energy, { label: `Energies over time, ${chosen.value}`, x: TIME, y: { words: "energy", unit: "J" }, height: 260, zero: true,
       series: Object.entries(curves.cases[chosen.value].energy).map(([name, line]) => ({ ...ENERGIES[name], ...line })) });
     sheet.replaceChildren(
-      section(r.title, r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : null, (r.findings ?? []).map((one) => h("p", { class: `verdict ${one.severity === "wrong" ? "bad" : "fair"}` }, one.sentence)), moving.element),
+      section(r.title, r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : null, (r.findings ?? []).map((finding) => h("p", { class: `verdict ${finding.severity === "wrong" ? "bad" : "fair"}` }, finding.sentence)), moving.element),
       section("Peaks", peaks(r), r.note ? h("p", { class: "soft" }, r.note) : "", h("div", { class: "row" }, page(id))),
       section("Histories", field("Floor", floor), lines),
       damped.length ? section("The damper", plot({ label: `Damper force over stroke, ${damped.join(", ")}`, x: { words: "stroke", unit: "mm", pad: 0.04 }, y: { words: "force", unit: "N" }, height: 340,
@@ -121,25 +121,25 @@ export async function show(root, query) {
   }
 
   function ensemble({ id, result: r }) {
-    const shown = (one, digits) => table({ columns: one.columns.map((name, k) => ({ name, unit: one.units[k], digits })), rows: one.rows, caption: one.caption });
+    const shown = (data, digits) => table({ columns: data.columns.map((name, k) => ({ name, unit: data.units[k], digits })), rows: data.rows, caption: data.caption });
     const notice = () => (r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : null);
     const row = () => h("div", { class: "row" }, page(id));
     const all = r.fragilities ?? [{ ...r, axis: { words: "peak ground acceleration", unit: "g", factor: 1 / G } }]; // of jobs of before
     const fragility = ({ limit, axis, curves, table: medians, remarks }) => {
-      const series = curves.flatMap((one, k) => {
-        const colour = one.name === "no damper" ? "muted" : COLOURS[(k - 1 + COLOURS.length) % COLOURS.length]; // as in a response
-        const line = (y, more) => (y ? [{ colour, x: one.x.map((v) => axis.factor * v), y: y.map((v) => (v === null ? null : 100 * v)), ...more }] : []);
-        return [...line(one.y, { name: one.name, always: true, width: 2.2 }), ...line(one.low, { of: one.name, dash: "dashed", width: 1 }), ...line(one.high, { of: one.name, dash: "dashed", width: 1 }),
-          { name: one.y ? "" : one.name, of: one.name, always: true, colour, points: true, x: one.counted.x.map((v) => axis.factor * v), y: one.counted.y.map((v) => 100 * v) }];
+      const series = curves.flatMap((curve, k) => {
+        const colour = curve.name === "no damper" ? "muted" : COLOURS[(k - 1 + COLOURS.length) % COLOURS.length]; // as in a response
+        const line = (y, more) => (y ? [{ colour, x: curve.x.map((v) => axis.factor * v), y: y.map((v) => (v === null ? null : 100 * v)), ...more }] : []);
+        return [...line(curve.y, { name: curve.name, always: true, width: 2.2 }), ...line(curve.low, { of: curve.name, dash: "dashed", width: 1 }), ...line(curve.high, { of: curve.name, dash: "dashed", width: 1 }),
+          { name: curve.y ? "" : curve.name, of: curve.name, always: true, colour, points: true, x: curve.counted.x.map((v) => axis.factor * v), y: curve.counted.y.map((v) => 100 * v) }];
       });
       return section(`Fragility: ${limit}`, notice(), plot({ label: `Probability of ${limit} over ${axis.words}`, x: { words: axis.words, unit: axis.unit, pad: 0.03 }, y: { words: "probability of exceeding", unit: "%" }, height: 380, zero: true, series }),
         h("p", { class: "soft" }, `${r.cases} cases, ${r.motions} motions; dashed: 90 % bands over the motions; points: the shares that were counted.`),
-        shown({ ...medians, caption: "Median and spread of each curve" }, 4), remarks.map((one) => h("p", {}, one)), row());
+        shown({ ...medians, caption: "Median and spread of each curve" }, 4), remarks.map((remark) => h("p", {}, remark)), row());
     };
     sheet.replaceChildren(
       ...(all.length ? all.map(fragility) : [section("Ensemble", notice(), row())]),
       section("Peaks", shown({ ...r.peaks, caption: "Across motions, of the worst storey and floor" }, 4)),
-      section("Accuracy", r.trust.map((one) => h("p", {}, one))));
+      section("Accuracy", r.trust.map((sentence) => h("p", {}, sentence))));
   }
 
   return () => {
@@ -153,9 +153,9 @@ const WIDE = 8; // floors that a table has columns for
 
 function peaks(r) {
   const floors = r.floors.length > WIDE ? [`largest of ${r.floors.length} floors`] : r.floors.map((name) => `floor\u00a0${name}`);
-  const moved = (one) => (r.floors.length > WIDE ? [Math.max(...one.peak_displacement)] : one.peak_displacement);
-  const rows = r.cases.map((one) => [one.name, ...moved(one).map((v) => 1e3 * v), 1e3 * Math.max(...one.peak_drift), Math.max(...one.peak_acceleration), one.peak_base_shear,
-    one.peak_force.length ? Math.max(...one.peak_force) : null, one.mean_input.length ? one.mean_input[0] : null, -100 * (1 - one.peak_displacement.at(-1) / r.cases[0].peak_displacement.at(-1)) || null]);
+  const moved = (response) => (r.floors.length > WIDE ? [Math.max(...response.peak_displacement)] : response.peak_displacement);
+  const rows = r.cases.map((response) => [response.name, ...moved(response).map((v) => 1e3 * v), 1e3 * Math.max(...response.peak_drift), Math.max(...response.peak_acceleration), response.peak_base_shear,
+    response.peak_force.length ? Math.max(...response.peak_force) : null, response.mean_input.length ? response.mean_input[0] : null, -100 * (1 - response.peak_displacement.at(-1) / r.cases[0].peak_displacement.at(-1)) || null]);
   return table({ caption: `Peaks inside the step; displacements relative to the ground, accelerations absolute; the response ${r.end ?? "ends with the record"}`, rows,
     columns: [{ name: "case" }, ...floors.map((name) => ({ name, unit: "mm" })), { name: "largest drift", unit: "mm" }, { name: "largest acceleration", unit: "m/s²" }, { name: "base shear", unit: "N" },
       { name: "damper force", unit: "N" }, { name: "mean input", unit: r.unit }, { name: "top floor, change", unit: "%", digits: 3 }] });
@@ -182,7 +182,7 @@ function asking(choices) {
   const united = field("Unit of the file", unit);
   const shift = () => ((seeded.hidden = motion.value !== "kanai_tajimi"), (united.hidden = !motion.value.startsWith("file:")));
   shift();
-  const damper = choice(choices.dampers.map((one) => [one.name, one.title]), { onchange: () => describeRange() });
+  const damper = choice(choices.dampers.map((damper) => [damper.name, damper.title]), { onchange: () => describeRange() });
   const storey = text("1");
   const inputs = text("0 1.98");
   const range = h("p", { class: "soft" });
@@ -191,9 +191,9 @@ function asking(choices) {
   const settings = optionsForm(choices.response_options);
   const manySettings = optionsForm(choices.ensemble_options);
   const describeRange = () => {
-    const one = choices.dampers.find(({ name }) => name === damper.value);
-    range.textContent = one ? `Calibrated from ${number(one.low)} to ${number(one.high)} ${one.unit}.` : "";
-    if (one) inputs.value = [one.low, number((one.low + one.high) / 2, 3), number(one.high)].join(" ");
+    const chosen = choices.dampers.find(({ name }) => name === damper.value);
+    range.textContent = chosen ? `Calibrated from ${number(chosen.low)} to ${number(chosen.high)} ${chosen.unit}.` : "";
+    if (chosen) inputs.value = [chosen.low, number((chosen.low + chosen.high) / 2, 3), number(chosen.high)].join(" ");
   };
   describeRange();
   const count = text("30");
@@ -208,19 +208,19 @@ function asking(choices) {
 
   const common = () => {
     const file = motion.value.startsWith("file:") ? motion.value.slice(5) : "";
-    const chosen = { kind: file ? "file" : motion.value, file, unit: file ? unit.value : "", seed: one("Seed of the motion", seed) };
-    if (pga.value.trim()) chosen.pga = G * one("Peak", pga);
+    const chosen = { kind: file ? "file" : motion.value, file, unit: file ? unit.value : "", seed: single("Seed of the motion", seed) };
+    if (pga.value.trim()) chosen.pga = G * single("Peak", pga);
     return {
-      building: building.value.startsWith("named:") ? named(building.value.slice(6)) : building.value === "shear" ? { kind: "shear", masses: several("Masses", masses), stiffnesses: several("Stiffnesses", stiffnesses), damping: one("Damping", damping) / 100 } : {},
+      building: building.value.startsWith("named:") ? named(building.value.slice(6)) : building.value === "shear" ? { kind: "shear", masses: several("Masses", masses), stiffnesses: several("Stiffnesses", stiffnesses), damping: single("Damping", damping) / 100 } : {},
       motion: chosen,
       ...shared.values(),
-      damper: { name: damper.value, storey: one("Storey", storey), inputs: several("Inputs", inputs), laws: laws.filter(([, box]) => box.firstChild.checked).map(([name]) => name) },
+      damper: { name: damper.value, storey: single("Storey", storey), inputs: several("Inputs", inputs), laws: laws.filter(([, box]) => box.firstChild.checked).map(([name]) => name) },
     };
   };
   const ensemble = () => {
     const request = common();
     if (request.motion.kind === "el_centro") request.motion.kind = "kanai_tajimi";
-    return { ...request, ...manySettings.values(), motions: one("Synthetic motions", count), scales: several("Scales", scales) };
+    return { ...request, ...manySettings.values(), motions: single("Synthetic motions", count), scales: several("Scales", scales) };
   };
   const response = () => ({ ...common(), ...settings.values() });
   return { element, many, settings: settings.element, response, ensemble };
@@ -236,7 +236,7 @@ function several(words, control) {
   return numberList(control.value, words);
 }
 
-function one(words, control) {
+function single(words, control) {
   const value = oneNumber(control.value, words);
   if (value === null) throw new Error(`${words} is empty; give a number.`);
   return value;

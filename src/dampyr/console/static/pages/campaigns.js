@@ -22,8 +22,8 @@ export async function show(root, query) {
   const form = gridForm();
   const source = h("textarea", { class: "source", spellcheck: "false", id: "source", maxlength: "65536" });
   const gutter = h("pre", { class: "gutter", "aria-hidden": "true" });
-  const rig = choice(rigs.filter((one) => !one.problem).map((one) => [one.name, one.title]), { id: "plan-rig" });
-  const broken = rigs.filter((one) => one.problem).map((one) => h("p", { class: "soft" }, `The rig ${one.name} cannot be used: ${one.problem}`));
+  const rig = choice(rigs.filter((rig) => !rig.problem).map((rig) => [rig.name, rig.title]), { id: "plan-rig" });
+  const broken = rigs.filter((rig) => rig.problem).map((rig) => h("p", { class: "soft" }, `The rig ${rig.name} cannot be used: ${rig.problem}`));
   const name = h("input", { type: "text", id: "file", maxlength: "100", required: true });
   const open = choice([["", "new campaign"], ...files], { id: "open" });
   const beyond = h("p", { class: "soft", hidden: true }, "This campaign is more than a grid of sines: edit its text.");
@@ -88,7 +88,7 @@ export async function show(root, query) {
       const result = await post("campaigns/plan", { text: source.value, rig: rig.value }, under.signal);
       if (mine !== turn) return true;
       plan.replaceChildren(...planned(result, drawn.element));
-      drawn.update(result.tests.map((one) => one.name));
+      drawn.update(result.tests.map((test) => test.name));
     } catch (problem) {
       if (mine === turn) wrong(problem.message);
     }
@@ -148,11 +148,11 @@ export async function show(root, query) {
   }
 
   function listed(names, chosen) {
-    open.replaceChildren(...["", ...names.filter(Boolean)].map((one) => h("option", { value: one }, one || "new campaign")));
+    open.replaceChildren(...["", ...names.filter(Boolean)].map((item) => h("option", { value: item }, item || "new campaign")));
     open.value = chosen;
   }
 
-  const names = () => [...open.options].map((one) => one.value);
+  const names = () => [...open.options].map((item) => item.value);
 
   async function copy() {
     const to = await prompted(`Copy ${open.value}`, "Name of the copy", `${open.value} copy`, "Copy");
@@ -170,7 +170,7 @@ export async function show(root, query) {
     const made = await attempt(() => post("campaigns/rename", { name: open.value, to }));
     if (!made) return;
     unsaved.drop(open.value);
-    listed(names().map((one) => (one === open.value ? made.name : one)), made.name);
+    listed(names().map((name) => (name === open.value ? made.name : name)), made.name);
     say(`renamed: ${made.name}`);
     await start(load);
   }
@@ -180,14 +180,14 @@ export async function show(root, query) {
     if (!(await confirmed(`Delete the campaign ${gone}? Its file is removed; records that it made stay.`, "Delete"))) return;
     if ((await attempt(() => remove(`campaigns/files/${encodeURIComponent(gone)}`))) === undefined) return;
     unsaved.drop(gone);
-    listed(names().filter((one) => one !== gone), "");
+    listed(names().filter((name) => name !== gone), "");
     say(`deleted: ${gone}`);
     await start(load);
   }
 
   function again(before) {
     name.value = before.name;
-    if (rigs.some((one) => one.name === before.rig)) rig.value = before.rig;
+    if (rigs.some((rig) => rig.name === before.rig)) rig.value = before.rig;
     take({ text: before.text, grid: null });
     if (!before.grid) return dryRun();
     form.element.hidden = false;
@@ -205,7 +205,7 @@ export async function show(root, query) {
     unsaved.drop(written.name);
     saved = written.text;
     restored.hidden = true;
-    if (![...open.options].some((one) => one.value === written.name)) open.append(h("option", { value: written.name }, written.name));
+    if (![...open.options].some((item) => item.value === written.name)) open.append(h("option", { value: written.name }, written.name));
     open.value = written.name;
     setAddress(root, "campaigns", { open: written.name });
     opened();
@@ -291,7 +291,7 @@ function pathView(request) {
 
   function clear() {
     under?.abort();
-    for (const one of charts) one.clear();
+    for (const chart of charts) chart.clear();
     charts = [];
     place.replaceChildren();
   }
@@ -314,13 +314,13 @@ function pathView(request) {
     const made = (of, y, height) => chart({ label: `${y.words} of ${which.value || "the whole campaign"} over time`, x: time, y, height,
       series: [{ name: y.words, x: path[of][0], y: path[of][1], colour: of === "voltage" ? "vermillion" : "blue" }] });
     charts = [made("displacement", { words: "displacement", unit: "mm" }, 240), made("voltage", { words: "coil", unit: "V" }, 140)];
-    place.replaceChildren(...charts.map((one) => one.element), h("p", { class: "soft" }, "Slow ways from one test to the next are left out."));
+    place.replaceChildren(...charts.map((chart) => chart.element), h("p", { class: "soft" }, "Slow ways from one test to the next are left out."));
   }
 
   /** The tests of a new plan. */
   function update(tests) {
     const chosen = tests.includes(which.value) ? which.value : "";
-    which.replaceChildren(h("option", { value: "" }, "the whole campaign"), ...tests.map((one) => h("option", { value: one }, one)));
+    which.replaceChildren(h("option", { value: "" }, "the whole campaign"), ...tests.map((test) => h("option", { value: test }, test)));
     which.value = chosen;
     draw();
   }
@@ -383,14 +383,14 @@ function planned(plan, path) {
   const refused = plan.refusals.length;
   const verdict = refused ? `The rig refuses ${refused === 1 ? "one item" : `${refused} items`} of this campaign, so nothing would run.`
     : `The rig can run all ${plan.tests.length} tests, ${minutes}.`;
-  const rows = plan.tests.map((one) => [{ key: one.name, show: h("span", {}, one.name, h("small", { class: "under" }, one.words)) }, one.duration_s, one.speed_mm_s, one.position_mm, one.force_N, one.voltage_V,
-    { key: one.refusal ? 1 : 0, show: h("span", { class: `badge ${one.refusal ? "bad" : "good"}` }, one.refusal ? "refused" : "accepted") }]);
+  const rows = plan.tests.map((test) => [{ key: test.name, show: h("span", {}, test.name, h("small", { class: "under" }, test.words)) }, test.duration_s, test.speed_mm_s, test.position_mm, test.force_N, test.voltage_V,
+    { key: test.refusal ? 1 : 0, show: h("span", { class: `badge ${test.refusal ? "bad" : "good"}` }, test.refusal ? "refused" : "accepted") }]);
   return [
     h("p", { class: `verdict ${refused ? "bad" : "good"}`, id: "verdict" }, verdict),
-    refused ? h("ul", { class: "refusals" }, plan.refusals.map((one) => h("li", {}, one))) : "",
-    plan.tests.some((one) => one.frequency_Hz > 0) ? section("Limits of the rig", envelope(plan)) : "",
+    refused ? h("ul", { class: "refusals" }, plan.refusals.map((refusal) => h("li", {}, refusal))) : "",
+    plan.tests.some((test) => test.frequency_Hz > 0) ? section("Limits of the rig", envelope(plan)) : "",
     path,
     section("Dry run", table({ caption: `${plan.tests.length} tests on ${plan.rig}, ${minutes}, in the order in which they run`, columns: COLUMNS, rows })),
-    ...plan.notes.map((one) => h("p", { class: "soft" }, one)),
+    ...plan.notes.map((note) => h("p", { class: "soft" }, note)),
   ];
 }

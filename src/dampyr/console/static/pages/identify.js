@@ -66,7 +66,7 @@ export async function show(root, query) {
   }
 
   function clear() {
-    for (const one of charts) one.clear();
+    for (const chart of charts) chart.clear();
     charts = [];
   }
 
@@ -83,18 +83,18 @@ export async function show(root, query) {
       section(r.model,
         r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : null,
         h("p", { class: `verdict ${verdict.kind}` }, verdict.words),
-        r.predictions.map((one) => h("p", {}, `It predicts ${one.records} records that it was not fitted on, by ${one.split}, with an L1 of ${number(100 * one.mean_l1, 3)} %.`)),
-        r.held.map((one) => h("p", {}, one.problem || `Validation record ${one.record}: L1 ${number(100 * one.l1, 3)} %, predicted.`)),
+        r.predictions.map((prediction) => h("p", {}, `It predicts ${prediction.records} records that it was not fitted on, by ${prediction.split}, with an L1 of ${number(100 * prediction.mean_l1, 3)} %.`)),
+        r.held.map((record) => h("p", {}, record.problem || `Validation record ${record.record}: L1 ${number(100 * record.l1, 3)} %, predicted.`)),
         h("div", { class: "row" }, r.card ? [field("Name of the card", name), button("Save the card", keep, { class: "main" }), Object.entries(choices.exports).map(([kind, words]) =>
           button(`Save as ${words}`, () => attempt(() => download(`identify/jobs/${id}/export?${asQuery({ to: kind })}`))))] : h("span", {}, "There is no damper to save."),
           h("a", { class: "button", href: `/api/identify/jobs/${id}/page`, download: "" }, "Save the whole page")),
-        r.warnings_of_fit.length ? h("details", {}, h("summary", {}, "Before you trust the numbers"), h("ul", {}, r.warnings_of_fit.map((one) => h("li", {}, one)))) : null),
+        r.warnings_of_fit.length ? h("details", {}, h("summary", {}, "Before you trust the numbers"), h("ul", {}, r.warnings_of_fit.map((warning) => h("li", {}, warning)))) : null),
       r.data.leaderboard ? board(r.data.leaderboard.entries, r.choice) : "",
       section("Measured and modelled", field("Record", which), plots),
-      section("Parameters", r.parameters.map((one) => table({
-        caption: one.caption, columns: one.columns.map((words) => ({ name: words })), rows: one.rows }))),
+      section("Parameters", r.parameters.map((shown) => table({
+        caption: shown.caption, columns: shown.columns.map((words) => ({ name: words })), rows: shown.rows }))),
       section("Goodness of fit by record", table({ columns: r.scores.columns.map((words, k) => ({ name: words, unit: r.scores.units[k], digits: 3 })), rows: r.scores.rows, caption: `From ${number(r.settling, 3)} s after the motion starts, each record's own offset taken` })),
-      section("Residuals", r.findings.map((one) => h("p", {}, `${one.charAt(0).toUpperCase()}${one.slice(1)}.`))),
+      section("Residuals", r.findings.map((finding) => h("p", {}, `${finding.charAt(0).toUpperCase()}${finding.slice(1)}.`))),
     );
     draw(which.value);
 
@@ -129,7 +129,7 @@ const scaled = ({ x, y }, factor) => ({ x: x.map((value) => factor * value), y }
 
 function board(entries, words) {
   const percent = (value) => (typeof value === "number" ? 100 * value : value);
-  return section("Which model predicts best", words.map((one) => h("p", {}, `${one.charAt(0).toUpperCase()}${one.slice(1)}.`)), table({
+  return section("Which model predicts best", words.map((sentence) => h("p", {}, `${sentence.charAt(0).toUpperCase()}${sentence.slice(1)}.`)), table({
     caption: "Every score is of a prediction: 3/4 of the error over records left out, 1/4 over inputs left out",
     columns: [{ name: "model" }, { name: "error", unit: "%", digits: 3 }, { name: "±", unit: "%", digits: 2 }, { name: "L1", unit: "%", digits: 3 }, { name: "relevelled", unit: "%", digits: 3 }, { name: "unseen input", unit: "%", digits: 3 }, { name: "NRMSE", unit: "%", digits: 3 },
       { name: "energy", unit: "%", digits: 3 }, { name: "parameters" }, { name: "building" }],

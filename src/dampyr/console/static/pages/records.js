@@ -23,7 +23,7 @@ export async function show(root, query) {
   const cached = new Map();
   let listed = [];
   let drawings = [];
-  const [sources, formats, reading, judging] = await Promise.all(["sources", "formats", "uploads/options", "acceptance/options"].map((one) => get(`records/${one}`)));
+  const [sources, formats, reading, judging] = await Promise.all(["sources", "formats", "uploads/options", "acceptance/options"].map((name) => get(`records/${name}`)));
   const request = fromAddress(query, judging);
   if (!state.source) { // one's own records, where there are any
     const own = await get(`records/list?${asQuery({ source: "data" })}`);
@@ -32,7 +32,7 @@ export async function show(root, query) {
 
   const list = h("div");
   const sheet = h("div");
-  const source = choice(sources.map((one) => [one.name, one.title]), { value: state.source, onchange: () => ((state.source = source.value), load()) });
+  const source = choice(sources.map((source) => [source.name, source.title]), { value: state.source, onchange: () => ((state.source = source.value), load()) });
   const filter = h("input", { type: "search", oninput: () => ((state.filter = filter.value.toLowerCase()), fill()) });
   const role = choice([["", "all"], ["fit", "fit"], ["validation", "validation"], ["notes", "with remarks"]], { onchange: () => ((state.role = role.value), fill()) });
   const rest = tick("Interrupted and repeated ones too", { onchange: () => fill() });
@@ -55,11 +55,11 @@ export async function show(root, query) {
 
   function fill() {
     const shown = listed.filter(passes);
-    const leftOut = rest.firstChild.checked ? 0 : listed.filter((one) => one.left_out && !shown.includes(one)).length;
-    const rows = shown.map((one) => {
-      const m = one.about?.measured;
-      const seen = one.about?.overview;
-      return [tickFor(one), nameOf(one), inputOf(one.about), m?.frequency_hz ?? null, m || seen ? 1e3 * (m?.peak_to_peak_m ?? seen.stroke_m) : null,
+    const leftOut = rest.firstChild.checked ? 0 : listed.filter((record) => record.left_out && !shown.includes(record)).length;
+    const rows = shown.map((record) => {
+      const m = record.about?.measured;
+      const seen = record.about?.overview;
+      return [tickFor(record), nameOf(record), inputOf(record.about), m?.frequency_hz ?? null, m || seen ? 1e3 * (m?.peak_to_peak_m ?? seen.stroke_m) : null,
         m || seen ? 1e3 * (m?.peak_speed ?? seen.peak_speed) : null];
     });
     list.replaceChildren(table({
@@ -70,17 +70,17 @@ export async function show(root, query) {
     }));
   }
 
-  function passes(one) {
-    if (one.left_out && !rest.firstChild.checked && !state.open.includes(one.key)) return false;
-    const words = `${one.key} ${inputOf(one.about)?.key ?? ""} ${one.about?.notes.join(" ") ?? one.problem} ${one.note}`.toLowerCase();
+  function passes(record) {
+    if (record.left_out && !rest.firstChild.checked && !state.open.includes(record.key)) return false;
+    const words = `${record.key} ${inputOf(record.about)?.key ?? ""} ${record.about?.notes.join(" ") ?? record.problem} ${record.note}`.toLowerCase();
     if (!words.includes(state.filter)) return false;
-    if (state.role === "notes") return Boolean(one.problem || one.about.notes.length || one.note);
-    return !state.role || one.about?.role === state.role;
+    if (state.role === "notes") return Boolean(record.problem || record.about.notes.length || record.note);
+    return !state.role || record.about?.role === state.role;
   }
 
-  function tickFor(one) {
-    if (one.problem) return null;
-    const box = h("input", { type: "checkbox", checked: state.open.includes(one.key), "aria-label": `Show ${short(one.key)}`, onchange: () => toggle(one.key, box) });
+  function tickFor(record) {
+    if (record.problem) return null;
+    const box = h("input", { type: "checkbox", checked: state.open.includes(record.key), "aria-label": `Show ${short(record.key)}`, onchange: () => toggle(record.key, box) });
     return { key: Number(!box.checked), show: box };
   }
 
@@ -90,7 +90,7 @@ export async function show(root, query) {
       say(`${MAX_OPEN} records are overlaid already; remove one first.`);
       return;
     }
-    state.open = box.checked ? [...state.open, key] : state.open.filter((one) => one !== key);
+    state.open = box.checked ? [...state.open, key] : state.open.filter((other) => other !== key);
     draw();
   }
 
@@ -100,7 +100,7 @@ export async function show(root, query) {
 
   async function draw() {
     keepAddress();
-    for (const one of drawings) one.clear();
+    for (const drawing of drawings) drawing.clear();
     drawings = [];
     if (!state.open.length) {
       sheet.replaceChildren(h("p", { class: "blank" }, "Choose one or more records from the list."));
@@ -111,7 +111,7 @@ export async function show(root, query) {
     sheet.replaceChildren(tabs, body);
     const chosen = [...state.open];
     const parts = await attempt(() => VIEWS[state.tab](chosen));
-    const notice = listed.filter((one) => chosen.includes(one.key)).map((one) => originLine(one.about?.origin, short(one.key))).filter(Boolean);
+    const notice = listed.filter((record) => chosen.includes(record.key)).map((record) => originLine(record.about?.origin, short(record.key))).filter(Boolean);
     if (parts && chosen.join() === state.open.join()) body.replaceChildren(...notice, ...parts);
   }
 
@@ -143,7 +143,7 @@ export async function show(root, query) {
   /** Series of what was loaded, one for each record; a colour is a record's in every view. */
   const seriesOf = (loaded, which, fx = 1, fy = 1) => {
     const names = namesOf(loaded);
-    return loaded.map((one, k) => ({ name: names[k], x: times(one[which].x, fx), y: times(one[which].y, fy), colour: COLOURS[k], always: true }));
+    return loaded.map((record, k) => ({ name: names[k], x: times(record[which].x, fx), y: times(record[which].y, fy), colour: COLOURS[k], always: true }));
   };
 
   function drawn(panels, settings = {}) {
@@ -176,10 +176,10 @@ export async function show(root, query) {
         label: `Size of the force at peak velocity of every cycle of ${names.join(", ")}`, height: 340,
         x: { words: "peak velocity", unit: "mm/s", pad: 0.08, least: 5 }, y: { words: "force minus its mean", unit: "N", least: 20 },
         series: loaded.flatMap((all, k) => ways.map(([way, shape, words]) => ({ name: shape === "ring" ? "" : names[k], of: names[k], points: true, shape, colour: COLOURS[k], always: true,
-          x: all.map((one) => 1e3 * Math.abs(one[`speed_${way}`])), y: all.map((one) => Math.abs(one[`force_${way}`])), tips: all.map((_, i) => `cycle ${i + 1}, ${words}`) }))),
+          x: all.map((cycle) => 1e3 * Math.abs(cycle[`speed_${way}`])), y: all.map((cycle) => Math.abs(cycle[`force_${way}`])), tips: all.map((_, i) => `cycle ${i + 1}, ${words}`) }))),
       }]);
-      const rows = loaded.flatMap((all, k) => all.map((one) => [names[k], one.number, one.level || "run-in or run-out", one.start_s, 1 / one.period_s, 1e3 * one.stroke_m, one.least_force, one.largest_force, one.energy,
-        1e3 * one.speed_out, one.force_out, 1e3 * one.speed_in, one.force_in]));
+      const rows = loaded.flatMap((all, k) => all.map((cycle) => [names[k], cycle.number, cycle.level || "run-in or run-out", cycle.start_s, 1 / cycle.period_s, 1e3 * cycle.stroke_m, cycle.least_force, cycle.largest_force, cycle.energy,
+        1e3 * cycle.speed_out, cycle.force_out, 1e3 * cycle.speed_in, cycle.force_in]));
       return [section("Peak-velocity pick-up", pickup, h("p", { class: "soft" }, "● extension, ○ compression, both without their signs.")), section("Every whole cycle", table({
         caption: "Mean forces above 95 % of the peak velocity, minus the record's mean force", rows,
         columns: [{ name: "record" }, { name: "cycle" }, { name: "level", align: "right" }, { name: "start", unit: "s" }, { name: "frequency", unit: "Hz" }, { name: "stroke", unit: "mm" }, { name: "least force", unit: "N" },
@@ -190,12 +190,12 @@ export async function show(root, query) {
     acceptance: (keys) => acceptance(keys, request, keepAddress, drawings),
     async about(keys) {
       const loaded = await Promise.all(keys.map((key) => get(`records/one?${asQuery({ key })}`)));
-      return loaded.map((one) => about(one));
+      return loaded.map((record) => about(record));
     },
   };
 
-  function about(one) {
-    const { about: a, key } = one;
+  function about(record) {
+    const { about: a, key } = record;
     const m = a.measured;
     const q = a.quality;
     const facts = [
@@ -206,10 +206,10 @@ export async function show(root, query) {
         ["peak speed", `${number(1e3 * m.peak_speed)} mm/s`], ["mean force", `${number(m.mean_force)} N`], ["energy per cycle", `${number(m.energy_per_cycle)} J`], ["drift", `${number(1e3 * m.drift_m_per_s, 3)} mm/s`],
         ["third harmonic", `${number(100 * m.harmonics[3], 2)} %`]] : [["overall stroke", `${number(1e3 * a.overview.stroke_m)} mm`], ["peak speed", `${number(1e3 * a.overview.peak_speed)} mm/s`]]),
       ...Object.entries(q.quantum).map(([channel, step]) => [`${channel} step`, inUnit(channel, step, 3)]),
-      ...Object.entries(a.uncertainty).map(([channel, one]) => [`${channel} uncertainty`, `${inUnit(channel, one.standard, 2)} (one sigma), by ${one.largest} before all`]),
+      ...Object.entries(a.uncertainty).map(([channel, uncertainty]) => [`${channel} uncertainty`, `${inUnit(channel, uncertainty.standard, 2)} (one sigma), by ${uncertainty.largest} before all`]),
       ...Object.entries(a.provenance), ...a.history.map((step) => ["processing", step]),
     ];
-    const text = h("textarea", { value: one.note, maxlength: "2000" });
+    const text = h("textarea", { value: record.note, maxlength: "2000" });
     const keep = async () => {
       if (await attempt(() => put("records/notes", { key, text: text.value }))) {
         say("The note is saved.");
@@ -255,7 +255,7 @@ export async function show(root, query) {
       if (name === null || name === short(key)) return;
       const made = await attempt(() => post("records/rename", { key, name }));
       if (!made) return;
-      state.open = state.open.map((one) => (one === key ? made.key : one));
+      state.open = state.open.map((open) => (open === key ? made.key : open));
       await load(true);
       say(`Renamed ${short(made.key)}.`);
     };
@@ -268,14 +268,14 @@ export async function show(root, query) {
   async function drop(key) {
     if (!(await confirmed(`Delete the record ${short(key)} and its note? The console cannot bring it back.`, "Delete"))) return;
     if ((await attempt(() => remove(`records/uploads/${encodeURIComponent(key.split("/").at(-1))}`))) === undefined) return;
-    state.open = state.open.filter((one) => one !== key);
+    state.open = state.open.filter((other) => other !== key);
     await load(true);
     say("The record is deleted.");
   }
 
   await load();
   await draw();
-  return () => drawings.forEach((one) => one.clear());
+  return () => drawings.forEach((drawing) => drawing.clear());
 }
 
 const WORDS = { specimen: "Specimen", operator: "Operator", measurement_session: "Session", voltage: "Voltage at the coil, V", current: "Current, A", temperature: "Temperature, °C" };
@@ -286,9 +286,9 @@ const named = (loaded) => namesOf(loaded).join(", ");
 const hint = () => h("p", { class: "soft" }, "Drag over a chart to zoom in (on a touch screen press Zoom first); double-click to show all. A name in the legend hides its line.");
 
 /** The names of records; of two runs with the same names each with its folder. */
-const namesOf = (loaded) => loaded.map((one) => (loaded.some((other) => other !== one && other.name === one.name) ? `${one.name} (${one.key.split("/").at(-2)})` : one.name));
+const namesOf = (loaded) => loaded.map((record) => (loaded.some((other) => other !== record && other.name === record.name) ? `${record.name} (${record.key.split("/").at(-2)})` : record.name));
 
-const nameOf = (one) => ({ key: one.key, show: h("span", { class: "named", title: one.key }, short(one.key), flags(one)) });
+const nameOf = (record) => ({ key: record.key, show: h("span", { class: "named", title: record.key }, short(record.key), flags(record)) });
 
 export function inputOf(about) {
   if (!about?.input) return null;
@@ -296,14 +296,14 @@ export function inputOf(about) {
   return { key: low, show: low === high ? `${number(low, 5)} ${about.input}` : `${number(low, 3)} to ${number(high, 3)} ${about.input}` };
 }
 
-function flags(one) {
+function flags(record) {
   const marks = [];
-  const origin = originBadge(one.about?.origin);
+  const origin = originBadge(record.about?.origin);
   if (origin) marks.push(origin);
-  if (one.left_out) marks.push(h("span", { class: "badge bad", title: one.left_out }, one.left_out.split(":")[0]));
-  if (one.problem) marks.push(h("span", { class: "badge bad", title: one.problem }, "cannot be read"), h("small", { class: "under" }, one.problem));
-  else if (one.about.notes.length) marks.push(h("span", { class: "badge bad", title: one.about.notes.join("; ") }, `remarks: ${one.about.notes.length}`));
-  if (one.about?.role === "validation") marks.push(h("span", { class: "badge" }, "validation"));
-  if (one.note) marks.push(h("span", { class: "badge", title: one.note }, "note"));
+  if (record.left_out) marks.push(h("span", { class: "badge bad", title: record.left_out }, record.left_out.split(":")[0]));
+  if (record.problem) marks.push(h("span", { class: "badge bad", title: record.problem }, "cannot be read"), h("small", { class: "under" }, record.problem));
+  else if (record.about.notes.length) marks.push(h("span", { class: "badge bad", title: record.about.notes.join("; ") }, `remarks: ${record.about.notes.length}`));
+  if (record.about?.role === "validation") marks.push(h("span", { class: "badge" }, "validation"));
+  if (record.note) marks.push(h("span", { class: "badge", title: record.note }, "note"));
   return marks;
 }
