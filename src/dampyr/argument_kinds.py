@@ -38,15 +38,15 @@ class Argument:
         if isinstance(value, self.kinds):
             return True
         listed = self.several and isinstance(value, Iterable) and not isinstance(value, str | bytes | Path | Mapping)
-        return listed and (iter(value) is value or all(isinstance(each, self.kinds) for each in value))
+        return listed and (iter(value) is value or all(isinstance(item, self.kinds) for item in value))
 
 
 def check_kinds(call: str, *arguments: Argument) -> None:
     """Raise :class:`~dampyr.errors.InputError` for the first argument that is of no kind it may be; ``call`` names the call."""
-    wrong = [each for each in arguments if not each.takes(each.value)]
+    wrong = [argument for argument in arguments if not argument.takes(argument.value)]
     if not wrong:
         return
-    order = ", ".join(each.name for each in arguments)
+    order = ", ".join(argument.name for argument in arguments)
     if len(arguments) == 2 and all(a.takes(b.value) for a, b in zip(arguments, reversed(arguments), strict=True)):
         raise InputError(f"the arguments of {call} are swapped; write {call}({order})")
     first = wrong[0]

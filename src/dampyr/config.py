@@ -13,12 +13,11 @@ import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, Field, fields, is_dataclass
-from difflib import get_close_matches
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
-from dampyr.errors import FileError, InputError, MissingData
+from dampyr.errors import FileError, InputError, MissingData, choose_from
 from dampyr.units import Quantity, parse
 
 T = TypeVar("T")
@@ -63,16 +62,16 @@ def parse_toml(text: str) -> dict[str, Any]:
 
 
 def load_toml(path: str | Path) -> dict[str, Any]:
-    """The tables of a TOML file; :class:`FileError` where it is no TOML, :class:`MissingData` where it is not there."""
+    """The tables of a TOML file; :class:`FileError` where it is not TOML, :class:`MissingData` where it is not there."""
     path = Path(path)
     try:
         return parse_toml(path.read_text("utf-8"))
     except FileNotFoundError:
         raise MissingData(f"{path}: there is no such file; check the path") from None
     except InputError as problem:
-        raise FileError(path, f"is no TOML that can be read: {problem}") from None
+        raise FileError(path, f"is not valid TOML: {problem}") from None
     except UnicodeDecodeError as problem:
-        raise FileError(path, f"is no TOML ({problem}); save it as UTF-8 text") from None
+        raise FileError(path, f"is not TOML in UTF-8 ({problem}); save it as UTF-8 text") from None
     except OSError as problem:
         raise FileError(path, f"cannot be read ({problem.strerror})") from None
 
@@ -88,17 +87,17 @@ def fill(cls: type[T], table: Any, where: str = "") -> T:
     for name in table:
         if name not in fields_by_name:
             raise InputError(unknown(_joined(where, name), name, list(fields_by_name)))
-    missing = [name for name, field in fields_by_name.items() if name not in table and _is_required(field)]
+    missing = [name for name, field in fields_by_name.items() if name not in table and is_required(field)]
     if missing:
-        raise InputError(f"{_joined(where, missing[0])} is missing; give it{_example(hints[missing[0]])}")
+        _, quantity = split(hints[missing[0]])
+        unit = f" in {quantity.unit} or another unit of that kind" if quantity and quantity.unit else ""
+        raise InputError(f"{_joined(where, missing[0])} is missing; give it{unit}")
     return cls(**{name: value_of(hints[name], value, _joined(where, name)) for name, value in table.items()})
 
 
 def unknown(where: str, name: str, available: list[str]) -> str:
     """A sentence about a name that is not known."""
-    close = get_close_matches(name, available, n=1)
-    hint = f"did you mean {close[0]!r}? " if close else ""
-    return f"{where} is not known; {hint}choose from {', '.join(available)}"
+    return f"{where} is not known; {choose_from(name, available)}"
 
 
 def value_of(hint: Any, value: Any, where: str) -> Any:
@@ -114,12 +113,12 @@ def value_of(hint: Any, value: Any, where: str) -> Any:
     if tuple in containers:
         listed = value if isinstance(value, list | tuple) else [value]
         inner = _noted(get_args(containers[tuple])[0], notes)
-        return tuple(value_of(inner, each, where) for each in listed)
+        return tuple(value_of(inner, item, where) for item in listed)
     if Mapping in containers and (isinstance(value, Mapping) or len(kinds) == 1):
         if not isinstance(value, Mapping):
             raise InputError(f"{where} = {value!r} must be a mapping of names to values")
         inner = _noted(get_args(containers[Mapping])[1], notes)
-        return {name: value_of(inner, each, f"{where}[{name!r}]") for name, each in value.items()}
+        return {name: value_of(inner, item, f"{where}[{name!r}]") for name, item in value.items()}
     for note in notes:
         if isinstance(note, Quantity) and float in kinds:
             return _measured(note, value, where) if str not in kinds else _measured_or_named(note, notes, value, where)
@@ -185,13 +184,9 @@ def _plain(kinds: list[Any], value: Any, where: str) -> Any:
     return value
 
 
-def _is_required(field: Field[Any]) -> bool:
+def is_required(field: Field[Any]) -> bool:
+    """Whether a field of a dataclass has no default."""
     return field.default is MISSING and field.default_factory is MISSING
-
-
-def _example(hint: Any) -> str:
-    _, quantity = split(hint)
-    return f" in {quantity.unit} or another unit of that kind" if quantity and quantity.unit else ""
 
 
 def _joined(where: str, name: str) -> str:

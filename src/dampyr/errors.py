@@ -14,9 +14,11 @@
     └── FindingWarning                something to look at, which is among the ``findings`` of the result, too
 
 Each message is one sentence for a person. The command line prints it without a traceback and exits with 2.
-A fit that does not converge is no error: it is a value with a reason (``fit.converged``, ``fit.reason``).
+A fit that does not converge is not an error: it is a value with a reason (``fit.converged``, ``fit.reason``).
 """
 
+from collections.abc import Sequence
+from difflib import get_close_matches
 from pathlib import Path
 
 
@@ -65,6 +67,13 @@ class ExtrapolationWarning(DampyrWarning):
 
 class FindingWarning(DampyrWarning):
     """Something to look at, which is among the ``findings`` of the result, too."""
+
+
+def choose_from(name: str, available: Sequence[str]) -> str:
+    """The repair for a name that is not known: the nearest one, and all that there are."""
+    close = get_close_matches(name, available, n=1)
+    hint = f"did you mean {close[0]!r}? " if close else ""
+    return f"{hint}choose from {', '.join(available)}"
 
 
 def install_line(extra: str) -> str:

@@ -113,8 +113,8 @@ def worst_first(*groups: Iterable[Finding]) -> tuple[Finding, ...]:
 
 def besides(findings: Iterable[Finding], sentences: Iterable[str]) -> list[Finding]:
     """The findings without those whose sentence stands already, as that of a verdict does."""
-    there = set(sentences)
-    return [finding for finding in findings if finding.sentence not in there]
+    printed = set(sentences)
+    return [finding for finding in findings if finding.sentence not in printed]
 
 
 def handed_on(results: Iterable[HasFindings], source: str = "", besides: Iterable[Finding] = ()) -> tuple[Finding, ...]:
@@ -122,13 +122,13 @@ def handed_on(results: Iterable[HasFindings], source: str = "", besides: Iterabl
 
     ``source`` says what hands it on. What is said ``besides`` of one of the same records already is left out.
     """
-    said = [(finding.kind, {*finding.about}) for finding in besides]
+    stated = [(finding.kind, {*finding.about}) for finding in besides]
     return worst_first(
         replace(finding, source=finding.source or source)
         for result in results
         for finding in result.findings
         if finding.severity != "note"
-        and not any(finding.kind == kind and {*finding.about} & about for kind, about in said)
+        and not any(finding.kind == kind and {*finding.about} & about for kind, about in stated)
     )
 
 

@@ -154,19 +154,19 @@ class Option:
     def _in_si(self, value: Any) -> Any:
         return value if value is None else in_si(value, self.unit, self.name)
 
-    def from_terminal(self, given: Any) -> Any:
+    def from_terminal(self, typed: Any) -> Any:
         """The value of what was typed: a flag, a text, or a tuple of texts; None where nothing was."""
         if self.kind is bool:
-            return bool(given)
+            return bool(typed)
         if self.pairs:
-            return self._mapping(given or ())
+            return self._mapping(typed or ())
         if self.adds:
-            without = [text[1:] for text in given or () if text.startswith("-")]
-            added = [text for text in given or () if not text.startswith("-") and text not in self.default]
+            without = [text[1:] for text in typed or () if text.startswith("-")]
+            added = [text for text in typed or () if not text.startswith("-") and text not in self.default]
             return (*(name for name in self.default if name not in without), *added)
         if self.several:
-            return () if given == (NONE,) else tuple(map(self.from_text, given)) if given else self.default
-        return self.default if given is None else self.from_text(given)
+            return () if typed == (NONE,) else tuple(map(self.from_text, typed)) if typed else self.default
+        return self.default if typed is None else self.from_text(typed)
 
     def _mapping(self, texts: Iterable[str]) -> Any:
         values: dict[str, Any] = {}
@@ -262,7 +262,7 @@ def options_of(cls: Any) -> tuple[Option, ...]:
     return _options_of(cls)
 
 
-@cache
+@cache  # beside a typed door: mypy takes a class of dataclasses for unhashable
 def _options_of(cls: Any) -> tuple[Option, ...]:
     hints = get_type_hints(cls, include_extras=True)
     return tuple(
@@ -277,10 +277,8 @@ def _option(name: str, hint: Any, default: Any) -> Option:
     members = get_args(declared) if get_origin(declared) in (Union, UnionType) else (declared,)
     types = [member for member in members if member is not NoneType]
     container = next((t for t in types if get_origin(t) is not None), types[0])
-    several, pairs = (
-        get_origin(container) is tuple,
-        get_origin(container) is not tuple and get_origin(container) is not None,
-    )
+    several = get_origin(container) is tuple
+    pairs = not several and get_origin(container) is not None
     choices = next((note.words for note in notes if isinstance(note, Choices)), None)
     inner = get_args(container)[-1 if pairs else 0] if several or pairs else container
     kind = next(iter(get_args(inner)), inner)  # of several plain types the first, in which it is typed
@@ -327,12 +325,12 @@ def takes(cls: type[Options]) -> Callable[[Call], Call]:
 
     def add(call: Call) -> Call:
         signature = inspect.signature(call)
-        own = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
+        declared = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
         keywords = [
             inspect.Parameter(option.name, inspect.Parameter.KEYWORD_ONLY, default=option.default)
             for option in options_of(cls)
         ]
-        call.__signature__ = signature.replace(parameters=[*own, *keywords])  # type: ignore[attr-defined]
+        call.__signature__ = signature.replace(parameters=[*declared, *keywords])  # type: ignore[attr-defined]
         call.__doc__ = f"{inspect.cleandoc(call.__doc__ or '')}\n\n{_docstring(cls)}"
         return call
 

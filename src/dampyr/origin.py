@@ -163,9 +163,9 @@ class Named(NamedTuple):
     origin: Origin
 
 
-def as_origin(given: Any) -> Origin:
-    """An `Origin` of which only the kind is given, or one as it is; an :class:`~dampyr.errors.InputError` for anything else."""
-    return given if isinstance(given, Origin) else Origin(given)
+def as_origin(value: Any) -> Origin:
+    """An `Origin` of which only the kind is stated, or one as it is; InputError for anything else."""
+    return value if isinstance(value, Origin) else Origin(value)
 
 
 def of_board(identity: str) -> Origin:
@@ -184,11 +184,11 @@ def combined(origins: Iterable[Origin]) -> Origin:
     unreal: list[OriginKind] = [kind for kind in ("simulated", "virtual") if kind in kinds]
     kind = unreal[0] if unreal else kinds.pop() if len(kinds) == 1 else "not stated"
     lists = {
-        field.name: tuple(sorted({one for part in parts for one in getattr(part, field.name)}))
+        field.name: tuple(sorted({value for part in parts for value in getattr(part, field.name)}))
         for field in fields(Origin)
         if field.name not in ("kind", "versions")
     }
-    versions = dict.fromkeys([*(one for part in parts for one in part.versions), full_version()])
+    versions = dict.fromkeys([*(version for part in parts for version in part.versions), full_version()])
     return Origin(kind, **lists, versions=tuple(versions))
 
 
@@ -205,6 +205,5 @@ def check_one_kind(records: Iterable[Source]) -> None:
 
 
 def _some(records: list[Source]) -> str:
-    more = f" and {len(records) - 2} more" if len(records) > 2 else ""
     words = " or ".join(dict.fromkeys(record.origin.kind for record in records))
-    return f"{', '.join(record.name for record in records[:2])}{more} ({words})"
+    return f"{listing([record.name for record in records], 2)} ({words})"

@@ -4,12 +4,11 @@ Adding a model, an earthquake format or a command is adding one file; nothing el
 """
 
 from collections.abc import Iterator
-from difflib import get_close_matches
 from importlib import import_module
 from pkgutil import iter_modules
 from types import ModuleType
 
-from dampyr.errors import InputError
+from dampyr.errors import InputError, choose_from
 
 
 def summary(module: ModuleType) -> str:
@@ -32,10 +31,8 @@ def member(package: str, name: str) -> ModuleType:
     """The module called ``name`` of a package, or an :class:`InputError` that lists the members."""
     available = names(package)
     if name not in available:
-        close = get_close_matches(name, available, n=1)
-        hint = f"did you mean {close[0]!r}? " if close else ""
         label = getattr(import_module(package), "MEMBERS", package.rpartition(".")[2].replace("_", " "))
-        raise InputError(f"{name!r} is not among the {label}; {hint}choose from {', '.join(available)}")
+        raise InputError(f"{name!r} is not among the {label}; {choose_from(name, available)}")
     return import_module(f"{package}.{name}")
 
 

@@ -32,10 +32,30 @@ OPEN_MARGIN = 1e-9
 class Quantity:
     """What a number means: its SI unit and the range that is allowed.
 
-    Used as an annotation, ``kx: Annotated[float, Quantity("N s/m", low=0)]``. ``low`` and ``high`` are
-    inclusive unless ``open_low``. ``linear`` says that a force is proportional to this parameter. Below ``usual`` a value is
-    allowed but doubtful, and ``words`` say why. ``logarithmic``: a fit searches it in its logarithm although it may be 0, and
-    comes to within 1e-9 SI units of that.
+    Used as an annotation, ``kx: Annotated[float, Quantity("N s/m", low=0)]``.
+
+    Parameters
+    ----------
+    unit
+        The SI unit, such as ``"N s/m"``; empty for a number without one.
+    low, high
+        The least and the greatest value that is allowed; by default every finite one is.
+    open_low
+        Whether ``low`` itself is not allowed.
+    linear
+        Whether a force is proportional to this parameter, so that a fit solves it and does not search it.
+    usual
+        Below it a value is allowed but doubtful.
+    words
+        Why it is doubtful.
+    logarithmic
+        Whether a fit searches it in its logarithm although it may be 0; it comes to within 1e-9 SI units of that.
+
+    Examples
+    --------
+    >>> from dampyr.units import Quantity
+    >>> Quantity("m", low=0.0, high=0.1).range_in_words()
+    'at least 0 and at most 0.1'
     """
 
     unit: str
@@ -161,13 +181,14 @@ def _by_pint(unit: str, si: str) -> tuple[float, float]:
     ) as problem:
         raise InputError(f"unknown unit {unit!r}; write a unit such as mm, m/s, N, V, s, g") from problem
     try:
-        zero = registry.Quantity(0.0, source).to(target).magnitude
-        one = registry.Quantity(1.0, source).to(target).magnitude
+        # two points make the line: units of temperature have a shift, all others only a factor
+        at_zero = registry.Quantity(0.0, source).to(target).magnitude
+        at_one = registry.Quantity(1.0, source).to(target).magnitude
     except pint.errors.PintError as problem:
         raise InputError(
             f"the unit {unit!r} does not measure what {si!r} measures; write a unit such as {si}"
         ) from problem
-    return float(one - zero), float(zero)
+    return float(at_one - at_zero), float(at_zero)
 
 
 def in_si(values: Any, si: str, name: str) -> Any:
@@ -180,8 +201,8 @@ def in_si(values: Any, si: str, name: str) -> Any:
     try:
         if isinstance(values, str):
             return parse(values, si)
-        if isinstance(values, list | tuple) and any(_unit_of(each)[1] for each in values):
-            return np.array([in_si(each, si, name) for each in values], dtype=float)
+        if isinstance(values, list | tuple) and any(_unit_of(item)[1] for item in values):
+            return np.array([in_si(item, si, name) for item in values], dtype=float)
         numbers, unit = _unit_of(values)
         return to_si(numbers, unit, si) if unit else values
     except InputError as problem:
@@ -190,12 +211,12 @@ def in_si(values: Any, si: str, name: str) -> Any:
 
 def _unit_of(values: Any) -> tuple[Any, str]:
     """The numbers of a quantity or of a labelled array, and the unit of these; "" where none is stated."""
-    one: Any
-    for one in (values, getattr(values, "data", None)):
-        if hasattr(one, "magnitude") and hasattr(one, "units"):  # pint, also in a labelled array
-            return one.magnitude, str(one.units) or "dimensionless"
-        if hasattr(one, "unit") and hasattr(one, "value"):  # astropy
-            return one.value, str(one.unit) or "dimensionless"
+    quantity: Any
+    for quantity in (values, getattr(values, "data", None)):
+        if hasattr(quantity, "magnitude") and hasattr(quantity, "units"):  # pint, also in a labelled array
+            return quantity.magnitude, str(quantity.units) or "dimensionless"
+        if hasattr(quantity, "unit") and hasattr(quantity, "value"):  # astropy
+            return quantity.value, str(quantity.unit) or "dimensionless"
     attributes = getattr(values, "attrs", None)
     if isinstance(attributes, dict):
         stated = attributes.get("units", attributes.get("unit", ""))
