@@ -16,7 +16,7 @@ export function stepForm(kinds, add) {
 
   function fill() {
     controls = chosen().fields.map((field) => ({ option: field, control: control(field) }));
-    const shown = controls.map(({ option, control: made }) => field(option.unit ? `${label(option.name)}, ${option.unit}` : label(option.name), made, one.words));
+    const shown = controls.map(({ option, control: made }) => field(option.unit ? `${label(option.name)}, ${option.unit}` : label(option.name), made, option.words));
     required.replaceChildren(...shown.filter((_, k) => first(controls[k].option)), field("Repeats", repeats));
     others.replaceChildren(...shown.filter((_, k) => !first(controls[k].option)));
     more.hidden = !others.children.length;
