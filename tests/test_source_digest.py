@@ -60,7 +60,7 @@ def test_a_card_and_a_page_carry_it(tmp_path: Path) -> None:
     response = dp.structures.respond(
         dp.structures.two_storey(), dp.ground_motions.el_centro(), {1: damper}, voltage=1.98
     )
-    page = dp.show.write_response_page({"1.98 V": response}, tmp_path / "page.html")
+    page = dp.show.write_page(response, tmp_path / "page.html")
     assert full_version() in Path(page).read_text("utf-8")
 
 

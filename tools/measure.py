@@ -414,7 +414,10 @@ def traced_walks(root: Path) -> dict[str, Any]:
     fit_trace, fit = traced(
         source, lambda progress: dp.identification.fit(records=records, model="dahl", progress=progress)
     )
-    write_fit_page = import_module("dampyr.show" if hasattr(dp, "show") else "dampyr.report").write_fit_page
+    faces = import_module("dampyr.show" if hasattr(dp, "show") else "dampyr.report")
+    write_fit_page = (
+        faces.write_fit_page if hasattr(faces, "write_fit_page") else faces.write_page
+    )  # the first up to 0.3.0
     with tempfile.TemporaryDirectory() as folder:
         page = Path(folder) / "page.html"
         write_fit_page(fit, page)

@@ -13,7 +13,7 @@ from dampyr.cli import cli
 from dampyr.show.figures.history import history
 from dampyr.show.pages.blocks import FigureBlock, Section, Text
 from dampyr.show.pages.how_made import made_by
-from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.pages.html_page import page, write_html
 from dampyr.show.table import Table, Verdict
 from dampyr.source_digest import full_version
 
@@ -186,7 +186,7 @@ def long_page(tmp_path):
     (tmp_path / "card.toml").write_text("x")
     with made_by("dampyr validate 'my card.toml' a.h5", [tmp_path / "card.toml"]):
         html = page('Judged by "a\\b" </style>', sections, facts={"specimen": "no. 7"})
-    return write_page(tmp_path / "long.html", html)
+    return write_html(tmp_path / "long.html", html)
 
 
 def test_headings_stand_on_every_page_of_a_table_and_every_page_has_its_number(long_page, show):

@@ -15,7 +15,7 @@ from dampyr.errors import InputError, RigFault
 from dampyr.hybrid import HybridResult
 from dampyr.hybrid.rig_drive import STOPPING, way_back
 from dampyr.rig import Rig, simulated
-from dampyr.show.pages.hybrid_page import write_hybrid_page
+from dampyr.show.pages.result_page import write_page
 from dampyr.studies import raminelli_2020
 
 HEAVY = """name = "two storeys of 1.5 t"
@@ -119,7 +119,7 @@ def test_the_record_says_what_it_is(done):
 
 def test_a_page_of_it(done, tmp_path):
     result, _, _ = done
-    text = write_hybrid_page(result, tmp_path / "page.html").read_text("utf-8")
+    text = write_page(result, tmp_path / "page.html").read_text("utf-8")
     assert "hybrid test: heavy+el_centro" in text.lower()
     assert "The peaks differ by up to" in text
 

@@ -13,9 +13,7 @@ from dampyr.findings import OF_DAMPER, handed_on
 from dampyr.identification import Fit, accept, fit, validate
 from dampyr.models import Damper
 from dampyr.records import Record, describe, write
-from dampyr.show.pages.acceptance_page import write_acceptance_page
-from dampyr.show.pages.fit_page import write_fit_page
-from dampyr.show.pages.validate_page import write_validate_page
+from dampyr.show.pages.result_page import write_page
 
 DAHL = Damper("dahl", {"dahl.kx": 1200.0, "dahl.kw": 200.0, "dahl.rho": 2000.0})
 SATURATED = "force may be saturated: "
@@ -70,9 +68,9 @@ def test_a_saturated_force_is_said_by_the_fit_its_card_and_what_is_made_of_it(of
 
 def test_pages_say_a_saturated_force_once(of_clipped: Fit, tmp_path: Path) -> None:
     assert of_clipped.damper is not None
-    write_fit_page(of_clipped, tmp_path / "fit.html")
-    write_validate_page(validate(of_clipped.damper, [clipped()]), tmp_path / "validate.html")
-    write_acceptance_page(accept([clipped()], of_clipped.damper), tmp_path / "accept.html")
+    write_page(of_clipped, tmp_path / "fit.html")
+    write_page(validate(of_clipped.damper, [clipped()]), tmp_path / "validate.html")
+    write_page(accept([clipped()], of_clipped.damper), tmp_path / "accept.html")
     for page in ("fit.html", "validate.html", "accept.html"):
         assert (tmp_path / page).read_text("utf-8").count(SATURATED) == 1, page
 

@@ -13,7 +13,7 @@ from dampyr.identification.parameter_uncertainty.candidate_motions import Motion
 from dampyr.identification.search.fit_data import piece
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
-from dampyr.show.pages.fit_page import write_fit_page
+from dampyr.show.pages.result_page import write_page
 
 VOLTS = (0.0, 2.0)
 TWO = Damper(
@@ -156,7 +156,7 @@ def test_the_envelope_is_that_of_the_records() -> None:
 def test_it_stands_in_json_page_and_text(alike: Fit, tmp_path: Path) -> None:
     lines = identifiability(alike).lines
     assert len(lines) == len(alike.as_dict()["identifiability"]) >= 3
-    page = write_fit_page(alike, tmp_path / "fit.html").read_text(encoding="utf-8")
+    page = write_page(alike, tmp_path / "fit.html").read_text(encoding="utf-8")
     assert "What these records cannot separate" in page
     assert "trade against each other" in page
 

@@ -15,7 +15,7 @@ from dampyr.identification.search import optimum
 from dampyr.identification.search.normal_equations import linearise, modelled_force
 from dampyr.identification.search.problem import SearchPoint
 from dampyr.models import Damper, Interpolation
-from dampyr.show.pages.fit_page import write_fit_page
+from dampyr.show.pages.result_page import write_page
 
 DAHL: dict[str, float | Interpolation] = {
     "dahl.kx": 900.0,
@@ -63,7 +63,7 @@ def test_a_page_of_a_fit_linearises_nothing_but_the_tests_that_it_proposes(
     assert any(one.kind == "pair" for one in identifiability(fitted).inseparable)
     for some in calls.values():
         some.clear()
-    write_fit_page(fitted, tmp_path / "fit.html")
+    write_page(fitted, tmp_path / "fit.html")
     assert len(calls["products"]) == 1  # the floor: below 10
     assert calls["products"][0] > 100  # all tests that could be proposed, at all voltages, together
     assert len(fitted.records) not in calls["modelled_force"]  # the forces of the fit are those of its optimum

@@ -126,7 +126,7 @@ def test_identify(data: Path, client: TestClient, done: Any) -> None:
     names = (*NAMES, "v")
     ours = identification.fit(own(data, *names), "dahl", predict=("record",), loss="huber")
     ours.save(data / "ours.toml")
-    show.write_fit_page(ours, data / "ours.html")
+    show.write_page(ours, data / "ours.html")
 
     files = [data / f"{name}.h5" for name in names]
     said = command(
@@ -178,7 +178,7 @@ def test_validate(data: Path, client: TestClient, done: Any) -> None:
     damper = Damper.load(data / "cards" / "mine.toml")
     ours = identification.validate(damper, own(data, *NAMES), card="mine.toml")
     with show.made_by("a script", [data / "cards" / "mine.toml"]):
-        show.write_validate_page(ours, data / "ours.html")
+        show.write_page(ours, data / "ours.html")
     said = command(
         "validate",
         data / "cards" / "mine.toml",
@@ -204,7 +204,7 @@ def test_accept(data: Path, client: TestClient, reference: str) -> None:
     options = identification.AcceptOptions(0.2, 5.0, quantities=("extension", "energy"))
     name = "c, d" if by_records else reference
     ours = identification.accept(own(data, *judged), against, options, name)
-    show.write_acceptance_page(ours, data / "ours.html")
+    show.write_page(ours, data / "ours.html")
 
     folder = data / "c, d"  # reports are titled by the last part of a path
     folder.mkdir()
@@ -232,7 +232,7 @@ def test_simulate(data: Path, client: TestClient, done: Any) -> None:
     motion = el_centro().scaled_to_pga(2.0)
     ours = structures.respond(structures.two_storey(), motion, {2: damper}, voltage=inputs)
     with show.made_by("a script", [data / "cards" / "mine.toml"]):
-        show.write_response_page(ours, data / "ours.html")
+        show.write_page(ours, data / "ours.html")
     said = command(
         "simulate", data / "cards" / "mine.toml", "--voltage", "0", "--voltage", "1.5", "--control", "on_off:period=10ms",
         "--storey", "2", "--pga", "2 m/s^2", "--report", data / "said.html",
@@ -255,7 +255,7 @@ def test_ensemble(data: Path, client: TestClient, done: Any) -> None:
         limits="10mm", seed=3,
     )  # fmt: skip
     with show.made_by("a script", [data / "cards" / "mine.toml"]):
-        show.write_ensemble_page(ours, data / "ours.html")
+        show.write_page(ours, data / "ours.html")
     said = command(
         "ensemble", data / "cards" / "mine.toml", "--voltage", "0", "--voltage", "1.5", "--without-damper",
         "--synthetic", "3", "--duration", "4", "--seed", "3", "--scale", "0.5,1,2", "--limit", "10mm",

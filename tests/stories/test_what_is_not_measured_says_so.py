@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import pkgutil
 import re
 import warnings
 from collections.abc import Callable
@@ -16,7 +17,7 @@ import pytest
 from click.testing import CliRunner
 
 import dampyr as dp
-from dampyr import registry, show
+from dampyr import registry
 from dampyr.campaigns.journal import Journal, journal_origin
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning, InputError
@@ -28,7 +29,9 @@ from dampyr.models import Damper, published
 from dampyr.origin import NOTICES, ORIGIN_KINDS, SIMULATED, Origin, as_origin, combined, of_board
 from dampyr.records import Record, convert, read, read_campaign, write
 from dampyr.records.files.record_files import REGISTRY as FORMATS
+from dampyr.show import pages
 from dampyr.show.descriptions import description_of
+from dampyr.show.pages import result_page
 from dampyr.shown import Shown
 from dampyr.source_digest import full_version
 
@@ -168,18 +171,19 @@ def test_each_command_says_it_first_and_in_json(made: Made, name: str) -> None:
 
 
 PAGES: dict[str, Callable[[Made], list[Any]]] = {
-    "write_fit_page": COMMANDS["identify"],
-    "write_validate_page": COMMANDS["validate"],
-    "write_acceptance_page": COMMANDS["accept"],
-    "write_response_page": COMMANDS["simulate"],
-    "write_ensemble_page": COMMANDS["ensemble"],
+    "fit_page": COMMANDS["identify"],
+    "validate_page": COMMANDS["validate"],
+    "acceptance_page": COMMANDS["accept"],
+    "response_page": COMMANDS["simulate"],
+    "ensemble_page": COMMANDS["ensemble"],
 }
 
 
 def test_no_page_is_forgotten() -> None:
-    other = {"write_motion_page", "write_plan_page", "write_hybrid_page"}  # no records yet; the last one below
-    writers = {name for name in show.__all__ if name.startswith("write_") and name != "write_page"}
-    assert PAGES.keys() | other == writers
+    other = {"plan_page", "motion_page", "hybrid_page"}  # no records yet; no damper; the last one below
+    assert PAGES.keys() | other == set(result_page.PAGES.values())
+    modules = {module.name for module in pkgutil.iter_modules(pages.__path__) if module.name.endswith("_page")}
+    assert modules - {"html_page", "result_page"} == set(result_page.PAGES.values())
 
 
 @pytest.mark.parametrize("name", PAGES)

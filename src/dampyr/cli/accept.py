@@ -60,9 +60,9 @@ def command(
     records = gather(paths, role, reading, reference_inputs=inputs_of(against), warn=False)
     result = accept(records, against, options, reference)
     if report:
-        from dampyr.show.pages.acceptance_page import write_acceptance_page
+        from dampyr.show.pages.result_page import write_page
 
-        write_acceptance_page(result, report)
+        write_page(result, report)
     state_origin(result.origin)
     if as_json:
         print_json(result.as_dict())

@@ -70,9 +70,9 @@ def command(
     else:
         result = _read(context, options, out, collect, read)
     if report:
-        from dampyr.show.pages.ensemble_page import write_ensemble_page
+        from dampyr.show.pages.result_page import write_page
 
-        write_ensemble_page(result, report)
+        write_page(result, report)
     state_origin(result.origin)
     if as_json:
         print_json(result.as_dict())

@@ -175,9 +175,9 @@ def _tell_plan(plan: Plan, as_json: bool) -> None:
 
 def _tell(result: HybridResult, report: Path | None, as_json: bool) -> None:
     if report:
-        from dampyr.show.pages.hybrid_page import write_hybrid_page
+        from dampyr.show.pages.result_page import write_page
 
-        write_hybrid_page(result, report)
+        write_page(result, report)
     state_origin(result.origin)
     if as_json:
         print_json(result.as_dict())

@@ -110,7 +110,9 @@ def command(
     if save:
         problem = _problem_of(lambda: result.damper().save(save) if by_specimen else result.save(save))
     if report:
-        problem = problem or _problem_of(lambda: _write_page(result, report))
+        from dampyr.show.pages.result_page import write_page
+
+        problem = problem or _problem_of(lambda: write_page(result, report))
     state_origin(combined(record.origin for record in records))
     if as_json:
         print_json([fit.as_dict() for fit in result] if each else result.as_dict())
@@ -196,12 +198,6 @@ def _problem_of(write: Callable[[], object]) -> Exception | None:
     except (DampyrError, OSError) as problem:
         return problem
     return None
-
-
-def _write_page(result: Fit, path: Path) -> None:
-    from dampyr.show.pages.fit_page import write_fit_page
-
-    write_fit_page(result, path)
 
 
 def _cores() -> int:

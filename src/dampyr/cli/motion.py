@@ -41,6 +41,7 @@ def command(
     """
     from dampyr.ground_motions import measures, spectrum
     from dampyr.show.pages import motion_page
+    from dampyr.show.pages.result_page import write_page
 
     motion = ground.motion(file, baseline)
     at = periods or motion_page.TABLE
@@ -48,7 +49,7 @@ def command(
     peaks = spectrum(motion, at, [ratio(each) for each in dampings] or [0.05])
     if report:
         shown = [ratio(each) for each in dampings] or motion_page.DAMPINGS
-        motion_page.write_motion_page(motion, report, shown, at)
+        write_page(motion, report, dampings=shown, periods=at)
     if as_json:
         print_json(_as_dict(motion, motion_measures, peaks))
         return

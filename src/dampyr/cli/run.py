@@ -86,9 +86,9 @@ def command(
 
     plan = campaigns.plan(campaign, rig, seed=seed)
     if report:
-        from dampyr.show.pages.plan_page import write_plan_page
+        from dampyr.show.pages.result_page import write_page
 
-        write_plan_page(plan, report)
+        write_page(plan, report)
     if dry_run:
         print_json(plan.as_dict()) if as_json else print_result(plan)
     for refusal in plan.refusals:

@@ -88,9 +88,9 @@ def command(
     with findings_below():
         result = respond(building, ground.motion(motion), dampers, **inputs, options=options)
     if report:
-        from dampyr.show.pages.response_page import write_response_page
+        from dampyr.show.pages.result_page import write_page
 
-        write_response_page(result, report)
+        write_page(result, report)
     state_origin(result.origin)
     if as_json:
         print_json(result.as_dict())

@@ -60,9 +60,9 @@ def command(
     result = validate(damper, records, options, card=str(card))
     written = result.write_forces(forces) if forces else []
     if report:
-        from dampyr.show.pages.validate_page import write_validate_page
+        from dampyr.show.pages.result_page import write_page
 
-        write_validate_page(result, report)
+        write_page(result, report)
     state_origin(result.origin)
     if as_json:
         print_json(result.as_dict() | {"forces": written})

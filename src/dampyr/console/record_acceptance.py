@@ -25,8 +25,8 @@ from dampyr.identification.acceptance_tests.acceptance import QUANTITIES
 from dampyr.models import Damper
 from dampyr.records import Record
 from dampyr.show.identification.acceptance import band
-from dampyr.show.pages.acceptance_page import write_acceptance_page
 from dampyr.show.pages.how_made import made_by
+from dampyr.show.pages.result_page import write_page
 from dampyr.to_json import plain
 
 MAX_RECORDS = 6  # as many as the page has colours for
@@ -187,7 +187,7 @@ def page_of(data: Path, query: AcceptanceRequest) -> str:
     accepted = _judged(data, query)
     cards = [data / name for name in query.reference if name.startswith(f"{CARDS}/")]
     with tempfile.TemporaryDirectory(prefix="dampyr-") as folder, made_by(accept_command(query), cards):
-        return write_acceptance_page(accepted, Path(folder) / "page.html").read_text("utf-8")
+        return write_page(accepted, Path(folder) / "page.html").read_text("utf-8")
 
 
 def _judged(data: Path, query: AcceptanceRequest) -> Accepted:

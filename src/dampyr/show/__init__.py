@@ -13,7 +13,8 @@ is one self-contained HTML file: no network, light and dark, for paper and for a
 
     figure = loops(record.displacement, record.velocity, record.force, {"viscous Dahl": predicted})
     html = page("A damper", [Section("Loops", [FigureBlock(figure, "measured, model")])])
-    write_page("out/damper.html", html)
+    write_page(html, "out/damper.html")
+    write_page(fit, "out/fit.html")  # the page of a result
 """
 
 from importlib import import_module
@@ -28,16 +29,8 @@ _MODULES = {
     "Verdict": "table",
     "made_by": "pages.how_made",
     "page": "pages.html_page",
-    "write_page": "pages.html_page",
+    "write_page": "pages.result_page",
     "figure_files": "pages.saved_figures",
-    "write_fit_page": "pages.fit_page",
-    "write_validate_page": "pages.validate_page",
-    "write_acceptance_page": "pages.acceptance_page",
-    "write_response_page": "pages.response_page",
-    "write_ensemble_page": "pages.ensemble_page",
-    "write_motion_page": "pages.motion_page",
-    "write_plan_page": "pages.plan_page",
-    "write_hybrid_page": "pages.hybrid_page",
 }
 """The public names and their modules, loaded when they are used: a page needs the package whose result it shows."""
 

@@ -33,7 +33,7 @@ from dampyr.show.figures.scores import scores
 from dampyr.show.identification.validation import score_table
 from dampyr.show.pages.blocks import FigureBlock, Section, Text, to_look_at
 from dampyr.show.pages.fit_sections import fit_blocks
-from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.pages.html_page import page, write_html
 from dampyr.show.table import Table
 from dampyr.structures import Responses
 
@@ -191,7 +191,7 @@ def write_report(demo: Demo, path: Path) -> Path:
         },
         origin=demo.origin,
     )
-    write_page(path, html)
+    write_html(path, html)
     return path
 
 

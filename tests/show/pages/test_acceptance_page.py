@@ -11,7 +11,7 @@ from tests.show.pages.test_html_page import Reader
 from dampyr.errors import InputError
 from dampyr.identification import Acceptance, Accepted, accept
 from dampyr.models import Damper, Interpolation
-from dampyr.show.pages.acceptance_page import write_acceptance_page
+from dampyr.show.pages.result_page import write_page
 
 CARD = Damper("dahl", {"dahl.kx": Interpolation((0.0, 2.0), (800.0, 1800.0)), "dahl.kw": 200.0, "dahl.rho": 3000.0})
 GOOD = sine(CARD, 0.0, "good", 0.005, 1.2, noise=1.0)
@@ -21,7 +21,7 @@ BEYOND = replace(sine(CARD, 1.0, "beyond", 0.004, 1.3), voltage=3.0)
 
 
 def written(acceptances: list[Acceptance], path: Path) -> tuple[Reader, str]:
-    html = write_acceptance_page(Accepted("my card.toml", tuple(acceptances)), path / "page.html").read_text("utf-8")
+    html = write_page(Accepted("my card.toml", tuple(acceptances)), path / "page.html").read_text("utf-8")
     reader = Reader(html)
     assert reader.open == []
     return reader, html
@@ -54,4 +54,4 @@ def test_a_page_without_anything_outside_or_judged_says_so(tmp_path: Path) -> No
 
 def test_nothing_is_no_page(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no judgement to show"):
-        write_acceptance_page(Accepted("card", ()), tmp_path / "page.html")
+        write_page(Accepted("card", ()), tmp_path / "page.html")

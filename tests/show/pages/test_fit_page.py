@@ -14,10 +14,10 @@ from dampyr.identification import Fit, Fold, Score, Validation, fit
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
 from dampyr.show.pages.blocks import Section, Text
-from dampyr.show.pages.fit_page import write_fit_page
 from dampyr.show.pages.fit_sections import correlation_blocks, parameter_tables
 from dampyr.show.pages.prediction_section import prediction_section
 from dampyr.show.pages.range_section import range_section, range_table
+from dampyr.show.pages.result_page import write_page
 
 VOLTS = (0.0, 1.0, 2.0)
 DAHL = Damper(
@@ -91,7 +91,7 @@ CASES: dict[str, Callable[[], Fit]] = {
 @pytest.mark.parametrize("name", CASES)
 def test_a_page_is_written_for_every_kind_of_fit(name: str, tmp_path: Path) -> None:
     fit_result = CASES[name]()
-    html = write_fit_page(fit_result, tmp_path / "page.html").read_text("utf-8")
+    html = write_page(fit_result, tmp_path / "page.html").read_text("utf-8")
     reader = Reader(html)
     assert reader.open == []
     ids = reader.values("id")
@@ -122,7 +122,7 @@ def test_errors_of_one_or_two_records_are_labelled_and_give_no_interval(tmp_path
     labelled = [row[4] for row in errors.rows if row[4]]
     assert all("within these records only" in cell for cell in labelled)
     assert len(labelled) == 2
-    html = write_fit_page(fit_result, tmp_path / "page.html").read_text("utf-8")
+    html = write_page(fit_result, tmp_path / "page.html").read_text("utf-8")
     assert "2 of these errors hold within these records only" in html
     assert "between-record variance is not estimated from 2 records" in html.lower()
 
@@ -194,7 +194,7 @@ def test_predictions_say_what_they_were_not_fitted_on_and_sections_come_first(jo
     ]
     extra = [Section("Which model", [Text("The leader.")]), Section("Another", [Text("More.")])]
     predicted = replace(joint, validations=(Validation("record", folds),))
-    path = write_fit_page(predicted, tmp_path / "page.html", sections=extra)
+    path = write_page(predicted, tmp_path / "page.html", sections=extra)
     html = path.read_text("utf-8")
     titles = Reader(html).inside("h2")
     assert titles[:4] == ["In short", "Which model", "Another", "Findings and search"]
@@ -204,7 +204,7 @@ def test_predictions_say_what_they_were_not_fitted_on_and_sections_come_first(jo
 
 
 def test_its_first_screen_has_the_verdict_the_loops_and_the_parameters(joint: Fit, tmp_path: Path) -> None:
-    html = write_fit_page(joint, tmp_path / "page.html").read_text("utf-8")
+    html = write_page(joint, tmp_path / "page.html").read_text("utf-8")
     first = html[html.index('<section id="in-short">') : html.index("</section>")]
     assert first.count("<svg") == first.count("<table") == 1
     places = [first.index(joint.verdict.words), first.index("<svg"), first.index("<table")]
@@ -225,7 +225,7 @@ def test_a_validation_that_predicted_nothing_is_shown(joint: Fit) -> None:
 
 def test_a_misfit_is_told_before_anything_else(tmp_path: Path) -> None:
     skewed = [replace(r, force=r.force + 3000.0 * np.abs(r.velocity)) for r in records()]
-    reader = Reader(write_fit_page(fit(skewed, "dahl"), tmp_path / "page.html").read_text("utf-8"))
+    reader = Reader(write_page(fit(skewed, "dahl"), tmp_path / "page.html").read_text("utf-8"))
     text = " ".join(reader.inside("p"))
     assert text.index("Before you use the numbers:") < text.index("the intervals describe the fit")
     assert text.count("the intervals describe the fit") == 1

@@ -16,7 +16,7 @@ from dampyr.ground_motions import el_centro
 from dampyr.models import Damper, Interpolation
 from dampyr.origin import combined
 from dampyr.show.pages.how_made import how_made, made_by, moment
-from dampyr.show.pages.motion_page import write_motion_page
+from dampyr.show.pages.result_page import write_page
 from dampyr.source_digest import full_version
 from dampyr.source_file import source_file
 
@@ -67,8 +67,8 @@ def test_a_script_of_ones_own_is_named_with_the_call(tmp_path: Path, monkeypatch
     script = tmp_path / "my script.py"
     script.write_text("")
     monkeypatch.setattr("sys.argv", [str(script), "7"])
-    html = write_motion_page(el_centro(), tmp_path / "m.html").read_text("utf-8")
-    assert f"python '{script}' 7: dampyr.show.pages.write_motion_page(motion, 'm.html')".replace("'", "&#39;") in html
+    html = write_page(el_centro(), tmp_path / "m.html").read_text("utf-8")
+    assert f"python '{script}' 7: dampyr.show.write_page(result, 'm.html')".replace("'", "&#39;") in html
     monkeypatch.setattr("sys.argv", [""])
     assert how_made("f()").command == "f()"
     assert how_made().command == "Python"

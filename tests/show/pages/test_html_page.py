@@ -14,7 +14,7 @@ from dampyr.phrases import sentence
 from dampyr.show.figures import style
 from dampyr.show.figures.loops import loops
 from dampyr.show.pages.blocks import FigureBlock, Section, Text
-from dampyr.show.pages.html_page import number, page, write_page
+from dampyr.show.pages.html_page import number, page, write_html
 from dampyr.show.pages.saved_figures import figure_files
 from dampyr.show.table import Table, Verdict
 
@@ -224,10 +224,10 @@ def test_what_cannot_be_shown_is_refused(make: object, words: str) -> None:
 
 
 def test_a_page_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
-    path = write_page(tmp_path / "new" / "page.html", "<p>ρ</p>")
+    path = write_html(tmp_path / "new" / "page.html", "<p>ρ</p>")
     assert path.read_text("utf-8") == "<p>ρ</p>"
     with pytest.raises(UnicodeEncodeError):
-        write_page(path, "\ud800")
+        write_html(path, "\ud800")
     assert path.read_text("utf-8") == "<p>ρ</p>"
     assert [p.name for p in path.parent.iterdir()] == ["page.html"]
 

@@ -10,7 +10,8 @@ from dampyr import campaigns
 from dampyr.campaigns import kind, violations_of
 from dampyr.rig import RigSettings
 from dampyr.show.campaigns.planned_tests import plan_notes, plan_table
-from dampyr.show.pages.plan_page import largest_amplitude, write_plan_page
+from dampyr.show.pages.plan_page import largest_amplitude
+from dampyr.show.pages.result_page import write_page
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 STEPS = [
@@ -24,7 +25,7 @@ STEPS = [
 
 def test_the_page_tells_every_test_every_refusal_and_every_note(tmp_path):
     campaign_plan = campaigns.plan(campaigns.campaign_of({"name": "a page", "operator": "me", "step": STEPS}))
-    html = write_plan_page(campaign_plan, tmp_path / "plan.html").read_text(encoding="utf-8")
+    html = write_page(campaign_plan, tmp_path / "plan.html").read_text(encoding="utf-8")
     for test in campaign_plan.tests:
         assert test.name in html
     assert "needs 251.3 mm/s" in html
@@ -36,7 +37,7 @@ def test_the_page_tells_every_test_every_refusal_and_every_note(tmp_path):
 
 def test_a_plan_without_motion_has_a_page(tmp_path):
     campaign_plan = campaigns.plan(campaigns.campaign_of({"step": [STEPS[3]], "check_amplitude": 0}))
-    assert "<svg" not in write_plan_page(campaign_plan, tmp_path / "plan.html").read_text(encoding="utf-8")
+    assert "<svg" not in write_page(campaign_plan, tmp_path / "plan.html").read_text(encoding="utf-8")
 
 
 def test_the_rows_are_in_the_units_that_people_read():

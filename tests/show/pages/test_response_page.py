@@ -11,7 +11,8 @@ from dampyr.show.figures import style
 from dampyr.show.figures.style import case_colours
 from dampyr.show.pages import response_page
 from dampyr.show.pages.blocks import FigureBlock
-from dampyr.show.pages.response_page import FINE, between_samples, write_response_page
+from dampyr.show.pages.response_page import FINE, between_samples
+from dampyr.show.pages.result_page import write_page
 from dampyr.show.structures.responses import floor_name
 
 
@@ -35,7 +36,7 @@ def figures(simulated, tmp_path, monkeypatch):
         return "<p></p>"
 
     monkeypatch.setattr(response_page, "page", keep)
-    write_response_page(simulated, tmp_path / "r.html")
+    write_page(simulated, tmp_path / "r.html")
     return blocks
 
 
@@ -71,7 +72,7 @@ def test_floors_are_named(simulated, tmp_path, figures):
 
 
 def test_peaks_stand_by_floor_and_by_case(simulated, tmp_path):
-    reader = Reader(write_response_page(simulated, tmp_path / "r.html").read_text("utf-8"))
+    reader = Reader(write_page(simulated, tmp_path / "r.html").read_text("utf-8"))
     heads = [text.strip() for text in reader.inside("th")]
     assert {"floor", "peak displacement", "base shear", "mean input", "scheme", "still in motion"} <= set(heads)
     assert heads.count("case") == 3

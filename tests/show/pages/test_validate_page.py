@@ -13,7 +13,8 @@ from dampyr.errors import InputError
 from dampyr.identification import Score, Validated, score
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
-from dampyr.show.pages.validate_page import beyond, write_validate_page
+from dampyr.show.pages.result_page import write_page
+from dampyr.show.pages.validate_page import beyond
 
 CARD = Damper(
     "dahl",
@@ -42,7 +43,7 @@ def validated(
 
 def written(card: Damper, records: list[Record], path: Path) -> Reader:
     result = validated(scored(records, card), records, card, "my card.toml")
-    html = write_validate_page(result, path / "page.html").read_text("utf-8")
+    html = write_page(result, path / "page.html").read_text("utf-8")
     reader = Reader(html)
     assert reader.open == []
     return reader
@@ -100,12 +101,12 @@ def test_the_prediction_is_drawn_with_the_offset_of_its_score(tmp_path: Path) ->
 def test_a_score_that_is_no_number_counts_as_worst(tmp_path: Path) -> None:
     scores = scored(RECORDS)
     scores["a"] = replace(scores["a"], l1=float("nan"), energy=float("inf"))
-    reader = Reader(write_validate_page(validated(scores), tmp_path / "p.html").read_text("utf-8"))
+    reader = Reader(write_page(validated(scores), tmp_path / "p.html").read_text("utf-8"))
     assert "The worst record: a" in reader.inside("h2")
 
 
 def test_records_without_score_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="c has no score"):
-        write_validate_page(validated(scored(RECORDS[:2])), tmp_path / "p.html")
+        write_page(validated(scored(RECORDS[:2])), tmp_path / "p.html")
     with pytest.raises(InputError, match="no records to show"):
-        write_validate_page(validated({}, []), tmp_path / "p.html")
+        write_page(validated({}, []), tmp_path / "p.html")

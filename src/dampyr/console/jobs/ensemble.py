@@ -16,8 +16,8 @@ from dampyr.console.equivalent_commands import ensemble_command
 from dampyr.console.jobs import DATA, PAGE
 from dampyr.console.safe_paths import data_of
 from dampyr.show.figures.fragility import axis_of
-from dampyr.show.pages.ensemble_page import write_ensemble_page
 from dampyr.show.pages.how_made import made_by
+from dampyr.show.pages.result_page import write_page
 from dampyr.show.structures.ensemble_result import peak_table, trust
 from dampyr.show.structures.fragility import LEVEL, comparisons, curve_table, limit_in_words
 from dampyr.show.table import Table
@@ -43,7 +43,7 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
         )
     progress("writing the page", 0.97)
     with made_by(ensemble_command(parsed), files_read(data, parsed)):
-        write_ensemble_page(result, folder / PAGE)
+        write_page(result, folder / PAGE)
     return {DATA: result.as_dict(), **_summarise(result)}
 
 

@@ -26,9 +26,9 @@ from dampyr.identification.model_choice.parallel import local_processes
 from dampyr.show.identification.fit_predictions import mean_l1
 from dampyr.show.identification.leaderboard import choice_in_words
 from dampyr.show.identification.validation import score_table
-from dampyr.show.pages.fit_page import write_fit_page
 from dampyr.show.pages.fit_sections import parameter_tables
 from dampyr.show.pages.how_made import made_by
+from dampyr.show.pages.result_page import write_page
 from dampyr.to_json import plain
 
 MAX_WORKERS = 8  # each process compiles the models of its own trials, which more of them would only repeat
@@ -44,7 +44,7 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
         result = fit(chosen, parsed.model, parsed.options(), progress, executor)
     progress("writing the page", 0.9)
     with made_by(identify_command(parsed)):
-        write_fit_page(result, folder / PAGE)
+        write_page(result, folder / PAGE)
     if result.damper is not None:
         result.damper.save(folder / CARD)
     write_whole(folder / CURVES, json.dumps(_curves(result)))

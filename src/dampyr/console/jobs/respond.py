@@ -18,7 +18,7 @@ from dampyr.console.jobs import CURVES, DATA, PAGE
 from dampyr.console.safe_paths import data_of
 from dampyr.ground_motions import end_in_words
 from dampyr.show.pages.how_made import made_by
-from dampyr.show.pages.response_page import write_response_page
+from dampyr.show.pages.result_page import write_page
 from dampyr.show.structures.responses import truncation_note
 from dampyr.structures import Response
 from dampyr.structures import respond as respond_to
@@ -43,7 +43,7 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
     )
     progress("writing the page", 0.95)
     with made_by(response_command(parsed), files_read(data, parsed)):
-        write_response_page(result, folder / PAGE)
+        write_page(result, folder / PAGE)
     write_whole(folder / CURVES, json.dumps(_curves(result.cases)))
     note = truncation_note(result.cases)
     return {

@@ -14,7 +14,7 @@ from dampyr.console.jobs import DATA, PAGE
 from dampyr.console.safe_paths import data_of
 from dampyr.identification import validate
 from dampyr.show.pages.how_made import made_by
-from dampyr.show.pages.validate_page import write_validate_page
+from dampyr.show.pages.result_page import write_page
 
 
 def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], None]) -> dict[str, Any]:
@@ -24,5 +24,5 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
     damper = damper_of(data, parsed.card)
     result = validate(damper, chosen, parsed.options(), title_of(parsed.card), progress)
     with made_by(validate_command(parsed), [data / parsed.card]):
-        write_validate_page(result, folder / PAGE)
+        write_page(result, folder / PAGE)
     return {DATA: result.as_dict()}

@@ -23,15 +23,15 @@ from dampyr.show.identification.accept import (
 )
 from dampyr.show.identification.acceptance import forces_and_band, in_short, input_words, used_of_band
 from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text, to_look_at
-from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.pages.html_page import page
 from dampyr.show.table import Cell, Table, Verdict
 
 Array = NDArray[np.float64]
 MAX_ROWS, MAX_FIGURES, MAX_POINTS = 40, 8, 60  # what a page can show and a person reads
 
 
-def write_acceptance_page(result: Accepted, path: str | Path) -> Path:
-    """Write the page of the result of `dampyr.identification.accept` and return its path.
+def html(result: Accepted, *, call: str = "") -> str:
+    """The page of the result of `dampyr.identification.accept`.
 
     It shows verdicts, the band with the points, the points outside, and what was not judged. Raises
     :class:`~dampyr.errors.InputError` without any judgement.
@@ -59,7 +59,7 @@ def write_acceptance_page(result: Accepted, path: str | Path) -> Path:
             "A reference says nothing beyond its own tests and calibration, and nothing is extrapolated from it."
         )
         sections.append(Section("What was not judged", [text, replace(unjudged_table(results), caption="")]))
-    html = page(
+    return page(
         f"Judged by {Path(reference).name}",
         sections,
         subtitle=(
@@ -67,10 +67,9 @@ def write_acceptance_page(result: Accepted, path: str | Path) -> Path:
             "reference."
         ),
         provenance={"reference": reference, "tolerance": str(results[0].tolerance), "offset": offset_text},
-        call=f"dampyr.show.pages.write_acceptance_page(result, {Path(path).name!r})",
+        call=call,
         origin=result.origin,
     )
-    return write_page(path, html)
 
 
 def _relevelled(results: Sequence[Acceptance]) -> list[Block]:

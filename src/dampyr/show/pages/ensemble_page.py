@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from dampyr.show.figures.incremental import incremental_curves
 from dampyr.show.figures.style import case_colours
 from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text, to_look_at
 from dampyr.show.pages.fragility_section import fragility_section
-from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.pages.html_page import page
 from dampyr.show.structures.ensemble_result import cases_in_words, peak_table, trust
 from dampyr.structures import EnsembleResult, Fragility, Incremental, incremental
 from dampyr.structures.ensembles.store import BARE
@@ -23,31 +22,13 @@ FRACTIONS = (0.16, 0.5, 0.84)  # the median, and one standard deviation of a nor
 MARGIN = 1.2  # how far a figure reaches, in the largest 84 % fractile of all of them
 
 
-def write_ensemble_page(
-    dataset: Any, path: str | Path, fragilities: Sequence[Fragility] = (), intensity: str = "pga", title: str = ""
-) -> Path:
-    """Write the page of the result of `dampyr.structures.ensemble`, and return its path.
-
-    Parameters
-    ----------
-    dataset
-        The result; or its dataset, with the next two.
-    path
-        The file to write.
-    fragilities
-        The fragility curves of a dataset, in the order of their figures.
-    intensity
-        Over what a dataset's peaks are drawn: "pga", "sa", "scale" or the name of a measure.
-    title
-        By default it names the buildings.
-    """
-    if isinstance(dataset, EnsembleResult):
-        dataset, fragilities, intensity = dataset.dataset, dataset.curves, dataset.intensity
-    result = EnsembleResult(dataset, tuple(fragilities), intensity)
+def html(result: EnsembleResult, title: str = "", *, call: str = "") -> str:
+    """The page of the result of `dampyr.structures.ensemble`; by default its ``title`` names the buildings."""
+    dataset, fragilities = result.dataset, result.curves
     names = ", ".join(str(name) for name in dataset.building_name.values)
     sections = [Section("Peaks", [*to_look_at(result.findings), peak_table(dataset)])]
     swept = dataset.sizes["scale"] > 1 and "drift" in dataset
-    analysis = incremental(dataset, "drift", intensity, fractions=FRACTIONS) if swept else None
+    analysis = incremental(dataset, "drift", result.intensity, fractions=FRACTIONS) if swept else None
     case_names = [curve.name for fragility in fragilities for curve in fragility.curves]
     case_names += [sweep.name for sweep in analysis.sweeps] if analysis else []
     colours = case_colours(case_names, BARE if BARE in case_names else None)
@@ -55,15 +36,14 @@ def write_ensemble_page(
     if analysis:
         sections.append(_incremental_section(analysis, fragilities, colours))
     sections.append(Section("Accuracy", [Text("\n\n".join(trust(dataset)))]))
-    html = page(
+    return page(
         title or f"Ensemble: {names}",
         sections,
         subtitle=f"{dataset.attrs['cases']} cases: {counted(dataset.sizes['building'], 'building')}, {cases_in_words(dataset)}",
         provenance=_provenance(dataset),
-        call=f"dampyr.show.pages.write_ensemble_page(result, {Path(path).name!r})",
+        call=call,
         origin=result.origin,
     )
-    return write_page(path, html)
 
 
 def _incremental_section(

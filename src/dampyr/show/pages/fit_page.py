@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from dampyr.show.identification.score import input_words
 from dampyr.show.pages.best_and_worst import best_and_worst_sections, extremes
 from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text
 from dampyr.show.pages.fit_sections import correlation_blocks, error_tables, law_blocks, score_blocks
-from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.pages.html_page import page
 from dampyr.show.pages.identifiability_section import identifiability_section
 from dampyr.show.pages.leaderboard_section import leaderboard_section
 from dampyr.show.pages.level_sections import levels_section
@@ -32,12 +31,8 @@ from dampyr.show.table import Cell, Table, Verdict
 PANELS = 4  # of loops beside one another: more are too small to read
 
 
-def write_fit_page(
-    fit: Fit,
-    path: str | Path,
-    sections: Sequence[Section] = (),
-) -> Path:
-    """Write the page of a fit, and return its path.
+def html(fit: Fit, sections: Sequence[Section] = (), *, call: str = "") -> str:
+    """The page of a fit.
 
     Its first screen holds the verdict, loops and parameters. Then come the leaderboard, if any, and ``sections`` of the
     caller's; all findings; errors, laws and correlations of the parameters; what the records cannot separate; the
@@ -50,7 +45,7 @@ def write_fit_page(
     records = "One record, fitted" if number == 1 else f"{number} records, fitted together"
     names = ", ".join(record.name for record in fit.records)
     others = besides(fit.findings, [fit.verdict.words])
-    html = page(
+    return page(
         f"Identified: {fit.problem.composition}",
         [
             _answer(fit, checks, others),
@@ -69,10 +64,9 @@ def write_fit_page(
         ],
         subtitle=f"{records} by least squares over the whole motion.",
         provenance={"records": names} if fit.damper is None else dict(fit.damper.provenance),
-        call=f"dampyr.show.write_fit_page(fit, {Path(path).name!r})",
+        call=call,
         origin=fit.origin,
     )
-    return write_page(path, html)
 
 
 def _answer(fit: Fit, checks: Sequence[Validation], others: Sequence[Finding]) -> Section:

@@ -160,7 +160,7 @@ def _table_names(sections: Sequence[Section]) -> Iterator[str]:
             yield label
 
 
-def write_page(path: str | Path, html: str) -> Path:
+def write_html(path: str | Path, html: str) -> Path:
     """Write a page whole or not at all: a reader never sees half of it."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)

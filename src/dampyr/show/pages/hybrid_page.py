@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from dampyr.show.figures.loops import loops
 from dampyr.show.figures.style import DISPLACEMENT
 from dampyr.show.hybrid.hybrid_result import outcome, peaks_table
 from dampyr.show.pages.blocks import FigureBlock, Section, Text, to_look_at
-from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.pages.html_page import page
 from dampyr.show.structures.responses import floor_name
 
 FORCES: Mapping[OriginKind, str] = {
@@ -29,11 +28,11 @@ FORCES: Mapping[OriginKind, str] = {
 }
 
 
-def write_hybrid_page(result: HybridResult, path: str | Path) -> Path:
-    """Write the page of a hybrid test and return its path."""
+def html(result: HybridResult, *, call: str = "") -> str:
+    """The page of a hybrid test."""
     computed = result.computed
     peaks = replace(peaks_table(result), caption="Peak displacements relative to the ground.")
-    html = page(
+    return page(
         f"{result.tested.capitalize()}: {result.title}",
         [
             Section("In short", [Text(in_short(result)), *to_look_at(result.findings), peaks]),
@@ -54,10 +53,9 @@ def write_hybrid_page(result: HybridResult, path: str | Path) -> Path:
             else f"{result.static_force:.4g} N, {result.origin.series} before the test and taken from the force",
             "computed": f"{computed.scheme}, step {1e3 * computed.step:.4g} ms",
         },
-        call=f"dampyr.show.pages.write_hybrid_page(result, {Path(path).name!r})",
+        call=call,
         origin=result.origin,
     )
-    return write_page(path, html)
 
 
 def in_short(result: HybridResult) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 from dampyr.ground_motions import GroundMotion, measures, spectrum
 from dampyr.phrases import sentence
@@ -13,35 +12,23 @@ from dampyr.show.ground_motions.intensity_measures import measures_table
 from dampyr.show.ground_motions.motion import drift_in_words, samples_in_words
 from dampyr.show.ground_motions.response_spectrum import spectrum_table
 from dampyr.show.pages.blocks import FigureBlock, Section, Text
-from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.pages.html_page import page
 
 DAMPINGS = (0.02, 0.05, 0.1)  # ratios: the usual 5 %, one below and one above
 TABLE = (0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0)  # s, about evenly spaced in the logarithm
 
 
-def write_motion_page(
-    motion: GroundMotion, path: str | Path, dampings: Sequence[float] = DAMPINGS, periods: Sequence[float] = TABLE
-) -> Path:
-    """Write the page of a ground motion, and return its path.
-
-    Parameters
-    ----------
-    motion
-        The motion.
-    path
-        The file to write.
-    dampings
-        Damping ratios of the spectra.
-    periods
-        Periods of the table of the spectra, s.
-    """
+def html(
+    motion: GroundMotion, dampings: Sequence[float] = DAMPINGS, periods: Sequence[float] = TABLE, *, call: str = ""
+) -> str:
+    """The page of a ground motion: spectra at the damping ratios ``dampings``, their table at ``periods`` in s."""
     drift = drift_in_words(motion)
     histories = FigureBlock(
         ground_histories(motion.time, motion.acceleration, motion.velocity, motion.displacement),
         "Acceleration and its exact integrals, from rest" + (f"; {drift}." if drift else "."),
     )
     processing = "\n\n".join(map(sentence, motion.history)) or "None: the samples are as they were read or generated."
-    html = page(
+    return page(
         motion.name,
         [
             Section("Intensity measures", [measures_table(measures(motion))]),
@@ -53,9 +40,8 @@ def write_motion_page(
         ],
         subtitle=samples_in_words(motion),
         provenance={"source": motion.source or "not known"},
-        call=f"dampyr.show.pages.write_motion_page(motion, {Path(path).name!r})",
+        call=call,
     )
-    return write_page(path, html)
 
 
 def _spectra(motion: GroundMotion, dampings: Sequence[float]) -> list[FigureBlock]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -16,14 +15,14 @@ from dampyr.show.figures.envelope import envelope
 from dampyr.show.figures.planned_drive import planned_drive
 from dampyr.show.figures.style import case_colours
 from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text
-from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.pages.html_page import page
 from dampyr.show.table import Verdict
 
 FORCES = (0.0, 500.0, 1000.0, 1500.0)  # N: no load, and three loads in equal steps
 
 
-def write_plan_page(plan: Plan, path: str | Path) -> Path:
-    """Write the page."""
+def html(plan: Plan, *, call: str = "") -> str:
+    """The page of a plan."""
     table = replace(plan_table(plan), caption="In the order in which they run.")
     notes = "\n\n".join(plan_notes(plan))
     sections = [Section("Planned tests", [table, *([Text(notes)] if notes else [])])]
@@ -39,15 +38,14 @@ def write_plan_page(plan: Plan, path: str | Path) -> Path:
     sections.append(Section("One test of each kind", drives))
     header = plan.campaign.header
     subtitle = f"{len(plan.tests)} tests on {plan.rig.name}, {plan.duration / 60:.1f} min"
-    html = page(
+    return page(
         header.name,
         sections,
         subtitle=subtitle,
         provenance={"note": header.note} if header.note else "",
         facts={"operator": header.operator} if header.operator else {},
-        call=f"dampyr.show.pages.write_plan_page(plan, {Path(path).name!r})",
+        call=call,
     )
-    return write_page(path, html)
 
 
 def _envelope(rig: RigSettings, tests: list[PlannedTest]) -> FigureBlock:

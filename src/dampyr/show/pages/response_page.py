@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +14,7 @@ from dampyr.show.figures.ground_motion import ground_motion
 from dampyr.show.figures.loops import loops
 from dampyr.show.figures.style import CURRENT, VOLTAGE, Axis, case_colours
 from dampyr.show.pages.blocks import FigureBlock, Section, Text, to_look_at
-from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.pages.html_page import page
 from dampyr.show.structures.response import errors_in_words
 from dampyr.show.structures.responses import (
     WIDE,
@@ -28,24 +27,25 @@ from dampyr.show.structures.responses import (
 )
 from dampyr.structures import Response, Responses
 from dampyr.structures.ensembles.store import BARE
+from dampyr.structures.time_history.respond import case_name
 
 Array = NDArray[np.float64]
 STROKE = Axis("stroke", "mm", 1e3)
 FINE = 6  # points of a loop for each sample: some hundred in a turn of a stiff frame, which is smooth on paper
 
 
-def write_response_page(cases: Responses | Mapping[str, Response], path: str | Path) -> Path:
-    """Write the page of the responses of `dampyr.structures.respond` at several inputs, or of cases by name.
+def html(result: Response | Responses, *, call: str = "") -> str:
+    """The page of a response of `dampyr.structures.respond`, or of those at several inputs.
 
     It shows peaks, energies, the displacement of each floor and the damper's loops. All cases share one ground motion.
     """
-    responses = cases if isinstance(cases, Responses) else Responses("", "", "", cases)
+    responses = result if isinstance(result, Responses) else Responses("", "", "", {case_name(result): result})
     cases = responses.cases
     first = next(iter(cases.values()))
     colours = case_colours(cases, BARE if BARE in cases else None)
     intervals = [interval_table(responses)] if responses.intervals else []
     peaks = [case_table(responses), *intervals, floor_table(responses), energy_table(responses)]
-    html = page(
+    return page(
         f"Response: {first.title}",
         [
             Section("Peaks", [*to_look_at(responses.findings), *peaks, Text("\n\n".join(outcome(responses)))]),
@@ -59,10 +59,9 @@ def write_response_page(cases: Responses | Mapping[str, Response], path: str | P
         ],
         subtitle="; ".join(cases),
         provenance={name: _accuracy(r) for name, r in cases.items()},
-        call=f"dampyr.show.pages.write_response_page(result, {Path(path).name!r})",
+        call=call,
         origin=responses.origin,
     )
-    return write_page(path, html)
 
 
 def _accuracy(r: Response) -> str:

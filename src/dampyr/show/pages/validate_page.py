@@ -22,7 +22,7 @@ from dampyr.show.identification.score import group_by_input, input_words
 from dampyr.show.identification.validate import by_input, validated_scores
 from dampyr.show.pages.best_and_worst import extremes, record_section
 from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text, to_look_at
-from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.pages.html_page import page
 from dampyr.show.pages.level_sections import bands_section
 from dampyr.show.pages.range_section import SHOWN, range_table
 from dampyr.show.table import Cell, Table
@@ -37,8 +37,8 @@ OF_ONE = {
 SEEN = {True: "fitted", False: "unseen", None: "unknown"}
 
 
-def write_validate_page(result: Validated, path: str | Path) -> Path:
-    """Write the page of the result of `dampyr.identification.validate` and return its path.
+def html(result: Validated, *, call: str = "") -> str:
+    """The page of the result of `dampyr.identification.validate`.
 
     It shows scores, which records the card was fitted on, what lies outside its range, and the best and the worst record.
     Raises :class:`~dampyr.errors.InputError` where a record has no score.
@@ -50,7 +50,7 @@ def write_validate_page(result: Validated, path: str | Path) -> Path:
     stated = {name: text for name, text in damper.provenance.items() if name != "dampyr"}  # of cards up to 0.3.0
     of_card = damper.origin.facts() | stated
     along = f"each of {len(records)} records" if len(records) > 1 else "one record"
-    html = page(
+    return page(
         f"Validated: {Path(card).name}",
         [
             Section("In short", [*_short(records, record_scores, fitted_on), *to_look_at(result.findings)]),
@@ -61,10 +61,9 @@ def write_validate_page(result: Validated, path: str | Path) -> Path:
         ],
         subtitle=f"{damper.composition}: a free run along {along}, of which only the offset is taken.",
         provenance={"card": card, **{f"{name} of the card": text for name, text in of_card.items()}},
-        call=f"dampyr.show.pages.write_validate_page(result, {Path(path).name!r})",
+        call=call,
         origin=replace(combined(record.origin for record in records), kind=result.origin.kind),
     )
-    return write_page(path, html)
 
 
 def _check(records: Sequence[Record], scores: Mapping[str, Score]) -> None:

@@ -222,7 +222,7 @@ def _responses(
         tell(f"case {k + 1} of {len(inputs) + 1}", k / (len(inputs) + 1))
         voltage, current = (each, None) if kind == "voltage" else (None, each)
         response = _respond(building, motion, dampers, voltage, current, options)
-        cases[_case_name(response)], inputs_by_name[_case_name(response)] = response, each
+        cases[case_name(response)], inputs_by_name[case_name(response)] = response, each
     intervals = {}
     if options.draws is not None:
         tell(f"{options.draws} drawn dampers", len(inputs) / (len(inputs) + 1))
@@ -232,7 +232,7 @@ def _responses(
     return Responses(building.name, motion.name, unit, cases, intervals, options.draws or 0)
 
 
-def _case_name(response: Response) -> str:
+def case_name(response: Response) -> str:
     """The input of a case in words; where dampers have different ones, that of each."""
     inputs = [
         law or f"{value:g} {unit}"

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from dampyr.show.pages.blocks import Block, Section, Text
-from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.pages.html_page import page, write_html
 from dampyr.show.table import Cell, Table, Verdict
 from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Erratum, overall
 from dampyr.studies.raminelli_2020.study import Study, artefacts_table
@@ -23,7 +23,7 @@ DATA = "Labcontrol (UTFPR), A. N. Vargas: data of the shaking table with MR-damp
 
 def write(study: Study, out: Path) -> Study:
     """``reproduce.html`` and ``reproduce.json`` in ``out``; returns the study with its page."""
-    done = replace(study, page=write_page(out / "reproduce.html", html(study)))
+    done = replace(study, page=write_html(out / "reproduce.html", html(study)))
     text = json.dumps(done.as_dict(), indent=2, ensure_ascii=False, allow_nan=False)
     (out / "reproduce.json").write_text(text + "\n", encoding="utf-8")
     return done

@@ -28,7 +28,7 @@ from dampyr.origin import VIRTUAL, Origin
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures.building import building_response
 from dampyr.show.pages.blocks import FigureBlock, Section, Text
-from dampyr.show.pages.html_page import page, write_page
+from dampyr.show.pages.html_page import page, write_html
 from dampyr.show.table import Cell, Table
 from dampyr.shown import Shown
 from dampyr.studies.raminelli_2020.compared_value import ComparedValue, ComparisonTolerance, claim, judge
@@ -222,7 +222,7 @@ def _example(shaking: GroundMotion) -> tuple[Array, dict[str, Array]]:
 
 def write(study: VrthsStudy, out: Path) -> VrthsStudy:
     """``vrths_2020.html`` and ``vrths_2020.json`` in ``out``; returns the study with its page."""
-    done = replace(study, page=write_page(out / "vrths_2020.html", html(study)))
+    done = replace(study, page=write_html(out / "vrths_2020.html", html(study)))
     text = json.dumps(done.as_dict(), indent=2, ensure_ascii=False, allow_nan=False)
     (out / "vrths_2020.json").write_text(text + "\n", encoding="utf-8")
     return done
