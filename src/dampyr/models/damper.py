@@ -22,12 +22,15 @@ from dampyr.models.part import part_name
 from dampyr.models.prediction_error import (
     PredictionError,
     at_level,
+    check_level,
     draws_of,
+    force_draws,
     moved,
     square_root,
     with_session_prior,
 )
 from dampyr.origin import NOT_STATED, Origin, as_origin
+from dampyr.phrases import listing
 from dampyr.shown import Shown
 from dampyr.units import in_si
 
@@ -259,7 +262,7 @@ class Damper(Shown):
             mixed.append(one)
         covariance, error = None, self.prediction_error
         if self.covariance is not None:
-            covariance = _mixed(self.covariance, mixed)
+            covariance = mapped_covariance(block_diagonal(mixed), self.covariance)
         if error is not None:
             error = error.mapped(block_diagonal(mixed))
         provenance = dict(self.provenance) | {"temperature": f"{given:g} °C"}
@@ -501,10 +504,7 @@ class Damper(Shown):
         with it. Raises
         :class:`~dampyr.errors.InputError` where the damper has no `prediction_error`.
         """
-        from dampyr.models.prediction_error import force_draws
-
-        if not 0.0 < level < 1.0:
-            raise InputError(f"level = {level:g} is not allowed; it must lie between 0 and 1, such as 0.9 for 90 %")
+        check_level(level)
         if temperature is not None and self.temperatures is not None:
             fixed = self.at_temperature(temperature, allow_extrapolation)
             return fixed.band(t, x, voltage, current, velocity, level, session, draws, seed, allow_extrapolation)
@@ -598,7 +598,7 @@ class Damper(Shown):
         covariance = self.finite_covariance()
         if self.within_records:
             warnings.warn(
-                f"the draws of {_shortened(self.within_records)} hold within the fitted records only: between-record variance "
+                f"the draws of {listing(self.within_records, 3)} hold within the fitted records only: between-record variance "
                 "is not estimated from fewer than three records; record three or more at each input",
                 DampyrWarning,
                 stacklevel=2,
@@ -676,19 +676,14 @@ def block_diagonal(blocks: list[Array]) -> Array:
     return np.asarray(block_diag(*blocks))
 
 
-def _mixed(covariance: Array, mixed: list[Array]) -> Array:
-    """The covariance of coefficients that are mixed block by block; infinite where one of them was."""
-    T = block_diagonal(mixed)
+def mapped_covariance(T: Array, covariance: Array) -> Array:
+    """The covariance of coefficients that ``T`` makes of others; infinite where one of those was."""
     finite = np.where(np.isfinite(covariance), covariance, 0.0)
     out = T @ finite @ T.T
     for k in np.flatnonzero(~np.isfinite(np.diag(covariance))):
         rows = np.flatnonzero(T[:, k])
         out[rows, rows] = np.inf
     return np.asarray(0.5 * (out + out.T))
-
-
-def _shortened(labels: tuple[str, ...]) -> str:
-    return ", ".join(labels[:3]) + (f" and {len(labels) - 3} more" if len(labels) > 3 else "")
 
 
 def _path(t: ArrayLike, x: ArrayLike) -> tuple[Array, Array]:

@@ -52,6 +52,12 @@ CLEARANCE = 1e-12
 HALVINGS = 50  # of a polynomial's change: the last is its rounding
 
 
+def check_level(level: float, name: str = "level") -> None:
+    """:class:`~dampyr.errors.InputError` unless ``level`` is a share between 0 and 1."""
+    if not 0.0 < level < 1.0:
+        raise InputError(f"{name} = {level:g} is not allowed; it must lie between 0 and 1, such as 0.9 for 90 %")
+
+
 @dataclass(frozen=True)
 class ShapeError:
     """The residual of the records at one input, over the standard deviation of the predicted force.

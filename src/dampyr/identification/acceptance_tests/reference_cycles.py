@@ -63,7 +63,7 @@ def _of_damper(
         return _nothing(len(table), "the reference's force is not finite along this motion")
     zero = None if offset is None else 0.0
     whole = cycle_table(record.replace(note="the force of a reference", force=force), zero)
-    ran = [one for one in whole if one.level]
+    ran = [cycle for cycle in whole if cycle.level]
     reasons = ["" if beyond else _outside(damper, cycle) for cycle in table]
 
     def with_reasons(values: Sequence[float]) -> list[Expected]:
@@ -96,17 +96,19 @@ def _outside(damper: Damper, cycle: Cycle) -> str:
 def _of_records(
     tests: Sequence[Record], record: Record, table: Sequence[Cycle], offset: float | None
 ) -> dict[str, list[Expected]]:
-    others = [one for one in tests if not _is_same(one, record)]
+    others = [test for test in tests if not _is_same(test, record)]
     if not others:
         return _nothing(len(table), "the reference is this record itself")
-    same = [one for one in others if _same_input(one, record)]
+    same = [test for test in others if _same_input(test, record)]
     if not same:
-        return _nothing(len(table), _other_input(others, record))
-    here, same = force_average(record), [one for one in same if _same_smoothing(one, record)]
+        had = sorted(set(map(_input, others)))
+        inputs = f"{', '.join(had[:4])}{', …' if had[4:] else ''}"
+        return _nothing(len(table), f"no reference at this input: {_input(record)} here, {inputs} there")
+    smoothing, same = force_average(record), [test for test in same if _same_smoothing(test, record)]
     if not same:
-        words = "is not smoothed" if here is None else f"is smoothed over {here.window:.4g} s"
+        words = "is not smoothed" if smoothing is None else f"is smoothed over {smoothing.window:.4g} s"
         return _nothing(len(table), f"the force here {words}, that of the reference otherwise")
-    reference = [cycle for one in same for cycle in _cycles(one, offset) if cycle.level]
+    reference = [cycle for test in same for cycle in _cycles(test, offset) if cycle.level]
     if not reference:
         return _nothing(len(table), "the reference has no whole cycle")
     out = ReferenceLine(np.array([(c.speed_out, c.force_out) for c in reference]))
@@ -197,11 +199,6 @@ def _same_smoothing(one: Record, other: Record) -> bool:
     """Whether the forces of both went through the same moving average, which is not undone, or through none."""
     windows = [0.0 if average is None else average.window for average in map(force_average, (one, other))]
     return abs(windows[0] - windows[1]) <= WINDOW * max(windows)
-
-
-def _other_input(others: Sequence[Record], record: Record) -> str:
-    had = sorted({_input(one) for one in others})
-    return f"no reference at this input: {_input(record)} here, {', '.join(had[:4])}{', …' if had[4:] else ''} there"
 
 
 def _input(record: Record) -> str:

@@ -21,7 +21,7 @@ from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Problem
 from dampyr.identification.search.variable_projection import Outcome
 from dampyr.models.damper import INPUTS
-from dampyr.phrases import listing
+from dampyr.phrases import counted, listing
 
 CHANCE = 0.05  # the usual level
 MIN_RECORDS = 5  # of a trend: a perfect rank correlation of four comes by chance once in twelve
@@ -61,9 +61,10 @@ def trends(residuals: Residuals) -> tuple[Trend, ...]:
         members = [r for r in residuals.records if r.name in set(group.records)]
         tried += [(name, group.input_value, members) for name in ("frequency", "stroke")]
     tried.append(("input", None, list(residuals.records)))
-    made = [made for name, u, members in tried if (made := _trend(name, u, members)) is not None]
-    limit = CHANCE / max(len(made), 1)
-    return tuple(Trend(*one, counts=one[3] <= limit) for one in made)
+    correlations = [trend for name, u, members in tried if (trend := _trend(name, u, members)) is not None]
+    # Bonferroni: of so many tries together, not of each, a share of `CHANCE` finds a trend where there is none
+    limit = CHANCE / max(len(correlations), 1)
+    return tuple(Trend(*trend, counts=trend[3] <= limit) for trend in correlations)
 
 
 def _trend(
@@ -96,16 +97,14 @@ def findings(residuals: Residuals) -> tuple[str, ...]:
     )
 
 
-def warnings_of(residuals: Residuals) -> tuple[str, ...]:
-    """What a reader must know before trusting the numbers: misfit, and residuals that differ between the directions."""
-    return tuple(one.words for one in residual_findings(residuals))
-
-
 def residual_findings(residuals: Residuals) -> list[Finding]:
-    """The same as findings; a misfit beyond noise is a note, as the verdict tells how large it is."""
-    made = [Finding("doubt", words) for words in (*_shifted(residuals), *_uneven(residuals))]
+    """What a reader must know before trusting the numbers: residuals that differ between the directions, and misfit.
+
+    A misfit beyond noise is a note, as the verdict says how large it is.
+    """
+    concerns = [Finding("doubt", words) for words in (*_shifted(residuals), *_uneven(residuals))]
     if residuals.misfits:
-        made.append(
+        concerns.append(
             Finding(
                 "note",
                 f"the model misses more than noise in {len(residuals.misfits)} of {len(residuals.records)} records: the "
@@ -113,7 +112,7 @@ def residual_findings(residuals: Residuals) -> list[Finding]:
                 "the truth",
             )
         )
-    return made
+    return concerns
 
 
 def _size(residuals: Residuals) -> str:
@@ -170,11 +169,13 @@ def _repetition(residuals: Residuals) -> list[str]:
 
 def _trend_words(residuals: Residuals) -> list[str]:
     tried = trends(residuals)
-    seen = {one.input_value for one in tried if one.counts and one.quantity == "frequency" and _confounded(one)}
+    seen = {
+        trend.input_value for trend in tried if trend.counts and trend.quantity == "frequency" and _confounded(trend)
+    }
     messages = [
-        _describe_trend(one, residuals.unit)
-        for one in tried
-        if one.counts and not (one.quantity == "stroke" and one.input_value in seen)
+        _describe_trend(trend, residuals.unit)
+        for trend in tried
+        if trend.counts and not (trend.quantity == "stroke" and trend.input_value in seen)
     ]
     if not tried or messages:
         return messages
@@ -183,23 +184,24 @@ def _trend_words(residuals: Residuals) -> list[str]:
     ]
 
 
-def _describe_trend(one: Trend, unit: str) -> str:
-    way = "grows" if one.rank > 0 else "falls"
-    where = "" if one.input_value is None else f"at {one.input_value:g} {unit} "
-    word = {"V": "voltage", "A": "current"}.get(unit, "input") if one.quantity == "input" else one.quantity
+def _describe_trend(trend: Trend, unit: str) -> str:
+    way = "grows" if trend.rank > 0 else "falls"
+    where = "" if trend.input_value is None else f"at {trend.input_value:g} {unit} "
+    word = INPUTS.get(unit, "input") if trend.quantity == "input" else trend.quantity
     text = f"{where}the residual relative to the force {way} with {word} "
-    text += f"(rank correlation {_signed(one.rank)}, p = {one.p:.1g})"
-    if not _confounded(one):
+    text += f"(rank correlation {signed(trend.rank)}, p = {trend.p:.1g})"
+    if not _confounded(trend):
         return text
-    other = "stroke" if one.quantity == "frequency" else "frequency"
-    return f"{text}, or with {other}: in these records the two go together ({_signed(one.confounded)})"
+    other = "stroke" if trend.quantity == "frequency" else "frequency"
+    return f"{text}, or with {other}: in these records the two go together ({signed(trend.confounded)})"
 
 
-def _confounded(one: Trend) -> bool:
-    return abs(one.confounded) >= CONFOUNDED  # NaN is not
+def _confounded(trend: Trend) -> bool:
+    return abs(trend.confounded) >= CONFOUNDED  # NaN is not
 
 
-def _signed(value: float) -> str:
+def signed(value: float) -> str:
+    """A correlation with two decimals and a true minus sign."""
     return f"{value:.2f}".replace("-", "−")
 
 
@@ -255,7 +257,7 @@ def notes(outcome: Outcome, uncertainty: Uncertainty, labels: list[str], within:
     notes = [
         *_of_few_records(problem, uncertainty, labels, within),
         *_of_twins(problem),
-        *_of_buildings(problem),
+        *([problem.composition.not_for_buildings] if problem.composition.not_for_buildings else []),
         *_of_noisy_inputs(problem),
         *_of_smoothing(problem),
     ]
@@ -283,7 +285,7 @@ def _of_parameters(outcome: Outcome, uncertainty: Uncertainty, labels: list[str]
 
 def no_interval(count: int) -> str:
     """Why a number that only ``count`` records determine has no interval."""
-    return f"between-record variance is not estimated from {count} record{'s' * (count > 1)}"
+    return f"between-record variance is not estimated from {counted(count, 'record')}"
 
 
 def _of_few_records(
@@ -294,8 +296,8 @@ def _of_few_records(
     inputs = {round(float(np.mean(p.u)), 6) for p in problem.pieces}
     where = f"at {'this' if len(inputs) == 1 else 'each'} {INPUTS[problem.pieces[0].unit]}"
     for count in sorted(set(within.values())):
-        some = [label for label in labels if within.get(label) == count]
-        errors = "the errors" if len(some) == len(labels) else f"the errors of {', '.join(some)}"
+        labels_of_count = [label for label in labels if within.get(label) == count]
+        errors = "the errors" if len(labels_of_count) == len(labels) else f"the errors of {', '.join(labels_of_count)}"
         notes.append(
             f"{no_interval(count)}: {errors} hold within these records only and give no 95 % interval; record "
             f"{MIN_INTERVAL_RECORDS} or more {where}"
@@ -309,23 +311,17 @@ def _of_few_records(
 def _of_twins(problem: Problem) -> list[str]:
     """Parameters of which only the sum is seen, and which of them was held."""
     by_name = {c.name: c for c in problem.columns}
-    notes = []
-    for name, other in problem.composition.twins.items():
-        if by_name[name].fixed == 0.0 and by_name[other].size:
-            notes.append(
-                f"{name} is held at 0, as {other} has the same effect and only their sum is seen; name it to free it"
-            )
-    return notes
-
-
-def _of_buildings(problem: Problem) -> list[str]:
-    return [problem.composition.not_for_buildings] if problem.composition.not_for_buildings else []
+    return [
+        f"{name} is held at 0, as {other} has the same effect and only their sum is seen; name it to free it"
+        for name, other in problem.composition.twins.items()
+        if by_name[name].fixed == 0.0 and by_name[other].size
+    ]
 
 
 def _of_motion(optimum: Optimum) -> list[str]:
     """Friction that never comes near its limit: only the slope of the loop is seen, the product of kw and rho."""
     problem = optimum.problem
-    stroke = max(float(np.ptp(one.x)) for one in problem.pieces)
+    stroke = max(float(np.ptp(piece.x)) for piece in problem.pieces)
     notes = []
     values = dict(zip((c.name for c in problem.columns), optimum.point.of(problem), strict=True))
     for part in problem.composition.parts:
@@ -342,11 +338,11 @@ def _of_motion(optimum: Optimum) -> list[str]:
 
 def _of_records(problem: Problem) -> list[str]:
     notes = []
-    for one in problem.pieces:
-        levels = np.unique(one.x).size
+    for piece in problem.pieces:
+        levels = np.unique(piece.x).size
         if levels < MIN_STEPS:
             notes.append(
-                f"{one.name}: the displacement takes only {levels} values over {1e3 * float(np.ptp(one.x)):.3g} mm; its "
+                f"{piece.name}: the displacement takes only {levels} values over {1e3 * float(np.ptp(piece.x)):.3g} mm; its "
                 f"resolution hides the loop, so use an amplitude of {MIN_STEPS} steps or more"
             )
     return notes
@@ -354,23 +350,24 @@ def _of_records(problem: Problem) -> list[str]:
 
 def _of_noisy_inputs(problem: Problem) -> list[str]:
     """Inputs that vary and have noise: where the laws end, and what the noise beyond counts as."""
-    some = [(one, one.commanded) for one in problem.pieces if one.commanded is not None]
-    if not some:
+    noisy = [(piece, piece.commanded) for piece in problem.pieces if piece.commanded is not None]
+    if not noisy:
         return []
     unit, word = problem.pieces[0].unit, INPUTS[problem.pieces[0].unit]
-    inputs = np.concatenate([np.ravel(one.levels) for one in problem.pieces])
-    source = "plateaus" if all(meant.plateaus for _, meant in some) else "levels of the smoothed channel"
+    inputs = np.concatenate([np.ravel(piece.levels) for piece in problem.pieces])
+    source = "plateaus" if all(command.plateaus for _, command in noisy) else "levels of the smoothed channel"
     return [
-        f"the {word} of {listing([one.name for one, _ in some], 3)} varies and has noise (up to "
-        f"{max(meant.noise for _, meant in some):.2g} {unit} rms): the laws end at the lowest and the highest of its {source}, "
-        f"{inputs.min():.4g} and {inputs.max():.4g} {unit}, and what noise reaches beyond a record's ends counts as the end"
+        f"the {word} of {listing([piece.name for piece, _ in noisy], 3)} varies and has noise (up to "
+        f"{max(command.noise for _, command in noisy):.2g} {unit} rms): the laws end at the lowest and the highest of its "
+        f"{source}, {inputs.min():.4g} and {inputs.max():.4g} {unit}, and what noise reaches beyond a record's ends counts as "
+        "the end"
     ]
 
 
 def _of_smoothing(problem: Problem) -> list[str]:
     """Moving averages that the records still hold: on the force they are put on the model's, on the motion they do harm."""
-    forces = [one.name for one in problem.pieces if one.average is not None]
-    motions = [one for one in problem.pieces if one.smoothed_motion > 0.0]
+    forces = [piece.name for piece in problem.pieces if piece.average is not None]
+    motions = [piece for piece in problem.pieces if piece.smoothed_motion > 0.0]
     notes = []
     if forces:
         notes.append(
@@ -378,17 +375,17 @@ def _of_smoothing(problem: Problem) -> list[str]:
             "average before it is compared"
         )
     if motions:
-        widest = max(one.smoothed_motion for one in motions)
+        widest = max(piece.smoothed_motion for piece in motions)
         notes.append(
-            f"the displacement of {listing([one.name for one in motions], 3)} is smoothed (over up to {widest:.3g} s) and "
+            f"the displacement of {listing([piece.name for piece in motions], 3)} is smoothed (over up to {widest:.3g} s) and "
             "that is not undone: the model runs on a motion that is less sharp than what the damper felt"
         )
     return notes
 
 
-def energy(one: Piece) -> float:
+def energy(piece: Piece) -> float:
     """The work on the damper along a record, J; below 0 it gives energy."""
-    return float(np.trapezoid(one.force - np.mean(one.force), one.x - np.mean(one.x)))
+    return float(np.trapezoid(piece.force - np.mean(piece.force), piece.x - np.mean(piece.x)))
 
 
 def trouble_of(outcome: Outcome) -> str:
@@ -396,7 +393,7 @@ def trouble_of(outcome: Outcome) -> str:
     problem = outcome.optimum.problem
     positive = np.concatenate([np.full(c.size, c.quantity.linear and c.quantity.low == 0) for c in problem.columns])
     friction = set(map(int, np.flatnonzero(positive)))
-    if friction and friction <= set(outcome.at_limit) and all(energy(one) < 0 for one in problem.pieces):
+    if friction and friction <= set(outcome.at_limit) and all(energy(piece) < 0 for piece in problem.pieces):
         return (
             "every friction stands at its limit 0, because the loops create energy: the force sign is inverted; invert it "
             "where the records are read"

@@ -38,7 +38,7 @@ class FitVerdict:
 def fit_verdict(scores: Mapping[str, Score], converged: bool, reason: str) -> FitVerdict:
     """The verdict on a fit, by the mean L1 ratio over the records that it was fitted to, none of which is beyond `MISSES` in a
     good one; by how its search ended."""
-    by_record = {name: one.l1 for name, one in scores.items()}
+    by_record = {name: score.l1 for name, score in scores.items()}
     l1, worst = float(np.mean(list(by_record.values()))), max(by_record, key=lambda name: by_record[name])
     what = "this record" if len(by_record) == 1 else "these records"
     search = "The search converged" if converged else f"The search did not converge ({reason})"

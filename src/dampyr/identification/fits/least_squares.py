@@ -79,7 +79,9 @@ def prepared(
 ) -> Problem:
     """The problem that `fit_model` solves: the records as arrays and the layout of the unknowns, before the search."""
     options = options or FitOptions()
-    composition = model.composition if isinstance(model, Damper) else _composition(model)
+    composition = compose(model) if isinstance(model, str) else model
+    if isinstance(composition, Damper):
+        composition = composition.composition
     _check(list(records))
     if options.bandwidth is not None:
         check_bandwidth(records, options.bandwidth)
@@ -87,10 +89,10 @@ def prepared(
     pieces = weighted(with_common_levels(pieces), options.weighting)
     held = held_twins(composition, options.laws, options.fixed, options.tied) | dict(options.fixed)
     temperatures = [p.temperature for p in pieces]
-    made = columns(composition, [p.levels for p in pieces], options.laws, held, options.tied, temperatures)
-    if not any(column.size for column in made):
+    parameter_columns = columns(composition, [p.levels for p in pieces], options.laws, held, options.tied, temperatures)
+    if not any(column.size for column in parameter_columns):
         raise InputError("every parameter is fixed; leave at least one free")
-    return Problem(composition, made, pieces, checked_nuisances(composition, pieces, options.nuisances))
+    return Problem(composition, parameter_columns, pieces, checked_nuisances(composition, pieces, options.nuisances))
 
 
 @lru_cache(maxsize=1)
@@ -122,10 +124,6 @@ def one_thread() -> Iterator[None]:
             _count -= 1
             if _count == 0:
                 _within.close()
-
-
-def _composition(model: str | Composition) -> Composition:
-    return model if isinstance(model, Composition) else compose(model)
 
 
 def _check(records: list[Record]) -> None:

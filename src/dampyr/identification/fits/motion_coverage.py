@@ -44,23 +44,23 @@ def reversals(record: Record) -> Strokes:
 def beyond_the_fitted(fitted: Sequence[Record], planned: Sequence[Record]) -> dict[str, str]:
     """The planned motions that are smaller or slower than the fitted records for more than a tenth of their time, each with a
     sentence that says how much, and what to record."""
-    measured = [one for one in map(reversals, fitted) if one.stroke.size]
+    measured = [strokes for strokes in map(reversals, fitted) if strokes.stroke.size]
     if not measured:
         return {}
-    least_stroke = min(float(np.median(one.stroke)) for one in measured)
-    least_speed = min(float(np.median(one.speed)) for one in measured)
+    least_stroke = min(float(np.median(strokes.stroke)) for strokes in measured)
+    least_speed = min(float(np.median(strokes.speed)) for strokes in measured)
     notes = {}
     for record in planned:
-        one = reversals(record)
-        if not one.stroke.size:
+        moved = reversals(record)
+        if not moved.stroke.size:
             continue
-        small, slow = one.stroke < MARGIN * least_stroke, one.speed < MARGIN * least_speed
-        total = float(one.duration.sum())
-        shares = [float(one.duration[where].sum()) / total for where in (small, slow)]
+        small, slow = moved.stroke < MARGIN * least_stroke, moved.speed < MARGIN * least_speed
+        total = float(moved.duration.sum())
+        shares = [float(moved.duration[where].sum()) / total for where in (small, slow)]
         if max(shares) <= SHARE:
             continue
         where = small if shares[0] > SHARE else slow
-        stroke, speed = (1e3 * float(np.median(each[where])) for each in (one.stroke, one.speed))
+        stroke, speed = (1e3 * float(np.median(quantity[where])) for quantity in (moved.stroke, moved.speed))
         notes[record.name] = (
             f"{record.name} moves for {100 * shares[0]:.0f} % of its time in reversals smaller than all that was fitted "
             f"({1e3 * least_stroke:.3g} mm), for {100 * shares[1]:.0f} % slower ({1e3 * least_speed:.3g} mm/s): its force "

@@ -217,17 +217,19 @@ def analyse(traces: Sequence[Trace], unit: str = "V") -> Residuals:
     """The analysis of any residuals. Raises :class:`~dampyr.errors.InputError` without traces, or for values not finite."""
     if not traces:
         raise InputError("there are no residuals to analyse; give one trace or more")
-    by_name = {one.name: _record(one) for one in traces}
+    by_name = {trace.name: _record(trace) for trace in traces}
     if len(by_name) < len(traces):
         raise InputError("two traces have the same name; rename one, so that results can be told apart")
     inputs: dict[float, list[Trace]] = {}
-    for one in sorted(traces, key=lambda one: one.input_value):
-        inputs.setdefault(round(one.input_value, 9), []).append(one)
+    for trace in sorted(traces, key=lambda trace: trace.input_value):
+        inputs.setdefault(round(trace.input_value, 9), []).append(trace)
 
-    def of(some: Sequence[Trace], u: float | None) -> ResidualGroup:
-        return group(some, sum(by_name[one.name].effective for one in some), u)
+    def of(at_input: Sequence[Trace], u: float | None) -> ResidualGroup:
+        return group(at_input, sum(by_name[trace.name].effective for trace in at_input), u)
 
-    return Residuals(unit, tuple(by_name.values()), of(traces, None), tuple(of(some, u) for u, some in inputs.items()))
+    return Residuals(
+        unit, tuple(by_name.values()), of(traces, None), tuple(of(at_input, u) for u, at_input in inputs.items())
+    )
 
 
 def autocorrelation(residual: ArrayLike) -> Array:
@@ -254,27 +256,27 @@ def noise_of(residual: ArrayLike) -> float:
     return float(np.sqrt(0.5 * np.mean(np.diff(np.asarray(residual, dtype=float)) ** 2)))
 
 
-def _record(one: Trace) -> RecordResidual:
-    rho = autocorrelation(one.residual)
+def _record(trace: Trace) -> RecordResidual:
+    rho = autocorrelation(trace.residual)
     intervals = correlation_intervals(rho)
-    rms, noise = _rms(one.residual), noise_of(one.residual)
-    n_lags = min(one.time.size // 4, round(MAX_LAG / one.dt)) + 1
-    spread = float(np.std(one.force))
+    rms, noise = _rms(trace.residual), noise_of(trace.residual)
+    n_lags = min(trace.time.size // 4, round(MAX_LAG / trace.dt)) + 1
+    spread = float(np.std(trace.force))
     return RecordResidual(
-        name=one.name,
-        input_value=one.input_value,
-        stroke=one.stroke,
-        frequency=one.frequency,
-        samples=one.time.size,
-        duration=one.time.size * one.dt,
+        name=trace.name,
+        input_value=trace.input_value,
+        stroke=trace.stroke,
+        frequency=trace.frequency,
+        samples=trace.time.size,
+        duration=trace.time.size * trace.dt,
         rms=rms,
         relative=rms / spread if spread > 0.0 else float("nan"),
         noise=noise,
-        correlation_time=intervals * one.dt,
-        effective=one.time.size / intervals,
-        repeats=_repeats(rho, one),
+        correlation_time=intervals * trace.dt,
+        effective=trace.time.size / intervals,
+        repeats=_repeats(rho, trace),
         misfit=bool(intervals > MISFIT_INTERVALS or rms > MISFIT_NOISE * noise > 0.0),
-        lags=np.linspace(0.0, one.dt * (n_lags - 1), n_lags),
+        lags=np.linspace(0.0, trace.dt * (n_lags - 1), n_lags),
         autocorrelation=rho[:n_lags],
     )
 
@@ -283,29 +285,29 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _repeats(rho: Array, one: Trace) -> float:
+def _repeats(rho: Array, trace: Trace) -> float:
     """The autocorrelation after one period, unbiased."""
-    if not one.periods >= MIN_PERIODS:
+    if not trace.periods >= MIN_PERIODS:
         return float("nan")
-    lag = 1.0 / (one.frequency * one.dt)
+    lag = 1.0 / (trace.frequency * trace.dt)
     unbiased = rho * rho.size / (rho.size - np.arange(rho.size))
     return float(np.interp(lag, np.arange(rho.size), unbiased))
 
 
 def group(traces: Sequence[Trace], effective: float, input_value: float | None = None) -> ResidualGroup:
     """The residuals of some records by direction; ``effective`` is their effective sample size."""
-    r = np.concatenate([one.residual for one in traces])
-    v = np.concatenate([one.velocity for one in traces])
-    masks = [_masks(one) for one in traces]
+    r = np.concatenate([trace.residual for trace in traces])
+    v = np.concatenate([trace.velocity for trace in traces])
+    masks = [_masks(trace) for trace in traces]
     joined = {name: np.concatenate([mask[name] for mask in masks]) for name in SIDES}
     reach = float(np.max(np.abs(v)))
     curves = {}
     for branch in BRANCHES:
-        here = joined[f"out, {branch}"] | joined[f"in, {branch}"]
-        curves[branch] = _curve(v[here], r[here], reach)
+        on_branch = joined[f"out, {branch}"] | joined[f"in, {branch}"]
+        curves[branch] = _curve(v[on_branch], r[on_branch], reach)
     return ResidualGroup(
         input_value=input_value,
-        records=tuple(one.name for one in traces),
+        records=tuple(trace.name for trace in traces),
         rms=_rms(r),
         sides={name: _side(r[mask]) for name, mask in joined.items()},
         curves=curves,
@@ -314,12 +316,12 @@ def group(traces: Sequence[Trace], effective: float, input_value: float | None =
     )
 
 
-def _masks(one: Trace) -> dict[str, Mask]:
+def _masks(trace: Trace) -> dict[str, Mask]:
     """Which samples belong to each of `SIDES`."""
-    fast = np.abs(one.velocity) > SLOW * float(np.max(np.abs(one.velocity)))
-    t = one.time - one.time.mean()
-    middle = one.displacement.mean() + t * float(t @ one.displacement) / float(t @ t)
-    out, back, above = fast & (one.velocity > 0.0), fast & (one.velocity < 0.0), one.displacement > middle
+    fast = np.abs(trace.velocity) > SLOW * float(np.max(np.abs(trace.velocity)))
+    t = trace.time - trace.time.mean()
+    middle = trace.displacement.mean() + t * float(t @ trace.displacement) / float(t @ t)
+    out, back, above = fast & (trace.velocity > 0.0), fast & (trace.velocity < 0.0), trace.displacement > middle
     return dict(zip(SIDES, (out, back, out & ~above, out & above, back & above, back & ~above), strict=True))
 
 

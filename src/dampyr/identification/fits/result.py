@@ -29,6 +29,8 @@ from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Problem
 from dampyr.identification.search.variable_projection import Outcome
 from dampyr.models import Damper
+from dampyr.models.damper import mapped_covariance
+from dampyr.models.prediction_error import check_level
 from dampyr.models.sampling_error import sampling_error, sampling_words
 from dampyr.origin import Origin, combined
 from dampyr.phrases import listing
@@ -117,7 +119,10 @@ class Fit(Shown):
     @cached_property
     def findings(self) -> tuple[Finding, ...]:
         """All that a reader should know of the fit and of all records, each once, the worst first."""
-        of_levels = [Finding("note", words) for words in _level_notes(self.levels)]
+        of_levels = []
+        if levels := self.levels:
+            text = f"{levels.words}; to settle it, {levels.settles}" if levels.settles else levels.words
+            of_levels.append(Finding("note", text))
         beyond = (Finding("doubt", words) for words in self.beyond.values())
         return worst_first(worst_first(self._of_damper, of_levels), handed_on(self.validation_records), beyond)
 
@@ -144,9 +149,14 @@ class Fit(Shown):
     @property
     def nuisance_spread(self) -> dict[str, float]:
         """The standard deviation across the records of each nuisance: N for the offset, factors, states without unit."""
-        each = list(self.nuisances.values())
-        table = {name: [getattr(one, name) for one in each] for name in ("offset", "gain", "temperature")}
-        table |= {name: [one.states[name] for one in each] for name in (each[0].states if each else {})}
+        nuisances = list(self.nuisances.values())
+        table = {
+            name: [getattr(nuisance, name) for nuisance in nuisances] for name in ("offset", "gain", "temperature")
+        }
+        table |= {
+            name: [nuisance.states[name] for nuisance in nuisances]
+            for name in (nuisances[0].states if nuisances else {})
+        }
         return {name: float(np.std(values, ddof=1)) if len(values) > 1 else np.nan for name, values in table.items()}
 
     def intervals(self, level: float = 0.95, between: str = "records") -> dict[str, tuple[float, float]]:
@@ -161,8 +171,7 @@ class Fit(Shown):
         is at its limit and where one or two records alone determine it (``within_records``): how records differ is not
         estimated from so few.
         """
-        if not 0.0 < level < 1.0:
-            raise InputError(f"level = {level:g} is not allowed; it must be between 0 and 1, such as 0.95")
+        check_level(level)
         from scipy.stats import t
 
         if between not in ("records", "sessions"):
@@ -218,12 +227,12 @@ class Fit(Shown):
         the start of the motion are scored.
         """
         scores = {}
-        for record, one, force in zip(self.records, self.problem.pieces, self.forces, strict=True):
+        for record, piece, force in zip(self.records, self.problem.pieces, self.forces, strict=True):
             whole = np.concatenate((np.full(record.n - force.size, force[0]), force))
             settling, window = 0.0 if too_short(record, self.settling) else self.settling, None
-            if one.average is not None:
-                compared = one.t[one.comparable]
-                window = max(motion_start(record) + settling, float(compared[0])), float(compared[-1])
+            if piece.average is not None:
+                times = piece.t[piece.comparable]
+                window = max(motion_start(record) + settling, float(times[0])), float(times[-1])
             scores[record.name] = compare(record, whole, settling, window)
         return scores
 
@@ -272,6 +281,10 @@ def build_fit(
         damper = replace(damper, prediction_error=error)
     trouble = trouble or trouble_of(outcome)
     states = list(problem.composition.states)
+    sheets = {record.provenance.get("data_sheet", "") for record in records} & set(SHEETS)
+    broken_promises = [text for sheet in sorted(sheets) if damper for text in contradictions(damper, sheet)]
+    by_cycle = [label in within for label in labels if np.isfinite(stderr[label])]
+    clusters = "record" if not any(by_cycle) else "cycle" if all(by_cycle) else "record and cycle"
     return Fit(
         bare=damper,
         parameters=dict(zip(labels, map(float, optimum.point.theta), strict=True)),
@@ -284,12 +297,9 @@ def build_fit(
         remarks=(
             *notes(outcome, uncertainties, labels, within),
             *(Finding("note", words) for words in (*search_notes, *_short_notes(records, settling))),
-            *(
-                Finding("doubt", words)
-                for words in (*_data_sheet_notes(damper, records), *_sampling_notes(damper, problem))
-            ),
+            *(Finding("doubt", words) for words in (*broken_promises, *_sampling_notes(damper, problem))),
         ),
-        clusters=_clusters([label in within for label in labels if np.isfinite(stderr[label])]),
+        clusters=clusters,
         freedom=dict(zip(labels, map(float, uncertainties.freedom), strict=True)),
         within_records=within,
         nuisances={
@@ -310,13 +320,6 @@ def build_fit(
     )
 
 
-def _level_notes(levels: Levels | None) -> list[str]:
-    """What a lab must hear of the level between sessions."""
-    if levels is None:
-        return []
-    return [f"{levels.words}; to settle it, {levels.settles}" if levels.settles else levels.words]
-
-
 def _short_notes(records: tuple[Record, ...], settling: float) -> list[str]:
     """The records that are scored from the start of their motion, because settling would leave next to nothing of them."""
     short = [record.name for record in records if too_short(record, settling)]
@@ -328,30 +331,18 @@ def _short_notes(records: tuple[Record, ...], settling: float) -> list[str]:
     ]
 
 
-def _data_sheet_notes(damper: Damper | None, records: tuple[Record, ...]) -> list[str]:
-    """The contradictions of the fit with the data sheet, where the records name one."""
-    sheets = {record.provenance.get("data_sheet", "") for record in records} & set(SHEETS)
-    return [words for sheet in sorted(sheets) if damper for words in contradictions(damper, sheet)]
-
-
 def _sampling_notes(damper: Damper | None, problem: Problem) -> list[str]:
     """What the records' samples make wrong in the force of this damper, of the worst record; warned of, too."""
     if damper is None or not any(part.speed for part in damper.composition.parts):
         return []
     at = [damper if math.isnan(p.temperature) else damper.at_temperature(p.temperature, True) for p in problem.pieces]
-    given = ((p, one.values(p.u, allow_extrapolation=True)) for p, one in zip(problem.pieces, at, strict=True))
-    words = {sampling_error(damper.composition, p.t, p.x, p.v, u): (p, u) for p, u in given}
-    p, values = words[max(words)]
+    values_of = ((p, warm.values(p.u, allow_extrapolation=True)) for p, warm in zip(problem.pieces, at, strict=True))
+    errors = {sampling_error(damper.composition, p.t, p.x, p.v, values): (p, values) for p, values in values_of}
+    p, values = errors[max(errors)]
     if not (text := sampling_words(damper.composition, p.t, p.x, p.v, values)):
         return []
     warnings.warn(f"{p.name}: {text}", FindingWarning, stacklevel=4)
     return [f"{p.name}: {text}"]
-
-
-def _clusters(within: list[bool]) -> str:
-    if not any(within):
-        return "record"
-    return "cycle" if all(within) else "record and cycle"
 
 
 def _errors(labels: list[str], covariance: Array, at_limit: tuple[int, ...]) -> dict[str, float]:
@@ -388,7 +379,7 @@ def _damper(
             },
             input=problem.pieces[0].unit,
             ranges=_ranges(records, problem.pieces),
-            covariance=_law_covariance(optimum.law_matrix, uncertainty.covariance),
+            covariance=mapped_covariance(optimum.law_matrix, uncertainty.covariance),
             bandwidth=bandwidth,
             within_records=within,
             provenance=_provenance(records),
@@ -401,15 +392,6 @@ def _damper(
         )
         return None, f"the fitted numbers make no damper: {problem_}{repair}"
     return damper, ""
-
-
-def _law_covariance(T: Array, covariance: Array) -> Array:
-    """The covariance of the laws' own coefficients, which ``T`` makes of the fitted ones; fixed parameters are known."""
-    finite = np.where(np.isfinite(covariance), covariance, 0.0)
-    out = T @ finite @ T.T
-    for place in np.flatnonzero(~np.isfinite(np.diag(covariance))):
-        out[T[:, place] != 0.0, T[:, place] != 0.0] = np.inf
-    return np.asarray(0.5 * (out + out.T))
 
 
 def _ranges(records: tuple[Record, ...], pieces: list[Piece]) -> dict[str, tuple[float, float]]:
@@ -432,5 +414,5 @@ def _provenance(records: tuple[Record, ...]) -> dict[str, str]:
     return {
         "method": "least squares over whole records (dampyr.identification.fit)",
         "records": shown,
-        **({"origins": ", ".join(f"{count} {each}" for each, count in origins.items())} if len(origins) > 1 else {}),
+        **({"origins": ", ".join(f"{count} {kind}" for kind, count in origins.items())} if len(origins) > 1 else {}),
     }

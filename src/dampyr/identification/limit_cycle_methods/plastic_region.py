@@ -62,12 +62,12 @@ def plastic_region(record: Record, bandwidth: float | None = None) -> PlasticReg
     spans = cycles(record)
     if not spans:
         raise InputError(f"{record.name}: no whole cycle, so there is no plastic region; give at least one cycle")
-    here = slice(spans[0][0], spans[-1][1] + 1)
+    whole = slice(spans[0][0], spans[-1][1] + 1)
     points = turning_points(record)
-    points = points[(points >= here.start) & (points < here.stop)]
-    path = _path_since_turning(record, points)[here]
+    points = points[(points >= whole.start) & (points < whole.stop)]
+    path = _path_since_turning(record, points)[whole]
     assert record.velocity is not None
-    force, speed = record.force[here], record.velocity[here]
+    force, speed = record.force[whole], record.velocity[whole]
     rho, result = 20.0 / float(np.median(np.abs(np.diff(record.displacement[points])))), None
     for _ in range(20):
         plastic = (path > DEPTH / rho) & (np.abs(speed) > SPEED * np.quantile(np.abs(speed), 0.99))

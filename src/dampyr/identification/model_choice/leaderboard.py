@@ -53,6 +53,7 @@ from dampyr.identification.model_choice.screening import (
     held_in,
     screen_all,
     screening_set,
+    splits_of,
     validation_error,
 )
 from dampyr.identification.scoring.score import score
@@ -104,13 +105,15 @@ class Finalist(Shown):
     @property
     def work(self) -> float:
         """What its fits have spent, counted s (`dampyr.identification.search.work`)."""
-        folds = sum(fold.work for one in self.validations for fold in one.folds)
+        folds = sum(fold.work for validation in self.validations for fold in validation.folds)
         return folds + (self.fit.outcome.work if self.fit is not None else 0.0)
 
     @property
     def relevelled(self) -> float:
         """The mean L1 ratio of records that were left out, with the level of each one's first cycles."""
-        return next((one.relevelled for one in self.validations if one.split == "record"), float("nan"))
+        return next(
+            (validation.relevelled for validation in self.validations if validation.split == "record"), float("nan")
+        )
 
 
 @dataclass(frozen=True, repr=False)
@@ -153,14 +156,14 @@ class Leaderboard(Shown):
     @property
     def runner_up(self) -> Finalist | None:
         """The lowest error but for the winner."""
-        return next((one for one in self.entries if one is not self.winner), None)
+        return next((entry for entry in self.entries if entry is not self.winner), None)
 
     @property
     def for_building(self) -> Finalist | None:
         """The winner where it may stand in for a damper of a building, else the best that may, chosen in the same way."""
         if not self.winner.not_for_buildings:
             return self.winner
-        suited = [one for one in self.entries if not one.not_for_buildings and np.isfinite(one.error)]
+        suited = [entry for entry in self.entries if not entry.not_for_buildings and np.isfinite(entry.error)]
         return simplest(suited) if suited else None
 
 
@@ -245,8 +248,9 @@ def leaderboard(
         SCREENING_SHARE * budget - spent,
         deadline,
     )
-    spent += sum(trial.work for one in screened for trial in one.trials)
-    cut = any(trial.reason == CUT for one in screened for trial in one.trials)
+    trials = [trial for model in screened for trial in model.trials]
+    spent += sum(trial.work for trial in trials)
+    cut = any(trial.reason == CUT for trial in trials)
     chosen = [] if cut else _finalists(screened, options.finalists)
     if not chosen and not cut:
         raise InputError(f"no model could be fitted; the first failed: {screened[0].bare.reason}")
@@ -261,10 +265,10 @@ def leaderboard(
         lambda done: report("validating the best", done),
         deadline,
     )
-    ranked = sorted(entries, key=lambda one: (one.error, one.model))
+    ranked = sorted(entries, key=lambda entry: (entry.error, entry.model))
     notes = [*pieces, *left_out, *([] if cut else _stopped(screened, unfinished, ranked))]
-    missing = [model for model in chosen if model not in {one.model for one in entries}]
-    spent += sum(one.work for one in entries)
+    missing = [model for model in chosen if model not in {entry.model for entry in entries}]
+    spent += sum(entry.work for entry in entries)
     board = Leaderboard(
         tuple(ranked),
         tuple(screened),
@@ -293,13 +297,13 @@ def enough_records(records: list[Record], settling: float) -> tuple[list[Record]
     short = next((piece for piece in pieces if too_short(piece, settling)), None)
     if short is not None:
         raise InputError(
-            f"a choice of models leaves five parts out in turn; {len(records)} record{'s' * (len(records) > 1)} would be cut "
+            f"a choice of models leaves five parts out in turn; {counted(len(records), 'record')} would be cut "
             f"into pieces, but {short.name} lasts {short.duration:.3g} s and settling takes {settling:g} s of it: give more or "
             "longer records, a shorter settling, or name a model"
         )
     return pieces, (
-        f"{len(records)} record{'s were' if len(records) > 1 else ' was'} cut into {len(pieces)} pieces, so that parts can be "
-        "left out: the errors are of more of the same tests, not of other ones",
+        f"{counted(len(records), 'record')} {'were' if len(records) > 1 else 'was'} cut into {len(pieces)} pieces, so that "
+        "parts can be left out: the errors are of more of the same tests, not of other ones",
     )
 
 
@@ -314,8 +318,8 @@ def _allowed(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[s
 
 def _finalists(screened: Sequence[Screened], count: int) -> list[str]:
     """The best models of the screening; one more where none of them may stand in for a damper of a building."""
-    ranked = sorted((s.best for s in screened if np.isfinite(s.best.error)), key=lambda one: one.error)
-    models = [one.model for one in ranked]
+    ranked = sorted((s.best for s in screened if np.isfinite(s.best.error)), key=lambda trial: trial.error)
+    models = [trial.model for trial in ranked]
     best = models[:count]
     suited = [model for model in models if not compose(model).not_for_buildings]
     return best + suited[:1] * (not any(model in suited for model in best))
@@ -337,7 +341,7 @@ def _judged(
     The fits are to the ``whole`` records, of which ``records`` may be pieces. ``remaining`` is counted work, s, of which the
     fits have equal shares, twice over as most end before. Finalists that ``deadline`` cuts, of ``time.time``, are left out.
     """
-    splits = ["record"] + ["input"] * (len({r.input_value for r in records}) > 2)
+    splits = splits_of(records)
     options = replace(options, folds=PARTS, steps=FINAL_STEPS)
     count = len(models) * (1 + sum(len(split_tasks(records, split, PARTS, options.seed)) for split in splits))
     share = 2.0 * max(remaining, 0.0) / max(count, 1)
@@ -345,9 +349,10 @@ def _judged(
     jobs: list[tuple[str, Callable[[], Any]]] = []
     planned = []
     for model in models:
-        own = replace(options, fixed=held_in(model) | dict(options.fixed))
-        parts = [validation_jobs(records, model, split, own) for split in splits]
-        jobs += [(model, job) for some, _ in parts for job in some] + [(model, partial(_timed_fit, model, whole, own))]
+        of_model = replace(options, fixed=held_in(model) | dict(options.fixed))
+        parts = [validation_jobs(records, model, split, of_model) for split in splits]
+        jobs += [(model, job) for folds, _ in parts for job in folds]
+        jobs.append((model, partial(_timed_fit, model, whole, of_model)))
         planned.append((model, parts))
     # The slowest first, so that no core waits for another at the end.
     order = sorted(range(len(jobs)), key=lambda k: -len(compose(jobs[k][0]).parameters))
@@ -355,9 +360,9 @@ def _judged(
     results = iter([result for _, result in sorted(zip(order, done, strict=True), key=lambda pair: pair[0])])
     entries = []
     for model, parts in planned:
-        folds, fitted = [[next(results) for _ in some] for some, _ in parts], next(results)
-        if fitted is not None and all(one is not None for each in folds for one in each):
-            validations = [assemble(each) for each, (_, assemble) in zip(folds, parts, strict=True)]
+        folds, fitted = [[next(results) for _ in folds] for folds, _ in parts], next(results)
+        if fitted is not None and all(fold is not None for of_split in folds for fold in of_split):
+            validations = [assemble(of_split) for of_split, (_, assemble) in zip(folds, parts, strict=True)]
             entries.append(_entry(model, validations, *fitted))
     return entries
 
@@ -378,7 +383,7 @@ def _entry(model: str, validations: list[Validation], fit_result: Fit, seconds: 
     scores = list(validations[0].scores.values())
 
     def mean(key: str) -> float:
-        values = np.array([abs(getattr(one, key)) for one in scores])
+        values = np.array([abs(getattr(of_record, key)) for of_record in scores])
         return float(np.nanmean(values)) if np.any(np.isfinite(values)) else float("nan")
 
     return Finalist(
@@ -406,16 +411,16 @@ def standard_error(validations: Sequence[Validation]) -> float:
     weights = (1.0,) if len(validations) == 1 else (1.0 - BETWEEN, BETWEEN)
     inputs = validations[0].inputs
     parts = dict.fromkeys(validations[0].scores, 0.0)
-    for weight, one in zip(weights, validations, strict=True):
-        counts = Counter(inputs[name] for name in one.scores)
-        for name, each in one.scores.items():
-            parts[name] = parts.get(name, 0.0) + weight * each.l1 / (len(counts) * counts[inputs[name]])
+    for weight, validation in zip(weights, validations, strict=True):
+        counts = Counter(inputs[name] for name in validation.scores)
+        for name, of_record in validation.scores.items():
+            parts[name] = parts.get(name, 0.0) + weight * of_record.l1 / (len(counts) * counts[inputs[name]])
     groups: dict[float, list[float]] = {}
     for name, value in parts.items():
         groups.setdefault(inputs[name], []).append(value)
-    own = [len(values) * float(np.var(values, ddof=1)) for values in groups.values() if len(values) > 1]
-    if len(own) == len(groups) and own:
-        return math.sqrt(sum(own))
+    within_inputs = [len(values) * float(np.var(values, ddof=1)) for values in groups.values() if len(values) > 1]
+    if len(within_inputs) == len(groups) and within_inputs:
+        return math.sqrt(sum(within_inputs))
     values = list(parts.values())
     return math.sqrt(len(values) * float(np.var(values, ddof=1))) if len(values) > 1 else float("nan")
 
@@ -425,15 +430,15 @@ def simplest(entries: Sequence[Finalist]) -> Finalist:
     with equally many one that is for buildings, then the lowest error."""
     first = entries[0]
     limit = first.error + (first.standard_error if np.isfinite(first.standard_error) else 0.0)
-    near = [one for one in entries if one.error <= limit] or [first]
-    return min(near, key=lambda one: (one.parameters, bool(one.not_for_buildings), one.error))
+    near = [entry for entry in entries if entry.error <= limit] or [first]
+    return min(near, key=lambda entry: (entry.parameters, bool(entry.not_for_buildings), entry.error))
 
 
 def optimism(entries: Sequence[Finalist]) -> float:
     """By how much the lowest error is too low: the choice by four parts of the records scored on the fifth, less that by all
     scored on all; NaN for a single finalist or parts without scores."""
-    ranked = [one for one in entries if np.isfinite(one.error)]
-    table = np.array([[_mean_l1(fold) for fold in one.validations[0].folds] for one in ranked])
+    ranked = [entry for entry in entries if np.isfinite(entry.error)]
+    table = np.array([[_mean_l1(fold) for fold in entry.validations[0].folds] for entry in ranked])
     if len(ranked) < 2 or not np.all(np.isfinite(table)):
         return float("nan")
     counts = np.array([len(fold.scores) for fold in ranked[0].validations[0].folds])
@@ -444,12 +449,12 @@ def optimism(entries: Sequence[Finalist]) -> float:
 
 
 def _mean_l1(fold: Fold) -> float:
-    return float(np.mean([one.l1 for one in fold.scores.values()])) if fold.scores else float("nan")
+    return float(np.mean([of_record.l1 for of_record in fold.scores.values()])) if fold.scores else float("nan")
 
 
 def _cut_words(screened: Sequence[Screened], missing: Sequence[str], seconds: float | None) -> str:
     """What a limit in seconds has cut, and how to go on."""
-    trials = [trial for one in screened for trial in one.trials]
+    trials = [trial for model in screened for trial in model.trials]
     done = sum(trial.reason != CUT for trial in trials)
     what = f"{counted(len(missing), 'finalist')} not validated" if missing else f"{done} of {len(trials)} trials done"
     return (
@@ -461,7 +466,7 @@ def _cut_words(screened: Sequence[Screened], missing: Sequence[str], seconds: fl
 def _stopped(screened: Sequence[Screened], unfinished: Sequence[str], entries: Sequence[Finalist]) -> list[str]:
     """What the work did not suffice for."""
     notes = []
-    trials = [trial.model for one in screened for trial in one.trials if OUT_OF_WORK in trial.reason]
+    trials = [trial.model for model in screened for trial in model.trials if OUT_OF_WORK in trial.reason]
     if trials:
         notes.append(
             f"the trial fits of {listing(trials, 3)} were stopped by the budget of work: their errors may be lower"
@@ -469,10 +474,10 @@ def _stopped(screened: Sequence[Screened], unfinished: Sequence[str], entries: S
     if unfinished:
         notes.append(f"no work was left to try more add-ons with {listing(unfinished, 3)}; give a larger budget")
     slow = [
-        one.model
-        for one in entries
-        if OUT_OF_WORK in one.reason
-        or any(OUT_OF_WORK in fold.reason for each in one.validations for fold in each.folds)
+        entry.model
+        for entry in entries
+        if OUT_OF_WORK in entry.reason
+        or any(OUT_OF_WORK in fold.reason for validation in entry.validations for fold in validation.folds)
     ]
     if slow:
         notes.append(

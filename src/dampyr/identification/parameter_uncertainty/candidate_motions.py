@@ -64,9 +64,9 @@ class CandidateMotion:
 
 def envelope_of(pieces: Sequence[Piece]) -> MotionReach:
     """What several records reach together."""
-    speed = max(float(np.quantile(np.abs(one.v), PEAK)) for one in pieces)
-    acceleration = max(float(np.quantile(np.abs(np.gradient(one.v, one.t)), PEAK)) for one in pieces)
-    return MotionReach(max(0.5 * float(np.ptp(one.x)) for one in pieces), speed, acceleration)
+    speed = max(float(np.quantile(np.abs(piece.v), PEAK)) for piece in pieces)
+    acceleration = max(float(np.quantile(np.abs(np.gradient(piece.v, piece.t)), PEAK)) for piece in pieces)
+    return MotionReach(max(0.5 * float(np.ptp(piece.x)) for piece in pieces), speed, acceleration)
 
 
 def candidate_motions(envelope: MotionReach, beyond: float = 1.0) -> Iterator[CandidateMotion]:
@@ -99,9 +99,9 @@ def _two_sines_frequency(envelope: MotionReach, amplitude: float) -> float:
 
 def _random_frequency(envelope: MotionReach, amplitude: float) -> float:
     """The highest one of a random motion inside the envelope: its speed goes with it, its acceleration with its square."""
-    one = _made("random", amplitude, 1.0)
-    by_speed = envelope.speed / float(np.max(np.abs(one.v)))
-    by_acceleration = math.sqrt(envelope.acceleration / float(np.max(np.abs(np.gradient(one.v, one.t)))))
+    tried = _made("random", amplitude, 1.0)
+    by_speed = envelope.speed / float(np.max(np.abs(tried.v)))
+    by_acceleration = math.sqrt(envelope.acceleration / float(np.max(np.abs(np.gradient(tried.v, tried.t)))))
     return _rounded(min(by_speed, by_acceleration))
 
 

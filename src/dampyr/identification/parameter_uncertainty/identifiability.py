@@ -21,7 +21,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.identification.fits.diagnostics import CONFOUNDED
+from dampyr.identification.fits.diagnostics import CONFOUNDED, signed
 from dampyr.identification.fits.residuals import motion
 from dampyr.identification.fits.result import Fit
 from dampyr.identification.parameter_uncertainty.candidate_motions import (
@@ -81,7 +81,7 @@ class Identifiability(Shown):
     @property
     def lines(self) -> tuple[str, ...]:
         """A short line for each finding."""
-        return tuple(one.brief for one in self.inseparable)
+        return tuple(finding.brief for finding in self.inseparable)
 
 
 def identifiability(fit: Fit) -> Identifiability:
@@ -90,13 +90,9 @@ def identifiability(fit: Fit) -> Identifiability:
     The correlations and widths are those of the fitted model; where the model misses the damper's behaviour they describe the
     model.
     """
-    results: list[Inseparable] = [
-        *_not_determined(fit),
-        *_pairs(fit),
-        *_amplitude_and_frequency(fit),
-        *_input_and_session(fit),
-    ]
-    return Identifiability(tuple(results))
+    return Identifiability(
+        (*_not_determined(fit), *_pairs(fit), *_amplitude_and_frequency(fit), *_input_and_session(fit))
+    )
 
 
 # ----------------------------------------------------------------------------------------------------------------- numbers
@@ -113,9 +109,9 @@ def _not_determined(fit: Fit) -> list[Inseparable]:
             Inseparable("at a limit", tuple(limits), f"{names} of the allowed values", test, f"{names}: {test}")
         )
     for block in fit.optimum.blocks:
-        own = [labels[place] for place in block.places]
-        if any(math.isinf(fit.stderr[label]) for label in own):
-            results += _directions(fit, block, own)
+        own_labels = [labels[place] for place in block.places]
+        if any(math.isinf(fit.stderr[label]) for label in own_labels):
+            results += _directions(fit, block, own_labels)
     few = list(fit.within_records)
     if few:
         count = min(fit.within_records.values())
@@ -127,23 +123,25 @@ def _not_determined(fit: Fit) -> list[Inseparable]:
     return results
 
 
-def _directions(fit: Fit, block: Optimum, own: list[str]) -> list[Inseparable]:
+def _directions(fit: Fit, block: Optimum, labels: list[str]) -> list[Inseparable]:
     """The directions without information, by the numbers that take part in them."""
     H = block.information
     scale = np.sqrt(np.maximum(np.diag(H), 0.0))
-    alone = [k for k in range(len(own)) if scale[k] <= math.sqrt(SINGULAR) * max(float(scale.max(initial=0.0)), 1e-300)]
-    results = [_undetermined(fit, block, (own[k],)) for k in alone]
-    rest = [k for k in range(len(own)) if k not in alone]
+    alone = [
+        k for k in range(len(labels)) if scale[k] <= math.sqrt(SINGULAR) * max(float(scale.max(initial=0.0)), 1e-300)
+    ]
+    results = [_undetermined(fit, block, (labels[k],)) for k in alone]
+    rest = [k for k in range(len(labels)) if k not in alone]
     if rest:
         unit = np.outer(scale[rest], scale[rest])
         values, vectors = np.linalg.eigh(H[np.ix_(rest, rest)] / unit)
         for value, direction in zip(values, vectors.T, strict=True):
             if value <= SINGULAR * float(values.max()):
                 results.append(
-                    _undetermined(fit, block, tuple(own[rest[k]] for k in np.flatnonzero(np.abs(direction) > PART)))
+                    _undetermined(fit, block, tuple(labels[rest[k]] for k in np.flatnonzero(np.abs(direction) > PART)))
                 )
-    named = {label for one in results for label in one.labels}
-    missing = [label for label in own if math.isinf(fit.stderr[label]) and label not in named]
+    named = {label for finding in results for label in finding.labels}
+    missing = [label for label in labels if math.isinf(fit.stderr[label]) and label not in named]
     if missing:
         words = (
             f"{listing(missing, 4)} {'has' if len(missing) == 1 else 'have'} no error: too few cycles determine them"
@@ -212,36 +210,35 @@ def _pair_in_words(fit: Fit, pair: _Pair, candidates: list[_Candidate]) -> Insep
     labels, block, r = list(fit.parameters), pair.block, pair.correlation
     a, b = (pair.usable[place] for place in pair.places)
     places = block.places[a], block.places[b]
-    one, other = (labels[place] for place in places)
+    first, second = (labels[place] for place in places)
     between = float(fit.correlation[places])
     held = tuple(k for k in range(len(block.places)) if k not in pair.usable)
     wider = [_wider(fit, block, (*held, fixed), k) for k, fixed in ((a, b), (b, a))]
     alone = 1.0 / math.sqrt(max(1.0 - r**2, 1e-12))
-    of_errors = f", {_signed(between)} by the records' scatter" if math.isfinite(between) else ""
+    of_errors = f", {signed(between)} by the records' scatter" if math.isfinite(between) else ""
     words = (
-        f"{one} and {other} trade against each other on these motions (correlation {_signed(r)}{of_errors}): each interval is "
-        f"{alone:.2g} times as wide as if the other were known ({wider[0]:.2g} and {wider[1]:.2g} times by this fit's errors)"
+        f"{first} and {second} trade against each other on these motions (correlation {signed(r)}{of_errors}): each interval "
+        f"is {alone:.2g} times as wide as if the other were known ({wider[0]:.2g} and {wider[1]:.2g} times by this fit's "
+        "errors)"
     )
     numbers = {
         "correlation": r,
         "correlation_of_errors": between,
         "wider": alone,
-        f"wider {one}": wider[0],
-        f"wider {other}": wider[1],
+        f"wider {first}": wider[0],
+        f"wider {second}": wider[1],
     }
-    brief = (
-        f"{one} and {other}: correlation {_signed(r)}, each interval {alone:.2g} times as wide as with the other known"
-    )
+    brief = f"{first} and {second}: correlation {signed(r)}, each interval {alone:.2g} times as wide as with the other known"
     best = _best_test(pair, candidates)
     if best is None:
         test = "no motion that was tried within the stroke and speed of these records would do more than a repeat"
-        return Inseparable("pair", (one, other), words, test, brief, numbers)
+        return Inseparable("pair", (first, second), words, test, brief, numbers)
     candidate, after, narrower, repeated = best
     tried, u = candidate.motion, candidate.input
     at = f"{tried.in_words()} at {u:g} {block.problem.pieces[0].unit}"
-    less, by_repeat = [f"{100 * (1 - each):.0f}" for each in narrower], f"{100 * (1 - repeated):.0f} %"
+    less, by_repeat = [f"{100 * (1 - width):.0f}" for width in narrower], f"{100 * (1 - repeated):.0f} %"
     test = (
-        f"{at} would: correlation {_signed(after)}, intervals narrower by {less[0]} and {less[1]} % ({by_repeat} by one more "
+        f"{at} would: correlation {signed(after)}, intervals narrower by {less[0]} and {less[1]} % ({by_repeat} by one more "
         "test like these)"
     )
     brief += f"; {at} would narrow them by {less[0]} and {less[1]} %"
@@ -250,21 +247,17 @@ def _pair_in_words(fit: Fit, pair: _Pair, candidates: list[_Candidate]) -> Insep
         "amplitude": tried.amplitude,
         "frequency": tried.frequency,
         "correlation_with_the_test": after,
-        f"narrower {one}": narrower[0],
-        f"narrower {other}": narrower[1],
+        f"narrower {first}": narrower[0],
+        f"narrower {second}": narrower[1],
         "narrower by a repeat": repeated,
     }
-    return Inseparable("pair", (one, other), words, test, brief, numbers)
+    return Inseparable("pair", (first, second), words, test, brief, numbers)
 
 
 def _wider(fit: Fit, block: Optimum, held: tuple[int, ...], k: int) -> float:
     """The fit's standard error of the number ``k`` of a block over what it would be with those ``held`` known."""
     alone = float(np.sqrt(uncertainty(block, held).covariance[k, k]))
     return fit.stderr[list(fit.parameters)[block.places[k]]] / alone if alone > 0.0 else math.nan
-
-
-def _signed(value: float) -> str:
-    return f"{value:.2f}".replace("-", "−")
 
 
 def _best_test(
@@ -327,18 +320,18 @@ def _candidates(optimum: Optimum, blocks: Sequence[Optimum], beyond: float = 1.0
 
 def _motions_and_inputs(problem: Problem, beyond: float) -> list[tuple[CandidateMotion, float]]:
     """Motions and inputs that are tried for a block."""
-    inputs = sorted({round(float(np.mean(one.u)), 6) for one in problem.pieces})
+    inputs = sorted({round(float(np.mean(piece.u)), 6) for piece in problem.pieces})
     if len(inputs) > INPUTS_TRIED:
         inputs = [inputs[k] for k in np.unique(np.linspace(0, len(inputs) - 1, INPUTS_TRIED).round().astype(int))]
-    exact = {round(float(np.mean(one.u)), 6): one.u for one in problem.pieces if not np.ndim(one.u)}
+    exact = {round(float(np.mean(piece.u)), 6): piece.u for piece in problem.pieces if not np.ndim(piece.u)}
     motions = list(candidate_motions(envelope_of(problem.pieces), beyond))
-    return [(one, float(exact.get(u, u))) for u in inputs for one in motions]
+    return [(tried, float(exact.get(u, u))) for u in inputs for tried in motions]
 
 
 def _candidate_piece(problem: Problem, motion: CandidateMotion, u: float) -> Piece:
     """A motion as a record of a block whose force spreads by 1 N, with the median weight of the block's records."""
     n = motion.t.size
-    whole = float(np.median([np.mean(one.weight**2) * one.spread**2 * one.count for one in problem.pieces]))
+    whole = float(np.median([np.mean(piece.weight**2) * piece.spread**2 * piece.count for piece in problem.pieces]))
     return Piece(
         name="candidate",
         t=motion.t,
@@ -350,7 +343,7 @@ def _candidate_piece(problem: Problem, motion: CandidateMotion, u: float) -> Pie
         spread=1.0,
         cycle=np.zeros(n, dtype=np.int64),
         unit=problem.pieces[0].unit,
-        temperature=float(np.mean([one.temperature for one in problem.pieces])),
+        temperature=float(np.mean([piece.temperature for piece in problem.pieces])),
     )
 
 
@@ -367,9 +360,9 @@ def _amplitude_and_frequency(fit: Fit) -> list[Inseparable]:
         if math.isfinite(frequency):
             groups.setdefault(_level(record), []).append((0.5 * stroke, frequency))
     bound: dict[float, float] = {}
-    for u, some in groups.items():
-        table = np.log(np.array(some))
-        if len(some) >= MIN_TRIED and np.all(np.ptp(table, axis=0) > 0.0):
+    for u, sizes in groups.items():
+        table = np.log(np.array(sizes))
+        if len(sizes) >= MIN_TRIED and np.all(np.ptp(table, axis=0) > 0.0):
             r = float(spearmanr(table[:, 0], table[:, 1])[0])
             if abs(r) >= CONFOUNDED:
                 bound[u] = r
@@ -383,7 +376,7 @@ def _amplitude_and_frequency(fit: Fit) -> list[Inseparable]:
     more = np.vstack((tested, [[amplitude, frequency]] * 2))
     after = float(spearmanr(more[:, 0], more[:, 1])[0])
     where = f"{listing([f'{u:.4g}' for u in sorted(bound)], 8)} {unit}"
-    rank = f"rank correlation {_signed(bound[worst])}"
+    rank = f"rank correlation {signed(bound[worst])}"
     words = (
         f"amplitude and frequency go together at {where} ({rank} at {worst:.4g} {unit}): what looks like an effect of one may "
         "be an effect of the other"
@@ -392,7 +385,7 @@ def _amplitude_and_frequency(fit: Fit) -> list[Inseparable]:
     edge = "lowest" if bound[worst] < 0.0 else "highest"
     test = (
         f"tests off that line would, such as two of {at} (the smallest stroke at the {edge} frequency; rank correlation "
-        f"{_signed(after)} with them)"
+        f"{signed(after)} with them)"
     )
     brief = f"amplitude and frequency at {where}: {rank}; test {at}"
     numbers = {
@@ -409,8 +402,8 @@ def _input_and_session(fit: Fit) -> list[Inseparable]:
     """Inputs that share no measurement session, directly or through others."""
     unit, kind = fit.problem.pieces[0].unit, SESSION_FINDING
     word = INPUTS[unit]
-    both = zip(fit.records, fit.problem.pieces, strict=True)
-    records = [record for record, one in both if not np.ndim(one.u)]
+    fitted = zip(fit.records, fit.problem.pieces, strict=True)
+    records = [record for record, piece in fitted if not np.ndim(piece.u)]
     inputs = sorted({_level(record) for record in records})
     if len(inputs) < 2:
         return []
@@ -450,7 +443,7 @@ def _level(record: Record) -> float:
 
 def _sentinel(records: Sequence[Record]) -> str:
     """The record in the middle of its input's speeds: neither the slowest nor the fastest says most of a level."""
-    speeds = [float(np.quantile(np.abs(np.gradient(one.displacement, one.time)), PEAK)) for one in records]
+    speeds = [float(np.quantile(np.abs(np.gradient(record.displacement, record.time)), PEAK)) for record in records]
     return records[int(np.argsort(speeds)[len(speeds) // 2])].name
 
 

@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
+from dampyr.models.prediction_error import check_level
 
 Array = NDArray[np.float64]
 MIN_GROUPS = 3  # of two, an interval of the spread reaches thirty times its estimate
@@ -65,8 +66,7 @@ def random_effects(estimates: ArrayLike, errors: ArrayLike, level: float = 0.95)
         raise InputError(f"{y.size} estimates with {s.size} errors give no spread; give {MIN_GROUPS} or more of each")
     if not (np.all(np.isfinite(y)) and np.all(np.isfinite(s)) and np.all(s > 0)):
         raise InputError("estimates must be finite, and their errors finite and greater than 0; leave the others out")
-    if not 0.0 < level < 1.0:
-        raise InputError(f"level = {level:g} is not allowed; it must be between 0 and 1, such as 0.95")
+    check_level(level)
     k, v = y.size, s**2
     variance = _restricted_maximum(y, v)
     weights = 1.0 / (variance + v)

@@ -68,12 +68,12 @@ class Uncertainty:
 def uncertainty(optimum: Optimum, held: tuple[int, ...] = ()) -> Uncertainty:
     """The covariance of the coefficients at the optimum; those ``held`` at a limit count as known."""
     problem = optimum.problem
-    both = zip(optimum.cluster_sums, optimum.curvature_sums, strict=True)
-    reduced = [_reduced(problem, sums, curvature, held) for sums, curvature in both]
+    of_records = zip(optimum.cluster_sums, optimum.curvature_sums, strict=True)
+    reduced = [_reduced(problem, sums, curvature, held) for sums, curvature in of_records]
     information = _above_rounding(reduced, problem.size)
-    samples = sum(one.count - problem.locals for one in problem.pieces)
+    samples = sum(piece.count - problem.locals for piece in problem.pieces)
     bread, unidentifiable = _inverse(information, held)
-    squares = sum(one.squares for one in reduced) / max(samples - problem.size, 1)
+    squares = sum(record.squares for record in reduced) / max(samples - problem.size, 1)
     naive = bread * (_variance(optimum, samples) if optimum.is_robust else squares)
     reduced = _by_record(problem, reduced)
     whole = [Reduced(r.scores.sum(axis=0)[None], r.information.sum(axis=0)[None], r.squares, r.raw) for r in reduced]
@@ -85,7 +85,7 @@ def uncertainty(optimum: Optimum, held: tuple[int, ...] = ()) -> Uncertainty:
     inflation = np.where(within, cycles.freedom, records.freedom)
     # One stack of influences, so that the matrix is positive semidefinite whatever each coefficient is clustered by: over the
     # cycles of a record its influence as a whole is spread evenly, which keeps the sum of its squares.
-    sizes = [one.scores.shape[0] for one in reduced]
+    sizes = [record.scores.shape[0] for record in reduced]
     by_record, wide = records.scores @ bread, np.sqrt((inflation + 1.0) / inflation)
     even = np.repeat(by_record / np.sqrt(sizes)[:, None], sizes, axis=0)
     influence = np.where(within, cycles.scores @ bread, even) * wide
@@ -128,20 +128,20 @@ def _of_levels(optimum: Optimum, parts: list[Reduced], bread: Array) -> tuple[Ar
         "gain" in problem.common
     ):  # the records' own gains have taken their part: the mean level at an input is the fit's
         return _of_mean_levels(problem, b)
-    own = np.stack([one.information.sum(axis=0) @ b for one in parts])
-    by_level = own @ bread
-    weight = np.maximum(own @ b, TINY)
-    return by_level, own @ by_level.T / weight[:, None]
+    by_record = np.stack([record.information.sum(axis=0) @ b for record in parts])
+    by_level = by_record @ bread
+    weight = np.maximum(by_record @ b, TINY)
+    return by_level, by_record @ by_level.T / weight[:, None]
 
 
 def _of_mean_levels(problem: Problem, b: Array) -> tuple[Array, Array]:
     """As `_of_levels` where every record has a gain of its own, so that the fit is at the mean level of each input's
     records."""
     groups = list(record_groups(problem).values())
-    levels = np.array([round(float(np.mean([np.mean(problem.pieces[k].u) for k in some])), 6) for some in groups])
+    levels = np.array([round(float(np.mean([np.mean(problem.pieces[k].u) for k in pieces])), 6) for pieces in groups])
     if problem.varying:
         return np.tile(b / len(groups), (len(groups), 1)), np.full((len(groups),) * 2, 1.0 / len(groups))
-    first = [some[0] for some in groups]
+    first = [pieces[0] for pieces in groups]
     by_level = np.zeros((len(groups), problem.size))
     for k, owned in enumerate(problem.slices):
         basis = problem.matrix[first, k, owned]
@@ -167,24 +167,24 @@ def _by_record(problem: Problem, reduced: list[Reduced]) -> list[Reduced]:
     groups = [[reduced[k] for k in pieces] for pieces in record_groups(problem).values()]
     return [
         Reduced(
-            np.concatenate([one.scores for one in some]),
-            np.concatenate([one.information for one in some]),
-            sum(one.squares for one in some),
-            sum((one.raw for one in some), np.zeros(problem.size)),
+            np.concatenate([piece.scores for piece in pieces]),
+            np.concatenate([piece.information for piece in pieces]),
+            sum(piece.squares for piece in pieces),
+            sum((piece.raw for piece in pieces), np.zeros(problem.size)),
         )
-        for some in groups
+        for pieces in groups
     ]
 
 
 def _variance(optimum: Optimum, samples: int) -> float:
     """Of a loss that is not squares: the mean square of its first derivative over the mean of its second."""
     problem, first, second = optimum.problem, 0.0, 0.0
-    for one, residual in zip(problem.pieces, optimum.residuals, strict=True):
-        assert one.second_weight is not None
-        slope = (one.weight * one.spread) ** 2 * residual / one.spread
-        first += float(slope[one.comparable] @ slope[one.comparable])
-        second += float(np.sum((one.second_weight[one.comparable] * one.spread) ** 2))
-    total = sum(one.count for one in problem.pieces)
+    for piece, residual in zip(problem.pieces, optimum.residuals, strict=True):
+        assert piece.second_weight is not None
+        slope = (piece.weight * piece.spread) ** 2 * residual / piece.spread
+        first += float(slope[piece.comparable] @ slope[piece.comparable])
+        second += float(np.sum((piece.second_weight[piece.comparable] * piece.spread) ** 2))
+    total = sum(piece.count for piece in problem.pieces)
     return first / max(second, TINY) * total / max(samples - problem.size, 1)
 
 
@@ -200,17 +200,17 @@ def _reduced(problem: Problem, sums: Array, second: Array, held: tuple[int, ...]
 
 def _above_rounding(reduced: list[Reduced], size: int) -> Array:
     """The information of all records; none where the nuisances took all of a derivative but its rounding."""
-    information = sum((one.information.sum(axis=0) for one in reduced), np.zeros((size, size)))
-    lost = np.diag(information) <= SAME * sum((one.raw for one in reduced), np.zeros(size))
+    information = sum((record.information.sum(axis=0) for record in reduced), np.zeros((size, size)))
+    lost = np.diag(information) <= SAME * sum((record.raw for record in reduced), np.zeros(size))
     information[lost, :] = information[:, lost] = 0.0
     return np.asarray(information)
 
 
-def _taken(own: Array, across: Array) -> Array:
+def _taken(of_nuisances: Array, across: Array) -> Array:
     """The nuisances' change with each coefficient: least squares on what the record determines of them."""
-    d = np.sqrt(np.diag(own))
+    d = np.sqrt(np.diag(of_nuisances))
     scale = np.where(d > 0, 1.0 / np.where(d > 0, d, 1.0), 0.0)
-    values, vectors = np.linalg.eigh(own * np.outer(scale, scale))
+    values, vectors = np.linalg.eigh(of_nuisances * np.outer(scale, scale))
     seen = values > SAME * max(float(values.max(initial=0.0)), 1e-300)
     weights = np.where(seen, 1.0 / np.where(seen, values, 1.0), 0.0)
     return np.asarray(scale[:, None] * (vectors @ (weights[:, None] * (vectors.T @ (scale[:, None] * across)))))
@@ -243,8 +243,8 @@ class Clusters:
 
 
 def _clusters(parts: list[Reduced], information: Array) -> Clusters:
-    scores = np.concatenate([one.scores for one in parts])
-    diagonals = np.concatenate([np.diagonal(one.information, axis1=1, axis2=2) for one in parts])
+    scores = np.concatenate([part.scores for part in parts])
+    diagonals = np.concatenate([np.diagonal(part.information, axis1=1, axis2=2) for part in parts])
     total = np.diag(information)
     shares = np.where(total > TINY, diagonals / np.where(total > TINY, total, 1.0), 0.0)
     effective = 1.0 / np.maximum(np.sum(shares**2, axis=0), TINY)
@@ -259,11 +259,11 @@ def _freedom_by_gains(optimum: Optimum, parts: list[Reduced], bread: Array, inst
     is then a quadratic form Q of the gains, of which Satterthwaite's degrees of freedom are tr(Q)^2 / tr(Q^2).
     """
     b = np.where(optimum.problem.is_linear, optimum.point.theta, 0.0)
-    A = np.stack([one.information.sum(axis=0) for one in parts])
-    own = A @ b
-    influence = -np.einsum("gij,hj->ghi", A @ bread, own)
+    A = np.stack([part.information.sum(axis=0) for part in parts])
+    by_gain = A @ b
+    influence = -np.einsum("gij,hj->ghi", A @ bread, by_gain)
     places = np.arange(len(parts))
-    influence[places, places] += own
+    influence[places, places] += by_gain
     influence = influence @ bread  # (g, h, G): of the gain of record h on the influence of record g
     Q = np.einsum("ghk,gik->khi", influence, influence)
     trace, square = np.trace(Q, axis1=1, axis2=2), np.einsum("khi,kih->k", Q, Q)

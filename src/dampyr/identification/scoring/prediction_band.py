@@ -23,7 +23,7 @@ from dampyr.argument_kinds import DAMPER, RECORD, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.identification.scoring.scoring_window import SETTLING, Window, scoring_window, whole_cycles
 from dampyr.models import Damper
-from dampyr.models.prediction_error import force_draws, prior_words
+from dampyr.models.prediction_error import check_level, force_draws, prior_words
 from dampyr.origin import NOT_STATED, Origin, combined
 from dampyr.phrases import percent
 from dampyr.records import Record, with_velocity
@@ -86,12 +86,6 @@ class Band(Shown):
         """What it holds and how wide it is."""
         words = f"holds {percent(self.holds)} of the samples, width ± {percent(self.width)} of the mean force"
         return f"{words}, {self.prior}" if self.prior else words
-
-
-def check_level(level: float) -> None:
-    """:class:`~dampyr.errors.InputError` unless ``level`` is a share between 0 and 1."""
-    if not 0.0 < level < 1.0:
-        raise InputError(f"band = {level:g} is not allowed; it must lie between 0 and 1, such as 0.9 for 90 %")
 
 
 def why_no_band(damper: Damper) -> str:
@@ -163,7 +157,7 @@ def prediction_band(
     check_kinds(
         "prediction_band", Argument("damper", damper, (Damper,), DAMPER), Argument("record", record, (Record,), RECORD)
     )
-    check_level(level)
+    check_level(level, "band")
     where = scoring_window(record, settling, window)
     forces, noise, session = drawn_forces(damper, record, draws, seed, allow_extrapolation)
     inside = where.slice
@@ -180,7 +174,7 @@ def prediction_band(
     if span := whole_cycles(record, where):
         part, count = span
         x = record.displacement[part] - np.mean(record.displacement[part])
-        work = [np.trapezoid(one[part] - np.mean(one[part]), x) / count for one in (*(forces + noise), measured)]
+        work = [np.trapezoid(force[part] - np.mean(force[part]), x) / count for force in (*(forces + noise), measured)]
         energy = _interval(np.array(work[:-1]), float(work[-1]), tails)
     return Band(
         level=level,

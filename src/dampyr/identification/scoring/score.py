@@ -34,9 +34,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from dampyr.argument_kinds import DAMPER, RECORD, Argument, check_kinds
 from dampyr.errors import InputError
-from dampyr.identification.scoring.prediction_band import Band, check_level, prediction_band
+from dampyr.identification.scoring.prediction_band import Band, prediction_band
 from dampyr.identification.scoring.scoring_window import MIN_SCORED, SETTLING, Window, scoring_window, whole_cycles
 from dampyr.models import Damper
+from dampyr.models.prediction_error import check_level
 from dampyr.records import Record, cycles, with_velocity
 from dampyr.records.conditioning.moving_average import averaged
 from dampyr.records.conditioning.nominal_input import without_noise_beyond
@@ -106,13 +107,13 @@ def score(
     """
     check_kinds("score", Argument("damper", damper, (Damper,), DAMPER), Argument("record", record, (Record,), RECORD))
     if band is not None:
-        check_level(band)
+        check_level(band, "band")
     plain = compare(record, prediction(damper, record, allow_extrapolation), settling, window, centre)
     if band is None:
         return plain
     stated = damper if session_prior is None else damper.with_session_prior(session_prior)
-    made = prediction_band(stated, record, band, settling, window, allow_extrapolation=allow_extrapolation)
-    return replace(plain, band=made)
+    predictive_band = prediction_band(stated, record, band, settling, window, allow_extrapolation=allow_extrapolation)
+    return replace(plain, band=predictive_band)
 
 
 def prediction(damper: Damper, record: Record, allow_extrapolation: bool = False) -> Array:
@@ -211,7 +212,7 @@ def _relevelled(record: Record, force: Array, where: Window, centre: Centre) -> 
     rest = slice(part.stop, where.last + 1)
     if part.stop - part.start < MIN_SCORED or rest.stop - rest.start < MIN_SCORED:
         return math.nan, math.nan
-    measured, model = (one[part] - np.mean(one[part]) for one in (record.force, force))
+    measured, model = (force_trace[part] - np.mean(force_trace[part]) for force_trace in (record.force, force))
     square = float(model @ model)
     level = float(measured @ model) / square if square > 0.0 else math.nan
     if not level > 0.0:

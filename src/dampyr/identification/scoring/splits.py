@@ -94,7 +94,7 @@ def _by_waveform(records: list[Record], folds: int, seed: int) -> list[list[int]
     distinct = sorted(set(kinds))
     if len(distinct) < 2:
         raise InputError(f"leaving a waveform out needs two kinds of motion; all records are of the kind {distinct[0]}")
-    return [[k for k, kind in enumerate(kinds) if kind == one] for one in distinct]
+    return [[k for k, kind in enumerate(kinds) if kind == left_out] for left_out in distinct]
 
 
 #: which records each fold predicts

@@ -13,11 +13,12 @@ from typing import Annotated, Any
 from dampyr.argument_kinds import DAMPER, RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.findings import OF_DAMPER, Finding, handed_on, worst_first
-from dampyr.identification.scoring.prediction_band import LEVEL, Band, check_level, prediction_band, why_no_band
+from dampyr.identification.scoring.prediction_band import LEVEL, Band, prediction_band, why_no_band
 from dampyr.identification.scoring.score import Array, Score, compare, prediction
 from dampyr.identification.scoring.scoring_window import SETTLING
 from dampyr.identification.scoring.validation import mean_relevelled
 from dampyr.models import Damper
+from dampyr.models.prediction_error import check_level
 from dampyr.options import Options, ShownIn, takes
 from dampyr.origin import Origin, combined
 from dampyr.phrases import listing
@@ -50,7 +51,7 @@ class ScoreOptions(Options):
     def check(self) -> None:
         """Refuse a band of all of the force."""
         if self.band is not None:
-            check_level(self.band)
+            check_level(self.band, "band")
 
 
 @dataclass(frozen=True, repr=False)
@@ -73,7 +74,7 @@ class Validated(Shown):
 
     def measured_and_predicted(self, record: str) -> tuple[Record, Array]:
         """A record by its name and the force N that is predicted for it, with the record's offset."""
-        names = [one.name for one in self.records]
+        names = [listed.name for listed in self.records]
         if record not in names:
             raise InputError(f"{record!r} is not among the records; choose from {listing(names, 8)}")
         return self.records[names.index(record)], self.forces[record] + self.scores[record].offset

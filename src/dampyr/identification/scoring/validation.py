@@ -59,7 +59,7 @@ class Validation(Shown):
     @property
     def scores(self) -> dict[str, Score]:
         """Every predicted record's score."""
-        return {name: one for fold in self.folds for name, one in fold.scores.items()}
+        return {name: of_record for fold in self.folds for name, of_record in fold.scores.items()}
 
     @property
     def failed(self) -> dict[str, str]:
@@ -70,18 +70,18 @@ class Validation(Shown):
     def by_input(self) -> dict[float, float]:
         """The mean L1 ratio of the predicted records of each input, by rising input."""
         groups: dict[float, list[float]] = {}
-        for name, one in self.scores.items():
-            groups.setdefault(self.inputs.get(name, 0.0), []).append(one.l1)
+        for name, of_record in self.scores.items():
+            groups.setdefault(self.inputs.get(name, 0.0), []).append(of_record.l1)
         return {u: float(np.mean(groups[u])) for u in sorted(groups)}
 
     @property
     def relevelled(self) -> float:
         """The mean L1 ratio with the level of each record's first cycles, every input counting the same; NaN without any."""
         groups: dict[float, list[float]] = {}
-        for name, one in self.scores.items():
-            if np.isfinite(one.relevelled_l1):
-                groups.setdefault(self.inputs.get(name, 0.0), []).append(one.relevelled_l1)
-        return float(np.mean([np.mean(each) for each in groups.values()])) if groups else float("nan")
+        for name, of_record in self.scores.items():
+            if np.isfinite(of_record.relevelled_l1):
+                groups.setdefault(self.inputs.get(name, 0.0), []).append(of_record.relevelled_l1)
+        return float(np.mean([np.mean(ratios) for ratios in groups.values()])) if groups else float("nan")
 
     @property
     def error(self) -> float:
@@ -91,7 +91,7 @@ class Validation(Shown):
 
 def mean_relevelled(scores: Mapping[str, Score]) -> float:
     """The mean L1 ratio with the level of each record's first cycles; NaN where no record has one."""
-    values = [one.relevelled_l1 for one in scores.values() if np.isfinite(one.relevelled_l1)]
+    values = [of_record.relevelled_l1 for of_record in scores.values() if np.isfinite(of_record.relevelled_l1)]
     return float(np.mean(values)) if values else float("nan")
 
 

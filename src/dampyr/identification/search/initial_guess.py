@@ -36,8 +36,8 @@ def begin(problem: Problem, work: Work | None = None) -> SearchPoint:
         return _from_rigid(problem, work)
     neutral = _neutral(problem)
     groups: dict[float, list[int]] = {}
-    for k, one in enumerate(problem.pieces):
-        groups.setdefault(float(np.mean(one.u)), []).append(k)
+    for k, piece in enumerate(problem.pieces):
+        groups.setdefault(float(np.mean(piece.u)), []).append(k)
     best = {u: _best_start(problem, members, work) for u, members in groups.items()}
     theta = neutral.theta.copy()
     inputs = np.array(sorted(best))
@@ -86,9 +86,9 @@ def best_of(problem: Problem, starts: int, seed: int, work: Work) -> tuple[Searc
     theta, local = point.theta.copy(), point.local.copy()
     for k, block in enumerate(independent_blocks(problem)):
         rng = np.random.default_rng([seed, k])
-        thin = replace(block.problem, pieces=[thinned(one, THINNED_SAMPLES) for one in block.problem.pieces])
+        thin = replace(block.problem, pieces=[thinned(piece, THINNED_SAMPLES) for piece in block.problem.pieces])
         points = _several(thin, starts, rng, work)
-        ends = [levenberg_marquardt(thin, each, None, COARSE_TOLERANCE, work=work) for each in points]
+        ends = [levenberg_marquardt(thin, start, None, COARSE_TOLERANCE, work=work) for start in points]
         best = min(ends, key=lambda end: end.cost)
         agreed = min(agreed, sum(end.cost <= (1.0 + SAME) * best.cost + 1e-12 for end in ends))
         theta[block.coefficients], local[block.records] = best.point.theta, best.point.local
@@ -121,7 +121,7 @@ def _with(problem: Problem, neutral: SearchPoint, proposal: dict[str, float]) ->
 def _best_start(problem: Problem, members: list[int], work: Work) -> dict[str, float]:
     """The proposal with the lowest cost on the records at one input, of which at most two are tried, shortened."""
     chosen = members[:: max(1, len(members) // 2)][:2]
-    pieces = [_shortened(problem.pieces[k]) for k in chosen]
+    pieces = [p.part(slice(max(SCANNED_SAMPLES, p.shortest))) for p in (problem.pieces[k] for k in chosen)]
     inputs = [float(np.mean(p.u)) for p in pieces]
     singles = [replace(c, kind="constant", knots=(inputs[0],), temperatures=None) for c in problem.columns]
     small = Problem(problem.composition, singles, pieces, problem.nuisances)
@@ -132,12 +132,6 @@ def _best_start(problem: Problem, members: list[int], work: Work) -> dict[str, f
         if cost < best[0]:
             best = (cost, proposal)
     return best[1]
-
-
-def _shortened(one: Piece) -> Piece:
-    n = min(one.t.size, max(SCANNED_SAMPLES, one.shortest))
-    u = one.u[:n] if np.ndim(one.u) else one.u  # type: ignore[index]
-    return replace(one, t=one.t[:n], x=one.x[:n], v=one.v[:n], force=one.force[:n], u=u, cycle=one.cycle[:n])
 
 
 def _proposals(problem: Problem, pieces: list[Piece]) -> list[dict[str, float]]:

@@ -59,31 +59,31 @@ def products(problem: Problem, point: SearchPoint, by_cluster: bool = False) -> 
 
 
 def _products_of_record(problem: Problem, point: SearchPoint, r: int, by_cluster: bool) -> Array:
-    one, u = problem.pieces[r], input_at(problem, point, r)
+    piece, u = problem.pieces[r], input_at(problem, point, r)
     values, gain = values_at(problem, point, r, u), point.nuisance(problem, r, "gain")
-    states, force = point.states(problem, r), one.force - point.nuisance(problem, r, "offset")
+    states, force = point.states(problem, r), piece.force - point.nuisance(problem, r, "offset")
     lags = has_lag(problem)
-    plan = summation_plan(problem, bases(problem.columns, u, one.temperature)) if lags else problem.plans[r]
+    plan = summation_plan(problem, bases(problem.columns, u, piece.temperature)) if lags else problem.plans[r]
     factor, matrix = _with_gain_and_temperature(problem, point, r, plan, values, gain)
-    ends = one.ends if by_cluster else np.array([one.t.size])
+    ends = piece.ends if by_cluster else np.array([piece.t.size])
     remembers = values.ndim > 1 and bool(problem.composition.delay is not None or len(states) or lags)
-    if remembers or one.average is not None:
+    if remembers or piece.average is not None:
         by_lag = _derivative_by_lag(problem, point, r) if lags else None
-        sums = _products_of_stored(problem, one, values, states, force, plan.source, factor, gain, ends, by_lag)
+        sums = _products_of_stored(problem, piece, values, states, force, plan.source, factor, gain, ends, by_lag)
     else:
-        path = (one.t, one.x, one.v, problem.accelerations[r])
+        path = (piece.t, piece.x, piece.v, problem.accelerations[r])
         sums = products_along(
-            problem.composition, path, values, states, force, one.weight, plan.source, factor, gain, ends
+            problem.composition, path, values, states, force, piece.weight, plan.source, factor, gain, ends
         )
     return np.asarray(matrix.T @ sums @ matrix)
 
 
 def _derivative_by_lag(problem: Problem, point: SearchPoint, r: int) -> Array:
     """The derivative (n,) of the force of the parts by the lag, by a difference."""
-    one, sides = problem.pieces[r], []
+    piece, sides = problem.pieces[r], []
     for more in (LAG_STEP, 0.0):
         values = values_at(problem, point, r, input_at(problem, point, r, more))
-        sides.append(along(problem.composition, one.t, one.x, one.v, values, point.states(problem, r)))
+        sides.append(along(problem.composition, piece.t, piece.x, piece.v, values, point.states(problem, r)))
     return np.asarray((sides[0] - sides[1]) / LAG_STEP)
 
 
@@ -116,7 +116,7 @@ def _by_temperature(problem: Problem, point: SearchPoint, plan: SummationPlan, v
 
 def _products_of_stored(
     problem: Problem,
-    one: Piece,
+    piece: Piece,
     values: Array,
     states: Array,
     force: Array,
@@ -131,25 +131,25 @@ def _products_of_stored(
     For an input that varies while states remember it, or a delay; and for a force that went through a moving average, which is
     linear, so that the derivatives go through it too: only samples with whole windows count.
     """
-    model, J = along_with_columns(problem.composition, one.t, one.x, one.v, values, states)
-    early = np.column_stack((J, model, np.ones(one.t.size)))[:, source] * factor
+    model, J = along_with_columns(problem.composition, piece.t, piece.x, piece.v, values, states)
+    early = np.column_stack((J, model, np.ones(piece.t.size)))[:, source] * factor
     mine = source < len(problem.columns)
     if len(states) and values.ndim > 1:
         wide = np.ascontiguousarray(np.broadcast_to(factor, (factor.shape[0], source.size))[:, mine])
-        given = (one.t, one.x, one.v, values, states, source[mine], wide)
-        early[:, mine] = along_with_laws(problem.composition, *given)[1]
+        arguments = (piece.t, piece.x, piece.v, values, states, source[mine], wide)
+        early[:, mine] = along_with_laws(problem.composition, *arguments)[1]
     if by_lag is not None:
         early[:, source == problem.composition.lag] = by_lag[:, None]
     k, rows = problem.composition.delay, early
     if k is not None:
-        slope = delayed_by_tau(one.t, model, values[..., k])[:, None]
-        rows = np.where(source == k, slope * factor, delayed(one.t, early, values[..., k]))
-        model = delayed(one.t, model, values[..., k])
-    weight = one.weight
-    if one.average is not None:
-        rows, model = averaged(rows, *one.average), averaged(model, *one.average)
-        counts = np.zeros(one.t.size)
-        counts[one.comparable] = 1.0
+        slope = delayed_by_tau(piece.t, model, values[..., k])[:, None]
+        rows = np.where(source == k, slope * factor, delayed(piece.t, early, values[..., k]))
+        model = delayed(piece.t, model, values[..., k])
+    weight = piece.weight
+    if piece.average is not None:
+        rows, model = averaged(rows, *piece.average), averaged(model, *piece.average)
+        counts = np.zeros(piece.t.size)
+        counts[piece.comparable] = 1.0
         weight = weight * counts
     table = weight[:, None] * np.column_stack((rows, force - gain * model))
     return np.stack([part.T @ part for part in np.split(table, ends[:-1])])
@@ -172,11 +172,11 @@ def modelled_force(problem: Problem, point: SearchPoint, record: int) -> Array:
 
     Through the moving average of the measured force, where that holds one.
     """
-    one, values = problem.pieces[record], values_at(problem, point, record, input_at(problem, point, record))
-    force = along(problem.composition, one.t, one.x, one.v, values, point.states(problem, record))
+    piece, values = problem.pieces[record], values_at(problem, point, record, input_at(problem, point, record))
+    force = along(problem.composition, piece.t, piece.x, piece.v, values, point.states(problem, record))
     k = problem.composition.delay
-    late = force if k is None else delayed(one.t, force, np.asarray(values[..., k]))
-    late = late if one.average is None else averaged(late, *one.average)
+    late = force if k is None else delayed(piece.t, force, np.asarray(values[..., k]))
+    late = late if piece.average is None else averaged(late, *piece.average)
     return point.nuisance(problem, record, "offset") + point.nuisance(problem, record, "gain") * late
 
 
@@ -238,9 +238,9 @@ class NormalEquations:
             S = np.column_stack((H, S[:-1, -1]))
         n = S.shape[1] - 1
         below, above, chosen = np.empty(n), np.empty(n), np.empty(n, dtype=bool)
-        own = self.local_low[0], self.local_high[0], self.local_linear
+        nuisances = self.local_low[0], self.local_high[0], self.local_linear
         row = only_linear, below, above, chosen
-        compile_cached(unknowns_of_record)(self.low, self.high, self.linear, *own, *row)
+        compile_cached(unknowns_of_record)(self.low, self.high, self.linear, *nuisances, *row)
         step = solve_bounded(S, damping, below, above, chosen)
         return SearchStep(step[L:], step[None, :L])
 
@@ -254,16 +254,14 @@ class NormalEquations:
         """Which nuisances are at a limit that they would leave to lower the cost."""
         if only_linear or np.all(free):
             return np.zeros_like(free)
-        d = self._rows(step)
+        by_record = np.broadcast_to(step.theta, (len(self.sums), step.theta.size))
+        d = np.concatenate((step.local, by_record), axis=1)
         slope = (self.sums[:, :-1, -1] - (self.sums[:, :-1, :-1] @ d[:, :, None])[:, :, 0])[:, : free.shape[1]]
         movable = self.local_high - self.local_low > 1e-12
         small = 1e-9 * np.abs(self.sums[:, :-1, -1][:, : free.shape[1]])
         off_low = (step.local <= self.local_low) & (slope > small)
         off_high = (step.local >= self.local_high) & (slope < -small)
         return ~free & movable & (off_low | off_high)
-
-    def _rows(self, step: SearchStep) -> Array:
-        return np.concatenate((step.local, np.broadcast_to(step.theta, (len(self.sums), step.theta.size))), axis=1)
 
     def solve(self, only_linear: bool = False, damping: float = 0.0, curvature: Array | None = None) -> SearchStep:
         """The step to the lowest cost inside the limits, of all unknowns or of the linear ones.
@@ -319,12 +317,12 @@ def eliminated(sums: Array, free: Bools, fixed: Array, damping: float = 0.0) -> 
     A = A + np.eye(L) * np.where(free, damping + RIDGE, 1.0)[:, :, None]
     right = np.concatenate((sums[:, :L, L : L + G], b[:, :L, None]), axis=2) * scale[:, :, None]
     solved = np.linalg.solve(A, right) * scale[:, :, None] if L else right
-    by_theta, own = solved[:, :, :-1], solved[:, :, -1]
+    by_theta, constant = solved[:, :, :-1], solved[:, :, -1]
     across = sums[:, L : L + G, :L]
     by_record = sums[:, L : L + G, L : L + G] - across @ by_theta
     matrix = np.sum(by_record, axis=0)
-    target = np.sum(b[:, L:] - np.einsum("mgl,ml->mg", across, own), axis=0)
-    return Eliminated(0.5 * (matrix + matrix.T), target, own + fixed, by_theta, by_record)
+    target = np.sum(b[:, L:] - np.einsum("mgl,ml->mg", across, constant), axis=0)
+    return Eliminated(0.5 * (matrix + matrix.T), target, constant + fixed, by_theta, by_record)
 
 
 def with_curvature(H: Array, curvature: Array, least_part: float = 0.2, largest_part: float = 10.0) -> Array:
@@ -357,8 +355,8 @@ def of_sums(problem: Problem, point: SearchPoint, sums: Array) -> NormalEquation
 def step_point(problem: Problem, point: SearchPoint, step: SearchStep) -> SearchPoint:
     """``point`` after a step (a factor exp(step) of a logarithmic coefficient), inside the limits to rounding."""
     theta, local = np.empty(problem.size), np.empty_like(point.local)
-    given = point.theta, step.theta, problem.is_logarithmic, *problem.inner_limits, theta
-    compile_cached(add_step)(*given, point.local, step.local, *problem.local_limits, local)
+    coefficients = point.theta, step.theta, problem.is_logarithmic, *problem.inner_limits, theta
+    compile_cached(add_step)(*coefficients, point.local, step.local, *problem.local_limits, local)
     return SearchPoint(theta, local)
 
 
@@ -458,8 +456,8 @@ def add_step(
         for i in range(local.shape[1]):
             local_out[m, i] = min(max(local[m, i] + local_step[m, i], local_low[i]), local_high[i])
     for k in range(theta.size):
-        there = theta[k] * exp(step[k]) if logarithmic[k] else theta[k] + step[k]
-        out[k] = min(max(there, low[k]), high[k])
+        moved = theta[k] * exp(step[k]) if logarithmic[k] else theta[k] + step[k]
+        out[k] = min(max(moved, low[k]), high[k])
 
 
 KERNELS = (

@@ -132,17 +132,17 @@ def columns(
     """
     tied = dict(tied or {})
     fixed = dict(fixed or {})
-    each = {OTHERS: laws} if isinstance(laws, str) else dict(laws or {})
-    for name, named in (("fixed", {*fixed}), ("laws", {*each} - {OTHERS})):
+    law_of = {OTHERS: laws} if isinstance(laws, str) else dict(laws or {})
+    for name, named in (("fixed", {*fixed}), ("laws", {*law_of} - {OTHERS})):
         unknown = sorted(named - set(composition.parameters))
         if unknown:
             raise InputError(f"{name} names {unknown[0]!r}; {composition} has {', '.join(composition.parameters)}")
     varying = any(np.ndim(u) for u in inputs)
     distinct = _distinct(inputs)
     lag = None if composition.lag is None else composition.parameters[composition.lag]
-    made = []
+    without_ties = []
     for name, quantity in composition.quantities.items():
-        wanted = each.get(name, each.get(OTHERS))
+        wanted = law_of.get(name, law_of.get(OTHERS))
         if name == lag:  # the delay of the input does not depend on the input
             wanted = "constant"
         wanted, warming = _without_temperature(wanted)
@@ -151,9 +151,9 @@ def columns(
         if value is not None:
             quantity.check(f"fixed {name}", value)
         span = _span_of(name, temperatures) if warming and value is None else None
-        made.append(Column(name, quantity, kind, knots, value, temperatures=span))
+        without_ties.append(Column(name, quantity, kind, knots, value, temperatures=span))
     _check_ties(composition, tied, fixed, laws)
-    return _tied(made, tied)
+    return _tied(without_ties, tied)
 
 
 def _without_temperature(wanted: str | None) -> tuple[str | None, bool]:
@@ -205,9 +205,9 @@ def _check_ties(
 ) -> None:
     quantities = composition.quantities
     for name, owner in tied.items():
-        for each in (name, owner):
-            if each not in quantities:
-                raise InputError(f"tied names {each!r}; {composition} has {', '.join(composition.parameters)}")
+        for parameter in (name, owner):
+            if parameter not in quantities:
+                raise InputError(f"tied names {parameter!r}; {composition} has {', '.join(composition.parameters)}")
         if name == owner or owner in tied:
             raise InputError(f"{name} is tied to {owner}, which is tied itself; tie both to one that is free")
         if name in fixed:
@@ -219,24 +219,25 @@ def _check_ties(
             raise InputError(f"{name} and {owner} are in {units}; only parameters of the same unit can be tied")
 
 
-def _tied(made: list[Column], tied: dict[str, str]) -> list[Column]:
+def _tied(columns: list[Column], tied: dict[str, str]) -> list[Column]:
     """The columns with their ties; an owner respects the limits of all that follow it."""
-    by_name = {c.name: c for c in made}
+    by_name = {c.name: c for c in columns}
     for name, owner in tied.items():
-        one, other = by_name[owner].quantity, by_name[name].quantity
+        of_owner, of_follower = by_name[owner].quantity, by_name[name].quantity
         shared = replace(
-            one,
-            low=max(one.low, other.low),
-            high=min(one.high, other.high),
-            open_low=(one.open_low and one.low >= other.low) or (other.open_low and other.low >= one.low),
-            linear=one.linear and other.linear,
+            of_owner,
+            low=max(of_owner.low, of_follower.low),
+            high=min(of_owner.high, of_follower.high),
+            open_low=(of_owner.open_low and of_owner.low >= of_follower.low)
+            or (of_follower.open_low and of_follower.low >= of_owner.low),
+            linear=of_owner.linear and of_follower.linear,
         )
         by_name[owner] = replace(by_name[owner], quantity=shared)
         by_name[name] = replace(by_name[name], tied=owner)
         held = by_name[owner].fixed
         if held is not None:
-            other.check(f"{name}, tied to the fixed {owner},", held)
-    return [by_name[c.name] for c in made]
+            of_follower.check(f"{name}, tied to the fixed {owner},", held)
+    return [by_name[c.name] for c in columns]
 
 
 def _distinct(inputs: list[Array | float]) -> list[float]:

@@ -59,11 +59,11 @@ def iteratively_reweighted(
     scales, before, steps = np.ones(len(unweighted.pieces)), np.inf, outcome.iterations
     for turn in range(MAX_ROUNDS):
         residuals = _relative_residuals(outcome.optimum)
-        compared = [r[one.comparable] for r, one in zip(residuals, unweighted.pieces, strict=True)]
+        residuals_compared = [r[piece.comparable] for r, piece in zip(residuals, unweighted.pieces, strict=True)]
         if turn < SCALING_ROUNDS:
-            scales = np.array([max(NORMAL * float(np.median(np.abs(r))), 1e-12) for r in compared])
+            scales = np.array([max(NORMAL * float(np.median(np.abs(r))), 1e-12) for r in residuals_compared])
         shares = _shares(unweighted, scales, loss)
-        sums = [float(np.sum(s**2 * _loss(r / s, loss))) for r, s in zip(compared, scales, strict=True)]
+        sums = [float(np.sum(s**2 * _loss(r / s, loss))) for r, s in zip(residuals_compared, scales, strict=True)]
         total = float(shares @ sums)
         if turn > SCALING_ROUNDS and abs(before - total) <= ENOUGH * total:
             reason = f"{outcome.reason}; {turn} rounds of weights" if outcome.converged else outcome.reason
@@ -103,7 +103,7 @@ def _weighted(problem: Problem, residuals: list[Array], scales: Array, loss: str
 
 def _relative_residuals(optimum: Optimum) -> list[Array]:
     """Measured less modelled force, over each record's spread."""
-    return [residual / one.spread for residual, one in zip(optimum.residuals, optimum.problem.pieces, strict=True)]
+    return [residual / piece.spread for residual, piece in zip(optimum.residuals, optimum.problem.pieces, strict=True)]
 
 
 def _weight(z: Array, loss: str) -> Array:
