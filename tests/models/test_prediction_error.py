@@ -225,7 +225,9 @@ def test_the_band_of_a_path_is_about_the_force_and_narrower_for_a_fitted_session
     assert half == pytest.approx(0.17, abs=0.03)
     near, far = one.band(t, x, voltage=1.0, session="one", seed=3)
     assert 0.5 * np.median((far - near)[large] / np.abs(force[large])) == pytest.approx(1.645 * 0.03, rel=0.25)
-    with pytest.raises(InputError, match="'three' is no session that the damper was fitted on; choose from one, two"):
+    with pytest.raises(
+        InputError, match="'three' is not a session that the damper was fitted on; choose from one, two"
+    ):
         one.band(t, x, voltage=1.0, session="three")
     with pytest.raises(InputError, match="level = 90 is not allowed"):
         one.band(t, x, voltage=1.0, level=90.0)

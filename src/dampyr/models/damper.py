@@ -277,7 +277,7 @@ class Damper(Shown):
         """The damper less some of its parts, such as ``"delay"`` where the delay belongs to the rig and not to the damper."""
         unknown = [name for name in names if name not in self.composition.names]
         if unknown:
-            raise InputError(f"{unknown[0]!r} is no part of {self.composition}")
+            raise InputError(f"{unknown[0]!r} is not a part of {self.composition}")
         laws = {key: law for key, law in self.all_laws.items() if key.partition(".")[0] not in names}
         sizes = [len(law.coefficients) for law in self.all_laws.values()]
         retained = np.repeat([key in laws for key in self.all_laws], sizes)
@@ -478,8 +478,8 @@ class Damper(Shown):
         values = self.values(self._behind(t, u), allow_extrapolation=allow_extrapolation)
         start = self._state0(state0)
         undelayed = along(self.composition, t, x, v, values, start)
-        if words := sampling_words(self.composition, t, x, v, values, start):
-            warnings.warn(words, DampyrWarning, stacklevel=3)
+        if text := sampling_words(self.composition, t, x, v, values, start):
+            warnings.warn(text, DampyrWarning, stacklevel=3)
         k = self.composition.delay
         return undelayed if k is None else delayed(t, undelayed, np.asarray(values[..., k]))
 

@@ -441,7 +441,7 @@ def force_draws(
         )
     if session is not None and session not in error.sessions:
         raise InputError(
-            f"{session!r} is no session that the damper was fitted on; choose from {', '.join(error.sessions)}"
+            f"{session!r} is not a session that the damper was fitted on; choose from {', '.join(error.sessions)}"
         )
     t, u = path["t"], damper.pick_input(path["voltage"], path["current"])
     rng = np.random.default_rng(seed)

@@ -112,7 +112,7 @@ def voltages_of(damper: Damper, rig: RigSettings, wanted: Sequence[float] | None
         knots = {u for law in damper.all_laws.values() if isinstance(law, Interpolation) for u in law.knots}
         chosen = sorted(u for u in knots if low <= u <= high) or np.unique(np.linspace(low, high, LEVELS)).tolist()
     if not 0 < len(chosen) <= MAX_LEVELS:
-        raise InputError(f"{len(chosen)} voltages are no design; give 1 to {MAX_LEVELS} of them")
+        raise InputError(f"{len(chosen)} voltages are not allowed; give 1 to {MAX_LEVELS} of them")
     return tuple(chosen)
 
 

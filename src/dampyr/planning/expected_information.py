@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification import Fit
-from dampyr.identification.parameter_uncertainty.uncertainty import MIN_RECORDS
+from dampyr.identification.parameter_uncertainty.uncertainty import MIN_RECORDS, freedom_by_gains
 from dampyr.identification.search.fit_data import Piece, piece
 from dampyr.identification.search.normal_equations import modelled_force
 from dampyr.identification.search.parametrisation import Column, columns, held_twins
@@ -456,13 +456,5 @@ def degrees_of_freedom(A: Array, B: Array, linear: Any) -> tuple[Array, Array, A
     shares = diagonals / np.where(total > 0.0, total, 1.0)
     effective = 1.0 / np.maximum(np.sum(shares**2, axis=0), 1e-100)
     by_shares = np.maximum(np.minimum(effective, n), 1.5) - 1.0
-    own = A @ np.where(linear, 1.0, 0.0)
-    influence = -np.einsum("gij,hj->ghi", A @ B, own)
-    places = np.arange(n)
-    influence[places, places] += own
-    influence = influence @ B
-    Q = np.einsum("ghk,gik->khi", influence, influence)
-    trace, square = np.trace(Q, axis1=1, axis2=2), np.einsum("khi,kih->k", Q, Q)
-    seen = square > 1e-100
-    by_gains = np.where(seen, np.maximum(trace**2 / np.where(seen, square, 1.0), 0.5), by_shares)
+    by_gains = freedom_by_gains(A, B, np.where(linear, 1.0, 0.0), by_shares)
     return 0.5 * (by_shares + by_gains), by_shares, np.sum(shares > 1e-3, axis=0)

@@ -40,7 +40,7 @@ class Peak(Shown):
 
     def __post_init__(self) -> None:
         if self.of not in PEAKS:
-            raise InputError(f"{self.of!r} is no peak of a structure; choose {', '.join(PEAKS)}")
+            raise InputError(f"{self.of!r} is not a peak of a structure; choose {', '.join(PEAKS)}")
 
     @property
     def words(self) -> str:

@@ -59,7 +59,7 @@ def choose_records(records: Sequence[Record], n: int, damper: Damper | None = No
     """
     listed = nominal_inputs(list(records))
     if not 1 <= n < len(listed):
-        raise InputError(f"n = {n} of {len(listed)} records is no choice; give 1 to {len(listed) - 1}")
+        raise InputError(f"n = {n} of {len(listed)} records is not a choice; give 1 to {len(listed) - 1}")
     misses = expected_misses(listed, damper)
     chosen: list[int] = []
     while len(chosen) < n:

@@ -352,6 +352,7 @@ def _with_verdict(judgement: Acceptance, reason: str) -> Acceptance:
     """What is inside, with the allowance for noise, of the points and of the levels; and the reason against a verdict."""
     having = [p for p in judgement.points if p.expected is not None]
     count = len(having) + len({(p.level, p.quantity) for p in having})
+    # Bonferroni over all points and means; one side each, as a value at the edge leaves the band on one side
     z = NORMAL.inv_cdf(1.0 - RISK / max(count, 1))
     points = tuple(_placed(p, z) for p in judgement.points)
     levels = tuple(
@@ -420,6 +421,7 @@ def _scatter(points: Sequence[AcceptancePoint]) -> float | None:
     if len(points) < SUCCESSIVE:
         return by_error
     off = np.array([p.measured - p.expected for p in points if p.expected is not None])
+    # half of the differences of two normal values are below 0.67 times the root of two standard deviations
     by_cycles = float(np.median(np.abs(np.diff(off)))) / (NORMAL.inv_cdf(0.75) * math.sqrt(2.0))
     return max(by_cycles, by_error or 0.0)
 

@@ -78,7 +78,7 @@ def _of_damper(
 
 def _outside(damper: Damper, cycle: Cycle) -> str:
     """Why a cycle lies beyond what a damper was calibrated on; "" where it does not."""
-    for name, value, words, unit in (
+    for name, value, text, unit in (
         ("velocity", max(cycle.speed_out, -cycle.speed_in), "faster than the reference was calibrated", "mm/s"),
         (
             "displacement",
@@ -89,7 +89,7 @@ def _outside(damper: Damper, cycle: Cycle) -> str:
     ):
         high = damper.ranges.get(name, (0.0, np.inf))[1]
         if value > (1.0 + SAME) * high:
-            return f"{words} (up to {1e3 * high:.4g} {unit})"
+            return f"{text} (up to {1e3 * high:.4g} {unit})"
     return ""
 
 
@@ -106,8 +106,8 @@ def _of_records(
         return _nothing(len(table), f"no reference at this input: {_input(record)} here, {inputs} there")
     smoothing, same = force_average(record), [test for test in same if _same_smoothing(test, record)]
     if not same:
-        words = "is not smoothed" if smoothing is None else f"is smoothed over {smoothing.window:.4g} s"
-        return _nothing(len(table), f"the force here {words}, that of the reference otherwise")
+        text = "is not smoothed" if smoothing is None else f"is smoothed over {smoothing.window:.4g} s"
+        return _nothing(len(table), f"the force here {text}, that of the reference otherwise")
     reference = [cycle for test in same for cycle in _cycles(test, offset) if cycle.level]
     if not reference:
         return _nothing(len(table), "the reference has no whole cycle")

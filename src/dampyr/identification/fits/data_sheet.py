@@ -50,6 +50,7 @@ def contradictions(damper: Damper, sheet: str = "RD-8041-1", resistance: float =
         value = promise.current * (resistance if damper.input == "V" else 1.0)
         low, high = damper.range
         if low - 1e-9 <= value <= high + 1e-9:
+            # clipped, as ohms times amperes may leave the end of the range by rounding
             force = peak_to_peak(damper, promise.speed, min(max(value, low), high))
             if not promise.low < force < promise.high:
                 broken.append(_broken(promise, force, value, damper.input, sheet))

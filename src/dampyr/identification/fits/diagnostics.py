@@ -102,7 +102,7 @@ def residual_findings(residuals: Residuals) -> list[Finding]:
 
     A misfit beyond noise is a note, as the verdict says how large it is.
     """
-    concerns = [Finding("doubt", words) for words in (*_shifted(residuals), *_uneven(residuals))]
+    concerns = [Finding("doubt", text) for text in (*_shifted(residuals), *_uneven(residuals))]
     if residuals.misfits:
         concerns.append(
             Finding(
@@ -261,7 +261,7 @@ def notes(outcome: Outcome, uncertainty: Uncertainty, labels: list[str], within:
         *_of_noisy_inputs(problem),
         *_of_smoothing(problem),
     ]
-    return [*(Finding("doubt", words) for words in doubts), *(Finding("note", words) for words in notes)]
+    return [*(Finding("doubt", text) for text in doubts), *(Finding("note", text) for text in notes)]
 
 
 def _of_parameters(outcome: Outcome, uncertainty: Uncertainty, labels: list[str]) -> list[str]:
@@ -272,8 +272,8 @@ def _of_parameters(outcome: Outcome, uncertainty: Uncertainty, labels: list[str]
         notes.append(f"the records do not determine {', '.join(unidentifiable)} (infinite error)")
     if uncertainty.few:
         few = ", ".join(labels[k] for k in uncertainty.few)
-        words = f"fewer than {MIN_CYCLES} cycles determine them; record more"
-        notes.append(f"the errors of {few} are not known (infinite): {words}")
+        text = f"fewer than {MIN_CYCLES} cycles determine them; record more"
+        notes.append(f"the errors of {few} are not known (infinite): {text}")
     errors = np.sqrt(np.diag(uncertainty.covariance))
     vague = [k for k in np.flatnonzero(errors > np.abs(outcome.point.theta)) if np.isfinite(errors[k])]
     if vague:

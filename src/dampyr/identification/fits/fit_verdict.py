@@ -31,8 +31,8 @@ class FitVerdict:
         """The verdict as a finding, wrong where it is "bad" and a doubt where it is "fair"; none where it is "good"."""
         if self.kind == "good":
             return ()
-        words = self.words[:1].lower() + self.words[1:].removesuffix(".")
-        return (Finding("wrong" if self.kind == "bad" else "doubt", words),)
+        text = self.words[:1].lower() + self.words[1:].removesuffix(".")
+        return (Finding("wrong" if self.kind == "bad" else "doubt", text),)
 
 
 def fit_verdict(scores: Mapping[str, Score], converged: bool, reason: str) -> FitVerdict:

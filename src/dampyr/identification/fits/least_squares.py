@@ -134,9 +134,9 @@ def _check(records: list[Record]) -> None:
         raise InputError(f"{held[0]} is a validation record and is never fitted; leave it out, or score it")
     inputs = {r.input for r in records}
     if len(inputs) > 1:
-        words = " and ".join(sorted(str(i) for i in inputs))
+        text = " and ".join(sorted(str(i) for i in inputs))
         raise InputError(
-            f"the records' inputs are in {words}; a damper has one input, so convert them, or fit them separately"
+            f"the records' inputs are in {text}; a damper has one input, so convert them, or fit them separately"
         )
     names = [r.name for r in records]
     if len(set(names)) < len(names):

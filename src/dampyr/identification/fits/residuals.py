@@ -248,7 +248,7 @@ def correlation_intervals(rho: Array) -> float:
     pairs = rho[: 2 * (rho.size // 2)].reshape(-1, 2).sum(axis=1)
     ends = np.flatnonzero(pairs <= 0.0)
     positive = pairs[: ends[0]] if ends.size else pairs
-    return max(2.0 * float(np.sum(positive)) - 1.0, 1.0)
+    return max(2.0 * float(np.sum(positive)) - 1.0, 1.0)  # rho_0 = 1 is in the first pair and counts once
 
 
 def noise_of(residual: ArrayLike) -> float:
@@ -290,6 +290,7 @@ def _repeats(rho: Array, trace: Trace) -> float:
     if not trace.periods >= MIN_PERIODS:
         return float("nan")
     lag = 1.0 / (trace.frequency * trace.dt)
+    # of n samples n - k pairs are k apart: without this a long period would look like one that does not repeat
     unbiased = rho * rho.size / (rho.size - np.arange(rho.size))
     return float(np.interp(lag, np.arange(rho.size), unbiased))
 
@@ -348,5 +349,6 @@ def _asymmetry(curves: Sequence[ResidualCurve]) -> float:
     finite = np.isfinite(even)
     if not np.any(weights[finite]):
         return 0.0
+    # less its mean, which each record's offset takes: a difference of the directions that is constant is no asymmetry
     even, weights = even[finite], weights[finite] / np.sum(weights[finite])
     return float(np.sqrt(weights @ (even - weights @ even) ** 2))

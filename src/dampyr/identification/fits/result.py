@@ -123,7 +123,7 @@ class Fit(Shown):
         if levels := self.levels:
             text = f"{levels.words}; to settle it, {levels.settles}" if levels.settles else levels.words
             of_levels.append(Finding("note", text))
-        beyond = (Finding("doubt", words) for words in self.beyond.values())
+        beyond = (Finding("doubt", statement) for statement in self.beyond.values())
         return worst_first(worst_first(self._of_damper, of_levels), handed_on(self.validation_records), beyond)
 
     @property
@@ -240,13 +240,13 @@ class Fit(Shown):
 def reasons_of_choice(board: Any) -> dict[str, str]:
     """Why a model was chosen, for the provenance of a card: its error, and the runner-up with its own."""
     error, count, best = 100 * board.winner.error, len(board.screened), board.best
-    words = f"the lowest validation error, {error:.3g} %, of {count} models"
+    text = f"the lowest validation error, {error:.3g} %, of {count} models"
     if board.winner is not best:
-        words = (
+        text = (
             f"the simplest within one standard error of the lowest validation error of {count} models: "
             f"{error:.3g} %, against {100 * best.error:.3g} ± {100 * best.standard_error:.2g} % of {best.model}"
         )
-    reasons = {"chosen": words}
+    reasons = {"chosen": text}
     if board.runner_up:
         reasons["runner-up"] = f"{board.runner_up.model}, {100 * board.runner_up.error:.3g} %"
     return reasons
@@ -296,8 +296,8 @@ def build_fit(
         reason=trouble or outcome.reason,
         remarks=(
             *notes(outcome, uncertainties, labels, within),
-            *(Finding("note", words) for words in (*search_notes, *_short_notes(records, settling))),
-            *(Finding("doubt", words) for words in (*broken_promises, *_sampling_notes(damper, problem))),
+            *(Finding("note", statement) for statement in (*search_notes, *_short_notes(records, settling))),
+            *(Finding("doubt", statement) for statement in (*broken_promises, *_sampling_notes(damper, problem))),
         ),
         clusters=clusters,
         freedom=dict(zip(labels, map(float, uncertainties.freedom), strict=True)),

@@ -59,10 +59,43 @@ def limit_cycle(
 ) -> LimitCycle:
     """Identify the viscous Dahl model from the loading branch of a limit cycle.
 
-    ``x`` (n,) m rising from the smallest to the largest displacement, ``force`` (n,) N without offset, ``velocity`` (n,) m/s.
-    ``kx`` N s/m overrides (2.5). ``x_star1`` m: by default the point whose rho is the median of the arc. ``points`` samples
-    make each local polynomial (more than 5 smooth noise). Raises :class:`~dampyr.errors.InputError` where theta does not
-    change sign, where (2.5) is 0/0, or where the branch is no branch.
+    Parameters
+    ----------
+    x
+        (n,) m, rising from the smallest to the largest displacement.
+    force
+        (n,) N, without offset.
+    velocity
+        (n,) m/s.
+    kx
+        viscous coefficient in N s/m, in the place of (2.5).
+    x_star1
+        m, the point that gives rho; by default that whose rho is the median of the arc.
+    nearest
+        take the nearest sample and a central difference, as published, and not a local polynomial.
+    points
+        samples of each local polynomial; more than 5 smooth noise.
+
+    Returns
+    -------
+    LimitCycle
+        kx, kw and rho, and how much rho depends on ``x_star1``.
+
+    Raises
+    ------
+    InputError
+        theta does not change sign, (2.5) is 0/0, or ``x`` does not rise.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> x = np.linspace(-0.008, 0.008, 2001)
+    >>> v = 0.05 * np.sqrt(1.0 - (x / 0.0081) ** 2)
+    >>> w = 1.0 - 2.0 / (1.0 + np.exp(-16.0)) * np.exp(-1000.0 * (x + 0.008))  # Dahl on a closed loop, rho = 1000 1/m
+    >>> cycle = dp.identification.limit_cycle(x, 900.0 * v + 250.0 * w, v, kx=900.0)
+    >>> round(cycle.kw, 1), round(cycle.rho, 1)
+    (250.0, 1000.0)
     """
     branch = _branch(x, force, velocity)
     x, force, velocity = branch
@@ -121,7 +154,7 @@ def _zero(x: Array, theta: Array, nearest: bool) -> float:
 
     first = int(np.clip(k - 1, 0, x.size - ORDER))
     around = slice(first, first + ORDER)
-    if np.all(np.diff(theta[around]) > 0):
+    if np.all(np.diff(theta[around]) > 0):  # inverse interpolation, x over theta, needs theta to rise through all four
         return float(BarycentricInterpolator(theta[around], x[around])(0.0))
     return float(np.interp(0.0, theta[k : k + 2], x[k : k + 2]))
 
@@ -137,7 +170,7 @@ def _local_slope(x: Array, theta: Array, at: float, points: int) -> tuple[float,
     k = int(np.searchsorted(x, at))
     first = int(np.clip(k - points // 2, 0, x.size - points))
     around = slice(first, first + points)
-    width = 0.5 * float(np.ptp(x[around]))
+    width = 0.5 * float(np.ptp(x[around]))  # of order one: powers of millimetres in m would be ill conditioned
     polynomial = np.polynomial.Polynomial.fit(
         (x[around] - at) / width, theta[around], ORDER if points <= ORDER + 2 else 3
     ).convert()

@@ -76,9 +76,38 @@ def compare_method(
 ) -> MethodComparison:
     """The viscous Dahl model of each record by a graphical method, beside least squares.
 
-    ``method`` is ``"limit-cycle"`` or ``"plastic-region"``. The velocity is the recorded one, or derived with ``bandwidth`` Hz.
-    What a record does not give is a reason in its row. Raises :class:`~dampyr.errors.InputError` for an unknown method or no
-    records.
+    Parameters
+    ----------
+    records
+        one record, or several: each by itself.
+    method
+        ``"limit-cycle"`` or ``"plastic-region"``.
+    bandwidth
+        of the velocity that is derived from the displacement, Hz; by default the recorded velocity where there is one.
+    progress
+        called with what is being done, and the fraction of it that is done.
+
+    Returns
+    -------
+    MethodComparison
+        a row a record; what a record does not give is a reason in its row.
+
+    Raises
+    ------
+    InputError
+        an unknown method, or no records.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> damper = dp.studies.raminelli_2020.damper()
+    >>> t = np.linspace(0.0, 4.0, 4001)
+    >>> x = 0.008 * np.sin(2 * np.pi * t)
+    >>> record = dp.records.Record(t, x, damper.force(t, x, voltage=1.98), voltage=1.98)
+    >>> (row,) = dp.identification.compare_method(record, "plastic-region").results
+    >>> abs(row.numbers["kw"] / row.least_squares["kw"] - 1.0) < 0.01
+    True
     """
     check_kinds("compare_method", Argument("records", records, (Record,), RECORDS, several=True))
     METHODS.check("method", method)

@@ -69,7 +69,7 @@ def plastic_region(record: Record, bandwidth: float | None = None) -> PlasticReg
     assert record.velocity is not None
     force, speed = record.force[whole], record.velocity[whole]
     rho, result = 20.0 / float(np.median(np.abs(np.diff(record.displacement[points])))), None
-    for _ in range(20):
+    for _ in range(20):  # rho says where the plastic region begins, and that region gives rho: some rounds settle it
         plastic = (path > DEPTH / rho) & (np.abs(speed) > SPEED * np.quantile(np.abs(speed), 0.99))
         offset, kx, kw = _line(record, force[plastic], speed[plastic])
         slopes = _crossing_slopes(record, points, offset, kx, kw)

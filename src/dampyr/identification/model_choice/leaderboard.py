@@ -418,6 +418,7 @@ def standard_error(validations: Sequence[Validation]) -> float:
     groups: dict[float, list[float]] = {}
     for name, value in parts.items():
         groups.setdefault(inputs[name], []).append(value)
+    # contributions of n records at an input add up: n times the variance of one; the differences between inputs are no scatter
     within_inputs = [len(values) * float(np.var(values, ddof=1)) for values in groups.values() if len(values) > 1]
     if len(within_inputs) == len(groups) and within_inputs:
         return math.sqrt(sum(within_inputs))
@@ -443,6 +444,7 @@ def optimism(entries: Sequence[Finalist]) -> float:
         return float("nan")
     counts = np.array([len(fold.scores) for fold in ranked[0].validations[0].folds])
     sums = table * counts
+    # chosen by what the model predicts of all other parts, judged by this one
     apart = [int(np.argmin(sums.sum(axis=1) - sums[:, k])) for k in range(len(counts))]
     honest = sum(sums[m, k] for k, m in enumerate(apart)) / counts.sum()
     return float(honest - np.min(sums.sum(axis=1)) / counts.sum())

@@ -75,9 +75,10 @@ def candidate_motions(envelope: MotionReach, beyond: float = 1.0) -> Iterator[Ca
         amplitude = _rounded(beyond * share * envelope.amplitude)
         fastest = min(envelope.speed, math.sqrt(envelope.acceleration * amplitude))
         for part in SPEEDS:
-            frequency = _rounded(part * fastest / (2.0 * math.pi * amplitude))
+            frequency = _rounded(part * fastest / (2.0 * math.pi * amplitude))  # 2 pi f a is the peak speed
             yield _made("sine", amplitude, frequency)
         for part in SPEEDS[1:]:
+            # four amplitudes a period, at constant speed; its corners ask for no acceleration that a drive has to follow
             yield _made("triangle", amplitude, _rounded(part * envelope.speed / (4.0 * amplitude)))
         if share >= 0.5:
             yield _made("two sines", amplitude, _two_sines_frequency(envelope, amplitude))

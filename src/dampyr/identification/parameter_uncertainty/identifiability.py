@@ -116,10 +116,10 @@ def _not_determined(fit: Fit) -> list[Inseparable]:
     if few:
         count = min(fit.within_records.values())
         by = f"{counted(count, 'record')} {'determines' if count == 1 else 'determine'}"
-        words = f"how records differ is not known for {listing(few, 4)}, which {by}"
+        text = f"how records differ is not known for {listing(few, 4)}, which {by}"
         test = f"record {MIN_RECORDS} or more at each {INPUTS[fit.problem.pieces[0].unit]}"
         brief = f"{by} {listing(few, 3)}: {test}"
-        results.append(Inseparable("few records", tuple(few), words, test, brief, {"records": float(count)}))
+        results.append(Inseparable("few records", tuple(few), text, test, brief, {"records": float(count)}))
     return results
 
 
@@ -143,11 +143,9 @@ def _directions(fit: Fit, block: Optimum, labels: list[str]) -> list[Inseparable
     named = {label for finding in results for label in finding.labels}
     missing = [label for label in labels if math.isinf(fit.stderr[label]) and label not in named]
     if missing:
-        words = (
-            f"{listing(missing, 4)} {'has' if len(missing) == 1 else 'have'} no error: too few cycles determine them"
-        )
+        text = f"{listing(missing, 4)} {'has' if len(missing) == 1 else 'have'} no error: too few cycles determine them"
         test = "record longer tests"
-        results.append(Inseparable("not determined", tuple(missing), words, test, f"{words}: {test}"))
+        results.append(Inseparable("not determined", tuple(missing), text, test, f"{text}: {test}"))
     return results
 
 
@@ -155,7 +153,7 @@ def _undetermined(fit: Fit, block: Optimum, labels: tuple[str, ...]) -> Insepara
     """Numbers of which the records determine at most a combination, and the first motion that would determine them."""
     names = listing(list(labels), 4)
     combined = f"only a combination of {names} is determined"
-    words = combined if len(labels) > 1 else f"the records do not determine {names}"
+    text = combined if len(labels) > 1 else f"the records do not determine {names}"
     places = [block.places.index(list(fit.parameters).index(label)) for label in labels]
     for beyond in (1.0, *BEYOND):
         (candidates,) = _candidates(fit.optimum, [block], beyond)
@@ -164,9 +162,9 @@ def _undetermined(fit: Fit, block: Optimum, labels: tuple[str, ...]) -> Insepara
         if share > DETERMINED:
             more = "" if beyond == 1.0 else f", {beyond:g} times the stroke of these records,"
             at = f"{best.motion.in_words()} at {best.input:g} {block.problem.pieces[0].unit}{more}"
-            return Inseparable("not determined", labels, words, f"{at} would", f"{words}; test {at}")
+            return Inseparable("not determined", labels, text, f"{at} would", f"{text}; test {at}")
     test = "none of the motions that were tried would: fix one of them (fixed=)"
-    return Inseparable("not determined", labels, words, test, f"{words}; fix one of them")
+    return Inseparable("not determined", labels, text, test, f"{text}; fix one of them")
 
 
 def _share(information: Array, places: list[int]) -> float:
@@ -216,7 +214,7 @@ def _pair_in_words(fit: Fit, pair: _Pair, candidates: list[_Candidate]) -> Insep
     wider = [_wider(fit, block, (*held, fixed), k) for k, fixed in ((a, b), (b, a))]
     alone = 1.0 / math.sqrt(max(1.0 - r**2, 1e-12))
     of_errors = f", {signed(between)} by the records' scatter" if math.isfinite(between) else ""
-    words = (
+    text = (
         f"{first} and {second} trade against each other on these motions (correlation {signed(r)}{of_errors}): each interval "
         f"is {alone:.2g} times as wide as if the other were known ({wider[0]:.2g} and {wider[1]:.2g} times by this fit's "
         "errors)"
@@ -232,7 +230,7 @@ def _pair_in_words(fit: Fit, pair: _Pair, candidates: list[_Candidate]) -> Insep
     best = _best_test(pair, candidates)
     if best is None:
         test = "no motion that was tried within the stroke and speed of these records would do more than a repeat"
-        return Inseparable("pair", (first, second), words, test, brief, numbers)
+        return Inseparable("pair", (first, second), text, test, brief, numbers)
     candidate, after, narrower, repeated = best
     tried, u = candidate.motion, candidate.input
     at = f"{tried.in_words()} at {u:g} {block.problem.pieces[0].unit}"
@@ -251,7 +249,7 @@ def _pair_in_words(fit: Fit, pair: _Pair, candidates: list[_Candidate]) -> Insep
         f"narrower {second}": narrower[1],
         "narrower by a repeat": repeated,
     }
-    return Inseparable("pair", (first, second), words, test, brief, numbers)
+    return Inseparable("pair", (first, second), text, test, brief, numbers)
 
 
 def _wider(fit: Fit, block: Optimum, held: tuple[int, ...], k: int) -> float:
@@ -377,7 +375,7 @@ def _amplitude_and_frequency(fit: Fit) -> list[Inseparable]:
     after = float(spearmanr(more[:, 0], more[:, 1])[0])
     where = f"{listing([f'{u:.4g}' for u in sorted(bound)], 8)} {unit}"
     rank = f"rank correlation {signed(bound[worst])}"
-    words = (
+    text = (
         f"amplitude and frequency go together at {where} ({rank} at {worst:.4g} {unit}): what looks like an effect of one may "
         "be an effect of the other"
     )
@@ -395,7 +393,7 @@ def _amplitude_and_frequency(fit: Fit) -> list[Inseparable]:
         "frequency": frequency,
         "correlation_with_the_test": after,
     }
-    return [Inseparable("amplitude and frequency", (), words, test, brief, numbers)]
+    return [Inseparable("amplitude and frequency", (), text, test, brief, numbers)]
 
 
 def _input_and_session(fit: Fit) -> list[Inseparable]:
@@ -414,26 +412,26 @@ def _input_and_session(fit: Fit) -> list[Inseparable]:
     if silent:
         low, high = inputs[0], inputs[-1]
         without = f"{len(silent)} of {len(records)} records name no session"
-        words = f"{apart}: {without}, so what changed between days {like_a_law}"
+        text = f"{apart}: {without}, so what changed between days {like_a_law}"
         sentinel = f"{_sentinel([record for record in records if _level(record) == low])} ({low:g} {unit})"
         repeat = f"repeat {sentinel} in the session of {high:g} {unit}"
         test = f"state the session of each record (measurement_session); where each {word} has a session of its own, {repeat}"
         brief = f"{word} and session: {without}; state it, and {repeat}"
         return [
-            Inseparable(kind, labels, words, test, brief, {"inputs": float(len(inputs)), "without": float(len(silent))})
+            Inseparable(kind, labels, text, test, brief, {"inputs": float(len(inputs)), "without": float(len(silent))})
         ]
     parts = _connected(records)
     if len(parts) < 2:
         return []
     named = [f"{listing([f'{u:g}' for u in sorted(us)], 4)} {unit} in {listing(sorted(ss), 3)}" for us, ss in parts]
     shown = listing(named, 3)
-    words = f"{apart}: {shown}; what changed between these sessions {like_a_law}"
+    text = f"{apart}: {shown}; what changed between these sessions {like_a_law}"
     at, session = max(parts[0][0]), sorted(parts[1][1])[0]
     sentinel = f"{_sentinel([record for record in records if _level(record) == at])} ({at:g} {unit})"
     more = ", and one test in each of the others" if len(parts) > 2 else ""
     test = f"repeat {sentinel} in session {session}{more}"
     numbers = {"inputs": float(len(inputs)), "parts": float(len(parts))}
-    return [Inseparable(kind, labels, words, test, f"{word} and session: {shown}; {test}", numbers)]
+    return [Inseparable(kind, labels, text, test, f"{word} and session: {shown}; {test}", numbers)]
 
 
 def _level(record: Record) -> float:

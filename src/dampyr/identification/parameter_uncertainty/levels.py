@@ -113,7 +113,7 @@ def levels_and_error(
     members = np.array([[session[name] == session_name for session_name in names] for name in groups], dtype=float)
     repeats = _repeats(problem, groups, session) if named else {}
     spread = _spread(y, np.eye(len(y)) - uncertainty.absorbed, members, bool(repeats), session_prior)
-    words, settles = _words(problem, groups, session, named, repeats, spread, session_prior)
+    text, settles = _words(problem, groups, session, named, repeats, spread, session_prior)
     levels = Levels(
         dict(zip(groups, map(float, np.exp(y)), strict=True)),
         session,
@@ -124,7 +124,7 @@ def levels_and_error(
         spread.reml,
         bool(repeats),
         named,
-        words,
+        text,
         settles,
         members.T @ uncertainty.by_level,
     )
@@ -137,7 +137,7 @@ def levels_and_error(
         record_freedom=spread.record_freedom,
         session_sd=spread.session,
         session_freedom=spread.session_freedom,
-        session_source=words,
+        session_source=text,
         freedom=float(np.median(uncertainty.freedom[determined])) if determined.any() else math.inf,
         sessions=tuple(names),
         directions=members.T @ uncertainty.by_level @ to_laws.T,
@@ -239,6 +239,7 @@ def _noise(at_input: Sequence[_Level]) -> tuple[float, float, float]:
     dt = float(np.median([record_level.dt for record_level in at_input]))
     if not (c1 > 0.0 and 0.0 < c2 < c1):
         return 0.0, 0.0, math.sqrt(max(float(c0), 0.0))
+    # the correlated part falls by the same factor from lag to lag, so c1^2/c2 is what it has at lag 0; white noise is the rest
     correlated = min(float(c1**2 / c2), float(c0))
     return math.sqrt(correlated), -dt / math.log(float(c2 / c1)), math.sqrt(max(float(c0) - correlated, 0.0))
 
@@ -297,6 +298,7 @@ def _spread(y: Array, shown: Array, members: Array, repeated: bool, prior: float
     stated = prior, math.inf, math.nan
     if z.size == 0:
         return LevelSpread(PRIOR_RECORD, math.inf, *stated)
+    # rotated, the contrasts are independent: each has the records' variance and so many times that of the sessions
     strength, turned = np.linalg.eigh(V @ members @ members.T @ V.T)
     w = turned.T @ z
     strength = np.where(strength > SEEN, strength, 0.0)
@@ -314,6 +316,7 @@ def _posterior(w: Array, strength: Array, prior: float) -> LevelSpread:
     likelihood = -0.5 * np.sum(np.log(variance) + w**2 / variance, axis=-1)
     best = np.unravel_index(int(np.argmax(likelihood)), likelihood.shape)
     at_zero = -0.5 * np.sum(np.log(record[:, None] ** 2) + w**2 / record[:, None] ** 2, axis=-1)
+    # the grid has no 0: where the records alone explain the levels as well, the estimate is 0 and not the grid's end
     reml = 0.0 if at_zero.max() >= likelihood[best] - 1e-3 else float(session[best[1]])
     log_prior = -PRIOR_FREEDOM * np.log(session) - 0.5 * PRIOR_FREEDOM * prior**2 / session**2
     weight = np.exp(likelihood + log_prior - (likelihood + log_prior).max())
@@ -324,6 +327,7 @@ def _posterior(w: Array, strength: Array, prior: float) -> LevelSpread:
 def _inverse_chi_square(values: Array, weight: Array) -> tuple[float, float]:
     """The scale and the degrees of freedom of the distribution whose precision has this mean and this spread."""
     share = weight / weight.sum()
+    # the precision of a scaled inverse chi-square has the mean 1/s^2 and the variance 2/(nu s^4)
     mean = float(share @ values**-2.0)
     variance = float(share @ (values**-2.0 - mean) ** 2)
     return 1.0 / math.sqrt(mean), max(2.0 * mean**2 / max(variance, 1e-300), 1.0)

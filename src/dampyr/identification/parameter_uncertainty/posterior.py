@@ -209,7 +209,7 @@ def sample_posterior(
         findings=worst_first(
             handed_on([fit]),
             (Finding("doubt", f"did not converge: {chain.trouble}") for chain in poor[:1]),
-            (Finding("note", words) for words in notes),
+            (Finding("note", text) for text in notes),
         ),
         autocorrelation_time=by_label["time"],
         r_hat=by_label["r_hat"],
@@ -293,6 +293,7 @@ class _Target:
     def _hessian(self, linear: Array, errors: Array, notes: list[str]) -> Array:
         """The Hessian of the cost at the optimum, by differences; that of the ``linear`` model where these are not convex."""
         h = DIFFERENCE * errors
+        # inside the limits on both sides: beyond them the nuisances answer, not the coefficients
         h = np.minimum(h, 0.5 * np.minimum(self.best - self.low, self.high - self.best))
         p, H = self.size, np.empty((self.size, self.size))
         axes = np.diag(h)
@@ -324,6 +325,8 @@ class _Target:
         cost = self._cost(coordinates)
         if not math.isfinite(cost):
             return -math.inf
+        # the objective's shape, scaled along this direction to the curvature of the clustered covariance; rounding may make the
+        # rise near the optimum negative, which the logarithm does not take
         q = max(2.0 * (cost - self.lowest) * float(d @ self.precision @ d) / curved, -0.5)
         if math.isinf(self.freedom):
             return -0.5 * q

@@ -135,7 +135,7 @@ def profile(fit: Fit, label: str, level: float = 0.95, points: int = 21) -> Prof
         reason="; ".join(reasons) or "both close",
         findings=worst_first(
             handed_on([fit]),
-            (Finding("note", words) for words in path.notes),
+            (Finding("note", text) for text in path.notes),
             [Finding("note", f"{fit.why_no_interval(label)}: no interval")] if within else [],
         ),
     )

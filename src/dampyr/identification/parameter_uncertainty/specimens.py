@@ -152,7 +152,7 @@ class Specimens(Shown):
             missing += [f"{spread.label}: {name} is left out: {why}" for name, why in spread.left_out.items()]
         return worst_first(
             (finding if finding.about else replace(finding, about=(name,)) for name, finding in by_specimen),
-            (Finding("note", words) for words in (*missing, self.about_sessions)),
+            (Finding("note", text) for text in (*missing, self.about_sessions)),
         )
 
     def damper(self) -> Damper:
@@ -227,6 +227,7 @@ class Specimens(Shown):
         _ = self._mean
         labels = list(self._reference.parameters)
         spans = [self.effects[label].prediction for label in labels]
+        # Student's t of this scale reaches as far as the interval of a new specimen, which holds the mean's own error too
         widths = 0.5 * np.diff(spans)[:, 0] / float(t.ppf(0.5 + 0.5 * self.level, len(self.fits) - 1))
         return np.asarray(self.between * np.outer(widths, widths))
 
@@ -251,6 +252,7 @@ class Specimens(Shown):
         estimated = np.cov(table, rowvar=False).reshape(len(labels), len(labels))
         scale = np.sqrt(np.diag(estimated))
         unit = np.outer(1.0 / scale, 1.0 / scale)
+        # a difference of two estimates may have negative eigenvalues: the nearest matrix without any, in units of the spreads
         values, vectors = np.linalg.eigh((estimated - of_fits) * unit)
         positive = (vectors * np.maximum(values, 0.0)) @ vectors.T
         widths = np.sqrt(np.maximum(np.diag(positive), 0.0))

@@ -80,12 +80,15 @@ def uncertainty(optimum: Optimum, held: tuple[int, ...] = ()) -> Uncertainty:
     records, cycles = _clusters(whole, information), _clusters(reduced, information)
     within = records.counts < MIN_RECORDS
     counts = np.where(within, cycles.counts, records.counts)
-    between = 0.5 * (records.freedom + _freedom_by_gains(optimum, whole, bread, records.freedom))
+    linear = np.where(problem.is_linear, optimum.point.theta, 0.0)
+    A = np.stack([record.information.sum(axis=0) for record in whole])
+    between = 0.5 * (records.freedom + freedom_by_gains(A, bread, linear, records.freedom))
     freedom = np.where(within, cycles.freedom, between)
     inflation = np.where(within, cycles.freedom, records.freedom)
     # One stack of influences, so that the matrix is positive semidefinite whatever each coefficient is clustered by: over the
     # cycles of a record its influence as a whole is spread evenly, which keeps the sum of its squares.
     sizes = [record.scores.shape[0] for record in reduced]
+    # the degrees of freedom are G - 1, so this is the root of the sandwich's G/(G - 1)
     by_record, wide = records.scores @ bread, np.sqrt((inflation + 1.0) / inflation)
     even = np.repeat(by_record / np.sqrt(sizes)[:, None], sizes, axis=0)
     influence = np.where(within, cycles.scores @ bread, even) * wide
@@ -130,6 +133,7 @@ def _of_levels(optimum: Optimum, parts: list[Reduced], bread: Array) -> tuple[Ar
         return _of_mean_levels(problem, b)
     by_record = np.stack([record.information.sum(axis=0) @ b for record in parts])
     by_level = by_record @ bread
+    # what a record's level looks like in its own residual: the projection of the coefficients' change on its force
     weight = np.maximum(by_record @ b, TINY)
     return by_level, by_record @ by_level.T / weight[:, None]
 
@@ -208,6 +212,7 @@ def _above_rounding(reduced: list[Reduced], size: int) -> Array:
 
 def _taken(of_nuisances: Array, across: Array) -> Array:
     """The nuisances' change with each coefficient: least squares on what the record determines of them."""
+    # Newtons beside factors: scaled to ones on the diagonal, or the largest unit would decide what is rounding
     d = np.sqrt(np.diag(of_nuisances))
     scale = np.where(d > 0, 1.0 / np.where(d > 0, d, 1.0), 0.0)
     values, vectors = np.linalg.eigh(of_nuisances * np.outer(scale, scale))
@@ -224,6 +229,7 @@ def _inverse(information: Array, held: tuple[int, ...]) -> tuple[Array, tuple[in
     values, vectors = np.linalg.eigh(information * np.outer(unit, unit))
     determined = values > UNDETERMINED**1.5 * max(float(values.max(initial=0.0)), 1e-300)
     inverse = (vectors[:, determined] / values[determined]) @ vectors[:, determined].T * np.outer(unit, unit)
+    # a direction is lost to every coefficient that takes a visible part in it, not to its largest one alone
     lost = np.abs(vectors[:, ~determined & (values > -np.inf)]) > 1e-3
     unidentifiable = {int(k) for k in np.flatnonzero(~free | (lost.any(axis=1) & free)) if k not in held}
     return inverse, tuple(sorted(unidentifiable))
@@ -251,18 +257,17 @@ def _clusters(parts: list[Reduced], information: Array) -> Clusters:
     return Clusters(scores, np.sum(shares > 1e-3, axis=0), np.maximum(np.minimum(effective, len(scores)), 1.5) - 1.0)
 
 
-def _freedom_by_gains(optimum: Optimum, parts: list[Reduced], bread: Array, instead: Array) -> Array:
-    r"""The degrees of freedom (G,) where records differ by a gain; ``instead`` where no coefficient is a gain's.
+def freedom_by_gains(A: Array, bread: Array, linear: Array, instead: Array) -> Array:
+    r"""The degrees of freedom (G,) where records differ by a gain; ``instead`` (G,) where no coefficient is a gain's.
 
     With the gains :math:`\gamma_h` of the records the scores are :math:`s_g = A_g b \gamma_g - A_g B \sum_h A_h b \gamma_h`, A
-    the information of a record, B the bread, b the linear coefficients, which a gain multiplies. The variance of a coefficient
-    is then a quadratic form Q of the gains, of which Satterthwaite's degrees of freedom are tr(Q)^2 / tr(Q^2).
+    (n, G, G) the information of each record, B the ``bread``, b the ``linear`` coefficients (G,), which a gain multiplies. The
+    variance of a coefficient is then a quadratic form Q of the gains, of which Satterthwaite's degrees of freedom are
+    tr(Q)^2 / tr(Q^2).
     """
-    b = np.where(optimum.problem.is_linear, optimum.point.theta, 0.0)
-    A = np.stack([part.information.sum(axis=0) for part in parts])
-    by_gain = A @ b
-    influence = -np.einsum("gij,hj->ghi", A @ bread, by_gain)
-    places = np.arange(len(parts))
+    by_gain = A @ linear
+    influence = -np.einsum("gij,hj->ghi", A @ bread, by_gain)  # the fit follows the gains of all records
+    places = np.arange(len(A))
     influence[places, places] += by_gain
     influence = influence @ bread  # (g, h, G): of the gain of record h on the influence of record g
     Q = np.einsum("ghk,gik->khi", influence, influence)

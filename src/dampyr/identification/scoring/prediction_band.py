@@ -84,8 +84,8 @@ class Band(Shown):
     @property
     def words(self) -> str:
         """What it holds and how wide it is."""
-        words = f"holds {percent(self.holds)} of the samples, width ± {percent(self.width)} of the mean force"
-        return f"{words}, {self.prior}" if self.prior else words
+        text = f"holds {percent(self.holds)} of the samples, width ± {percent(self.width)} of the mean force"
+        return f"{text}, {self.prior}" if self.prior else text
 
 
 def why_no_band(damper: Damper) -> str:
@@ -151,8 +151,46 @@ def prediction_band(
     """The band of a record's force, of its peak and of its energy, and whether they hold what was measured.
 
     A record whose ``measurement_session`` is one that the damper was fitted on has the level of that session; any other
-    counts as of a new session. ``settling`` and ``window`` as in `dampyr.identification.score`. Raises
-    :class:`~dampyr.errors.InputError` where the damper's card has no prediction error.
+    counts as of a new session.
+
+    Parameters
+    ----------
+    damper
+        with a `prediction_error`, as every fit gives it.
+    record
+        whose force is to be held.
+    level
+        share of the force that the band is to hold, between 0 and 1.
+    settling, window
+        which samples count, in s: as of `dampyr.identification.score`.
+    draws, seed
+        how many draws the quantiles are taken of, and the seed of the draws.
+    allow_extrapolation
+        also at an input, or a motion, beyond what the damper was calibrated on.
+
+    Returns
+    -------
+    Band
+        its limits (n,) in N along the whole record, and what they hold of the window.
+
+    Raises
+    ------
+    InputError
+        the damper's card has no prediction error, or the record cannot be scored.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> damper, rng = dp.studies.raminelli_2020.damper(), np.random.default_rng(0)
+    >>> t = np.linspace(0.0, 4.0, 801)
+    >>> def record(f):
+    ...     x = 0.008 * np.sin(2 * np.pi * f * t)
+    ...     force = damper.force(t, x, voltage=1.98) + rng.normal(0.0, 5.0, t.size)
+    ...     return dp.records.Record(t, x, force, voltage=1.98, name=f"{f} Hz")
+    >>> fitted = dp.identification.fit([record(0.7), record(1.0), record(1.6)], "dahl").damper
+    >>> dp.identification.prediction_band(fitted, record(1.3), level=0.95).holds > 0.95
+    True
     """
     check_kinds(
         "prediction_band", Argument("damper", damper, (Damper,), DAMPER), Argument("record", record, (Record,), RECORD)
@@ -162,6 +200,7 @@ def prediction_band(
     forces, noise, session = drawn_forces(damper, record, draws, seed, allow_extrapolation)
     inside = where.slice
     measured = record.force
+    # the offset is the record's own, as in a score: each draw has the measured mean
     forces += (np.mean(measured[inside]) - np.mean(forces[:, inside], axis=1))[:, None]
     tails = 0.5 * (1.0 - level), 0.5 * (1.0 + level)
     low, high = np.quantile(forces + noise, tails, axis=0)
@@ -169,6 +208,7 @@ def prediction_band(
     spread = np.mean(np.abs(measured[inside] - 0.5 * sum(np.quantile(measured[inside], (0.01, 0.99)))))
     peaks = 0.5 * np.ptp(forces[:, inside], axis=1)
     rough = forces[:, inside] + _white(measured[inside] - np.median(forces[:, inside], axis=0), seed, len(forces))
+    # the largest of many noisy samples lies above the force's own peak: by how much, noise of this size on the draws tells
     from_noise = float(np.median(0.5 * np.ptp(rough, axis=1) - peaks))
     energy = None
     if span := whole_cycles(record, where):

@@ -87,12 +87,35 @@ def score(
 ) -> Score:
     """Run ``damper`` freely along ``record`` and compare.
 
-    The window goes from ``settling`` s after the motion starts to the end, or is ``window`` = (from, to) in s. ``centre`` is
-    what the L1 ratio measures the force from: the middle of its ``"quantiles"``, or the ``"midrange"`` as (3.1) of Raminelli
-    (2020). ``band`` = 0.9 adds the `prediction_band` that is to hold 90 % of the force, and what it holds;
-    ``session_prior`` = 0.05 makes it with 5 % between measurement sessions in the place of what the card states. Raises
-    :class:`~dampyr.errors.InputError` where the record's input is not the damper's, too little is left of the motion, or the
-    card has nothing to make a band of.
+    Parameters
+    ----------
+    damper
+        whose force is predicted; only the offset is taken from the record.
+    record
+        with an input in the damper's unit, inside its calibrated range.
+    settling
+        s after the motion starts that are not scored: the unknown past is forgotten by then.
+    window
+        (from, to) in s, in the place of what ``settling`` leaves.
+    allow_extrapolation
+        also score at an input, or a motion, beyond what the damper was calibrated on.
+    centre
+        what the L1 ratio measures the force from: the middle of its ``"quantiles"``, or the ``"midrange"`` as (3.1) of
+        Raminelli (2020).
+    band
+        share of the force, such as 0.9, that a `prediction_band` is to hold; without it there is no band.
+    session_prior
+        how much the force differs between measurement sessions (0.05 is 5 %), for the band; that of the card by default.
+
+    Returns
+    -------
+    Score
+        ratios without unit over the samples of its ``window``.
+
+    Raises
+    ------
+    InputError
+        the record's input is not the damper's, too little is left of the motion, or the card has nothing to make a band of.
 
     Examples
     --------

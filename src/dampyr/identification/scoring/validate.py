@@ -153,8 +153,41 @@ def validate(
     """Score a damper on records that it predicts in a free run; only the offset is taken from each record.
 
     Measured inputs that are constant but for noise count as constants, those close to an end of the calibrated range as that
-    end. ``card`` is what the damper is called. Raises :class:`~dampyr.errors.InputError` where two records have one name, and
-    where an input lies outside of the calibrated range unless extrapolation is allowed.
+    end.
+
+    Parameters
+    ----------
+    damper
+        that is validated.
+    records
+        which it predicts, one or more.
+    options
+        the further arguments as one object; those that are given by name take their places.
+    card
+        what the damper is called.
+    progress
+        called with what is being done, and the fraction of it that is done.
+
+    Returns
+    -------
+    Validated
+        scores, forces and predictive bands by record; ``no_band`` says why there are none of the latter.
+
+    Raises
+    ------
+    InputError
+        two records of one name, or an input outside of the calibrated range unless extrapolation is allowed.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> damper = dp.studies.raminelli_2020.damper()
+    >>> t = np.linspace(0.0, 4.0, 801)
+    >>> x = 0.008 * np.sin(2 * np.pi * t)
+    >>> record = dp.records.Record(t, x, 1.1 * damper.force(t, x, voltage=1.98), voltage=1.98, name="stronger")
+    >>> round(dp.identification.validate(damper, [record]).scores["stronger"].l1, 2)
+    0.09
     """
     check_kinds(
         "validate",

@@ -104,15 +104,33 @@ def cross_validate(
 ) -> Validation:
     """Predict every record by a damper that was not fitted to it: ``predict`` of `dampyr.identification.fit`.
 
-    ``split`` is ``"record"``: ``options.folds`` random parts by ``options.seed``; ``"input"``: one voltage (or current) left
-    out at a time, the lowest and the highest excepted, which would be extrapolated; ``"frequency"`` or ``"amplitude"``: as
-    many parts in the order of the measured frequency or stroke, so that the outer ones are predicted beyond what was fitted;
-    ``"waveform"``: one kind of motion (`dampyr.records.waveform`) left out at a time; ``"time"``: the first 60 % of every
-    motion fitted, the rest predicted. ``progress`` is called with the fraction done. Records of which the settling leaves
-    less than a quarter are fitted and not scored; the result says which.
+    Parameters
+    ----------
+    records
+        that are fitted and predicted in turn.
+    model
+        as of `dampyr.identification.fit`.
+    split
+        ``"record"``: ``options.folds`` random parts by ``options.seed``; ``"input"``: one voltage (or current) left out at a
+        time, the lowest and the highest excepted, which would be extrapolated; ``"frequency"`` or ``"amplitude"``: as many
+        parts in the order of the measured frequency or stroke, so that the outer ones are predicted beyond what was fitted;
+        ``"waveform"``: one kind of motion (`dampyr.records.waveform`) left out at a time; ``"time"``: the first 60 % of every
+        motion fitted, the rest predicted.
+    options
+        of each fit.
+    progress
+        called with the fraction that is done.
 
-    Raises :class:`~dampyr.errors.InputError` for an unknown split, fewer records than folds, fewer than three inputs, a single
-    kind of motion, or where no record is long enough to be scored.
+    Returns
+    -------
+    Validation
+        records of which the settling leaves less than a quarter are fitted and not scored; it says which.
+
+    Raises
+    ------
+    InputError
+        an unknown split, fewer records than folds, fewer than three inputs, a single kind of motion, or no record that is
+        long enough to be scored.
     """
     jobs, assemble = validation_jobs(records, model, split, options)
     done = []

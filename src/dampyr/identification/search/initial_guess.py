@@ -120,7 +120,7 @@ def _with(problem: Problem, neutral: SearchPoint, proposal: dict[str, float]) ->
 
 def _best_start(problem: Problem, members: list[int], work: Work) -> dict[str, float]:
     """The proposal with the lowest cost on the records at one input, of which at most two are tried, shortened."""
-    chosen = members[:: max(1, len(members) // 2)][:2]
+    chosen = members[:: max(1, len(members) // 2)][:2]  # the first and one of the middle: in campaigns, two motions
     pieces = [p.part(slice(max(SCANNED_SAMPLES, p.shortest))) for p in (problem.pieces[k] for k in chosen)]
     inputs = [float(np.mean(p.u)) for p in pieces]
     singles = [replace(c, kind="constant", knots=(inputs[0],), temperatures=None) for c in problem.columns]

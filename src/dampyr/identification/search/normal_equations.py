@@ -161,6 +161,7 @@ def with_priors(problem: Problem, point: SearchPoint, sums: Array) -> Array:
     for name, spread in PRIOR.items():
         if name in problem.common:
             j, row = problem.common.index(name), np.zeros((len(problem.pieces), sums.shape[1]))
+            # a sample that measures the logarithm as 0, with the prior's standard deviation; records weigh it by their misfit
             row[:, j] = MISFIT / spread
             row[:, -1] = -MISFIT / spread * point.local[:, j]
             out = out + row[:, :, None] * row[:, None, :]
@@ -314,6 +315,7 @@ def eliminated(sums: Array, free: Bools, fixed: Array, damping: float = 0.0) -> 
     free = free & (diagonal > 1e-200)
     scale = np.where(free, 1.0 / np.sqrt(np.where(free, diagonal, 1.0)), 0.0)
     A = sums[:, :L, :L] * scale[:, :, None] * scale[:, None, :]
+    # the row and the column of a nuisance that is not free are 0: with 1 on its diagonal its step comes out as 0
     A = A + np.eye(L) * np.where(free, damping + RIDGE, 1.0)[:, :, None]
     right = np.concatenate((sums[:, :L, L : L + G], b[:, :L, None]), axis=2) * scale[:, :, None]
     solved = np.linalg.solve(A, right) * scale[:, :, None] if L else right
@@ -331,6 +333,7 @@ def with_curvature(H: Array, curvature: Array, least_part: float = 0.2, largest_
     if not np.any(curvature) or np.any(d == 0.0):
         return H
     values, vectors = np.linalg.eigh(H / np.outer(d, d))
+    # in the coordinates in which H is one: there the bounds hold in every direction alike
     root = vectors * np.sqrt(np.maximum(values, SINGULAR * values.max()))
     back = vectors / np.sqrt(np.maximum(values, SINGULAR * values.max()))
     seen, turned = np.linalg.eigh(back.T @ (curvature / np.outer(d, d)) @ back)

@@ -64,7 +64,7 @@ class Column:
         knots = np.array(self.knots)
         if self.kind == "interpolation":  # a fit asks at its records' inputs only, which differ from a knot by rounding
             return np.eye(knots.size)[np.argmin(np.abs(at[..., None] - knots), axis=-1)]
-        out = np.ones((*at.shape, knots.size))
+        out = np.ones((*at.shape, knots.size))  # Lagrange's polynomials: 1 at their own knot, 0 at the others
         for k, knot in enumerate(knots):
             for other in np.delete(knots, k):
                 out[..., k] *= (at - other) / (knot - other)

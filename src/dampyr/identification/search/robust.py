@@ -89,6 +89,7 @@ def _shares(problem: Problem, scales: Array, loss: str) -> Array:
     forces = [p.force[p.comparable] for p in problem.pieces]
     mean_deviations = [float(np.mean(np.abs(force - np.mean(span(force))))) for force in forces]
     deviations = np.array([p.spread for p in problem.pieces]) / np.array(mean_deviations)
+    # the L1 sum weighs by s/d, the squares here by (s/sigma)^2: what differs between records is that ratio, 1 on average
     return np.asarray(records * deviations / np.mean(deviations) * np.mean(scales) / scales)
 
 

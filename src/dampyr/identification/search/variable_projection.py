@@ -165,7 +165,7 @@ def levenberg_marquardt(
         step = equations.solve(damping=damping, curvature=curvature)
         predicted = equations.reduction(step)
         small = predicted <= tolerance * equations.cost + rounding
-        if small:
+        if small:  # perhaps only because the damping makes it short: what a whole step promises decides
             predicted = equations.reduction(equations.solve())
         if all_linear or predicted <= tolerance * equations.cost + rounding:
             converged, reason = True, CONVERGED
@@ -184,7 +184,7 @@ def levenberg_marquardt(
             if MISPREDICTION * predicted < misprediction and predicted < SECANT_RANGE * equations.cost:
                 change = new_point.coordinates(problem) - point.coordinates(problem)
                 curvature = update_secant_hessian(curvature, equations, new_equations, change)
-            else:
+            else:  # the linear model predicts well, and far from the end a secant would describe another place
                 curvature = None
             point, equations = new_point, new_equations
             damping = max(damping / 10.0, 1e-12)
@@ -247,6 +247,7 @@ def update_secant_hessian(curvature: Array | None, old: NormalEquations, new: No
     """
     before, after = old.reduced, new.reduced
     curvature = np.zeros_like(before.matrix) if curvature is None else curvature
+    # the secant condition: the second derivatives, along the step, are what the gradient's change leaves to explain
     change = before.target - after.target
     left = change - after.matrix @ step
     sized = curvature @ step
