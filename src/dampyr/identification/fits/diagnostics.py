@@ -1,8 +1,9 @@
 """Diagnostics in words: the notes of a fit, and findings, warnings and trends of its residuals.
 
 A trend is Spearman's rank correlation of a record's relative residual with its frequency or stroke, among the records at one
-input, and with the input over all. Many are tried, so one counts only below a p of `CHANCE` over the number tried
+input, and with the input over all. Many are tried, so one counts only below a p of ``chance`` over the number tried
 (Bonferroni): of a hundred campaigns without any trend, five or fewer report one.
+The thresholds are those of `dampyr.identification.thresholds.FitThresholds`.
 """
 
 from __future__ import annotations
@@ -20,21 +21,9 @@ from dampyr.identification.search.fit_data import Piece
 from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Problem
 from dampyr.identification.search.variable_projection import Outcome
+from dampyr.identification.thresholds import FitThresholds
 from dampyr.models.damper import INPUTS
 from dampyr.phrases import counted, listing
-
-CHANCE = 0.05  # the usual level
-MIN_RECORDS = 5  # of a trend: a perfect rank correlation of four comes by chance once in twelve
-CONFOUNDED = 0.7  # rank correlation of frequency and stroke: half of the variance of their ranks is shared
-ALIKE = 1.1  # ratio of the rms in the two directions
-SHIFTED = 0.5  # of the rms: the difference of the means in the two directions
-UNEVEN = 0.1  # of the variance: below it the even part is no concern
-TIMES_CHANCE = 2.5  # times the share that the even part has by chance
-PLAIN = 0.75  # of the variance: beyond chance however long the memory
-INDEPENDENT = 0.7  # of the samples: with more effective ones the residuals are nearly independent
-REPEATED = 0.2  # of the variance that comes again in each cycle
-MIN_STEPS = 25  # of the displacement's resolution over the stroke
-SLIDING = 1.0  # rho times the peak-to-peak stroke above which friction comes near its limit
 
 
 @dataclass(frozen=True)
@@ -61,14 +50,15 @@ def trends(residuals: Residuals) -> tuple[Trend, ...]:
         members = [r for r in residuals.records if r.name in set(group.records)]
         tried += [(name, group.input_value, members) for name in ("frequency", "stroke")]
     tried.append(("input", None, list(residuals.records)))
-    correlations = [trend for name, u, members in tried if (trend := _trend(name, u, members)) is not None]
-    # Bonferroni: of so many tries together, not of each, a share of `CHANCE` finds a trend where there is none
-    limit = CHANCE / max(len(correlations), 1)
+    least = residuals.thresholds.trend_records
+    correlations = [trend for name, u, members in tried if (trend := _trend(name, u, members, least)) is not None]
+    # Bonferroni: of so many tries together, not of each, a share of ``chance`` finds a trend where there is none
+    limit = residuals.thresholds.chance / max(len(correlations), 1)
     return tuple(Trend(*trend, counts=trend[3] <= limit) for trend in correlations)
 
 
 def _trend(
-    name: str, u: float | None, members: Sequence[RecordResidual]
+    name: str, u: float | None, members: Sequence[RecordResidual], least: int
 ) -> tuple[str, float | None, float, float, int, float] | None:
     from scipy.stats import spearmanr
 
@@ -76,7 +66,7 @@ def _trend(
     y = np.array([r.relative for r in members])
     other = np.array([r.stroke if name == "frequency" else r.frequency for r in members])
     seen = np.isfinite(x) & np.isfinite(y)
-    if seen.sum() < MIN_RECORDS or np.ptp(x[seen]) == 0.0 or np.ptp(y[seen]) == 0.0:
+    if seen.sum() < least or np.ptp(x[seen]) == 0.0 or np.ptp(y[seen]) == 0.0:
         return None
     rank, p = spearmanr(x[seen], y[seen])
     both = seen & np.isfinite(other)
@@ -129,7 +119,7 @@ def _directions(residuals: Residuals) -> list[str]:
     if not (np.isfinite(out.rms) and np.isfinite(back.rms)):
         return []
     high, low = max(out.rms, back.rms), min(out.rms, back.rms)
-    if high <= ALIKE * low:
+    if high <= residuals.thresholds.alike * low:
         pair = f"{out.rms:.3g} N rms when the damper is pulled, {back.rms:.3g} N when pushed"
         return [f"the residual is alike in both directions: {pair}"]
     way = "pulled" if out.rms > back.rms else "pushed"
@@ -137,7 +127,7 @@ def _directions(residuals: Residuals) -> list[str]:
 
 
 def _memory(residuals: Residuals) -> str:
-    if residuals.effective >= INDEPENDENT * residuals.samples:
+    if residuals.effective >= residuals.thresholds.independent * residuals.samples:
         count = f"{_count(residuals.samples)} samples, effective sample size {_count(residuals.effective)}"
         return f"successive residuals are nearly independent: {count}"
     factor = np.sqrt(residuals.samples / residuals.effective)
@@ -159,7 +149,7 @@ def _repetition(residuals: Residuals) -> list[str]:
     if not shares:
         return []
     share = float(np.median(shares))
-    if share < REPEATED:
+    if share < residuals.thresholds.repeated:
         return ["little of it repeats from cycle to cycle"]
     return [
         f"{100 * share:.0f} % of its variance (the median record) comes again in each cycle: that is the model's shape and "
@@ -169,13 +159,13 @@ def _repetition(residuals: Residuals) -> list[str]:
 
 def _trend_words(residuals: Residuals) -> list[str]:
     tried = trends(residuals)
-    seen = {
-        trend.input_value for trend in tried if trend.counts and trend.quantity == "frequency" and _confounded(trend)
-    }
+    counting = [trend for trend in tried if trend.counts]
+    # of frequency and stroke that go together one sentence tells both
+    in_one_sentence = {t.input_value for t in counting if t.quantity == "frequency" and _confounded(t, residuals)}
     messages = [
-        _describe_trend(trend, residuals.unit)
-        for trend in tried
-        if trend.counts and not (trend.quantity == "stroke" and trend.input_value in seen)
+        _describe_trend(trend, residuals)
+        for trend in counting
+        if not (trend.quantity == "stroke" and trend.input_value in in_one_sentence)
     ]
     if not tried or messages:
         return messages
@@ -184,20 +174,21 @@ def _trend_words(residuals: Residuals) -> list[str]:
     ]
 
 
-def _describe_trend(trend: Trend, unit: str) -> str:
+def _describe_trend(trend: Trend, residuals: Residuals) -> str:
+    unit = residuals.unit
     way = "grows" if trend.rank > 0 else "falls"
     where = "" if trend.input_value is None else f"at {trend.input_value:g} {unit} "
     word = INPUTS.get(unit, "input") if trend.quantity == "input" else trend.quantity
     text = f"{where}the residual relative to the force {way} with {word} "
     text += f"(rank correlation {signed(trend.rank)}, p = {trend.p:.1g})"
-    if not _confounded(trend):
+    if not _confounded(trend, residuals):
         return text
     other = "stroke" if trend.quantity == "frequency" else "frequency"
     return f"{text}, or with {other}: in these records the two go together ({signed(trend.confounded)})"
 
 
-def _confounded(trend: Trend) -> bool:
-    return abs(trend.confounded) >= CONFOUNDED  # NaN is not
+def _confounded(trend: Trend, residuals: Residuals) -> bool:
+    return abs(trend.confounded) >= residuals.thresholds.confounded  # NaN is not
 
 
 def signed(value: float) -> str:
@@ -206,11 +197,11 @@ def signed(value: float) -> str:
 
 
 def _shifted(residuals: Residuals) -> list[str]:
-    """Inputs at which the mean differs between the directions by more than `SHIFTED` of the rms."""
+    """Inputs at which the mean differs between the directions by more than ``shifted`` of the rms."""
     messages = []
     for group in residuals.groups:
         out, back = group.sides["out"].mean, group.sides["in"].mean
-        if abs(out - back) > SHIFTED * group.rms > 0.0:
+        if abs(out - back) > residuals.thresholds.shifted * group.rms > 0.0:
             messages.append(
                 f"at {group.input_value:g} {residuals.unit} the residual's mean differs between the directions: {_force(out)} "
                 f"when the damper is pulled, {_force(back)} when pushed"
@@ -223,11 +214,17 @@ def _force(value: float) -> str:
 
 
 def _uneven(residuals: Residuals) -> list[str]:
-    """Inputs at which the even part has more than `UNEVEN` of the variance, and clearly more than chance would give it.
+    """Inputs at which the even part has more than ``uneven`` of the variance, and clearly more than chance would give it.
 
-    That is `TIMES_CHANCE` times as much, or `PLAIN` of it: a long memory makes large shares likely, but none so large.
+    That is ``uneven_by_chance`` times as much, or ``uneven_surely`` of it: a long memory makes large shares likely, but none so
+    large.
     """
-    odd = [g for g in residuals.groups if _share(g) > max(UNEVEN, min(TIMES_CHANCE * g.chance, PLAIN))]
+    limits = residuals.thresholds
+    odd = [
+        group
+        for group in residuals.groups
+        if _share(group) > max(limits.uneven, min(limits.uneven_by_chance * group.chance, limits.uneven_surely))
+    ]
     if not odd:
         return []
     shares = sorted(100 * _share(g) for g in odd)
@@ -245,17 +242,23 @@ def _share(group: ResidualGroup) -> float:
     return (group.asymmetry / group.rms) ** 2 if group.rms > 0.0 else 0.0
 
 
-def notes(outcome: Outcome, uncertainty: Uncertainty, labels: list[str], within: Mapping[str, int]) -> list[Finding]:
+def notes(
+    outcome: Outcome,
+    uncertainty: Uncertainty,
+    labels: list[str],
+    within: Mapping[str, int],
+    thresholds: FitThresholds,
+) -> list[Finding]:
     """The notes of a fit: on the parameters (``within``: those of one or two records alone), on the motion, and on
     single records. What the numbers are not determined by is a doubt."""
     problem = outcome.optimum.problem
     doubts = [
         *_of_parameters(outcome, uncertainty, labels),
-        *_of_motion(outcome.optimum),
-        *_of_records(problem),
+        *_of_motion(outcome.optimum, thresholds.sliding),
+        *_of_records(problem, thresholds.resolved_steps),
     ]
     notes = [
-        *_of_few_records(problem, uncertainty, labels, within),
+        *_of_few_records(problem, uncertainty, labels, within, thresholds.few_cycles),
         *_of_twins(problem),
         *([problem.composition.not_for_buildings] if problem.composition.not_for_buildings else []),
         *_of_noisy_inputs(problem),
@@ -289,7 +292,7 @@ def no_interval(count: int) -> str:
 
 
 def _of_few_records(
-    problem: Problem, uncertainty: Uncertainty, labels: list[str], within: Mapping[str, int]
+    problem: Problem, uncertainty: Uncertainty, labels: list[str], within: Mapping[str, int], least: int
 ) -> list[str]:
     """Errors that rest on the cycles of one or two records."""
     notes = []
@@ -302,8 +305,8 @@ def _of_few_records(
             f"{no_interval(count)}: {errors} hold within these records only and give no 95 % interval; record "
             f"{MIN_INTERVAL_RECORDS} or more {where}"
         )
-    few = min((int(uncertainty.counts[labels.index(label)]) for label in within), default=10)
-    if few < 10:
+    few = min((int(uncertainty.counts[labels.index(label)]) for label in within), default=least)
+    if few < least:
         notes.append(f"errors rest on {few} cycles only; they are rough")
     return notes
 
@@ -318,7 +321,7 @@ def _of_twins(problem: Problem) -> list[str]:
     ]
 
 
-def _of_motion(optimum: Optimum) -> list[str]:
+def _of_motion(optimum: Optimum, sliding: float) -> list[str]:
     """Friction that never comes near its limit: only the slope of the loop is seen, the product of kw and rho."""
     problem = optimum.problem
     stroke = max(float(np.ptp(piece.x)) for piece in problem.pieces)
@@ -328,22 +331,22 @@ def _of_motion(optimum: Optimum) -> list[str]:
         if not {"kw", "rho"} <= set(part.parameters) or values[f"{part.name}.rho"].size == 0:
             continue
         reach = float(np.max(values[f"{part.name}.rho"])) * stroke
-        if reach < SLIDING:
+        if reach < sliding:
             notes.append(
-                f"{part.name}: the motion never leaves pre-sliding (rho times the stroke is {reach:.2g}, sliding needs 1 "
-                f"or more): kw and rho are known only as a product; use larger amplitudes"
+                f"{part.name}: the motion never leaves pre-sliding (rho times the stroke is {reach:.2g}, sliding needs "
+                f"{sliding:g} or more): kw and rho are known only as a product; use larger amplitudes"
             )
     return notes
 
 
-def _of_records(problem: Problem) -> list[str]:
+def _of_records(problem: Problem, least: int) -> list[str]:
     notes = []
     for piece in problem.pieces:
         levels = np.unique(piece.x).size
-        if levels < MIN_STEPS:
+        if levels < least:
             notes.append(
                 f"{piece.name}: the displacement takes only {levels} values over {1e3 * float(np.ptp(piece.x)):.3g} mm; its "
-                f"resolution hides the loop, so use an amplitude of {MIN_STEPS} steps or more"
+                f"resolution hides the loop, so use an amplitude of {least} steps or more"
             )
     return notes
 

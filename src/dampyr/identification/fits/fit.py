@@ -58,7 +58,8 @@ def fit(
         the dashpots of ``"dahl + hyperbolic_tangent"``, all but the first are held at 0, unless ``laws``, ``fixed`` or
         ``tied`` name them, and ``findings`` say so.
     options
-        the further arguments as one object; those that are given by name take their places.
+        the further arguments as one object; those that are given by name take their places. Besides those below,
+        ``thresholds`` (`dampyr.identification.thresholds.FitThresholds`) say from which value on something is a finding.
     progress
         called with what is being done, and the fraction of it that is done.
     executor
@@ -101,7 +102,7 @@ def fit(
     fitted = [record for record in nominal if record.role != "validation"]
     others = [record for record in nominal if record.role == "validation"]
     check_records(fitted, others, model, chosen)
-    beyond = beyond_the_fitted(fitted, others)
+    beyond = beyond_the_fitted(fitted, others, chosen.thresholds)
     tell = progress or (lambda stage, done: None)
     board = None
     if model is None:

@@ -53,16 +53,7 @@ def fit_model(
         if options.loss != "squares":
             outcome = iteratively_reweighted(outcome, options.loss, progress, work)
         outcome = replace(outcome, work=work.spent)
-        search_notes = (f"{agreed} of {starts} starts ended in the same optimum",) if starts > 1 else ()
-        return build_fit(
-            outcome,
-            tuple(listed),
-            options.bandwidth,
-            search_notes,
-            (starts, agreed),
-            options.settling,
-            options.session_prior,
-        )
+        return build_fit(outcome, tuple(listed), options, (starts, agreed))
 
 
 def check_records_and_model(call: str, records: Any, model: Any) -> None:

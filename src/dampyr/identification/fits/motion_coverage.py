@@ -13,14 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.identification.thresholds import FitThresholds
 from dampyr.records import Record, turning_points
 from dampyr.records.checks.channel_noise import rest_tolerance
 
 Array = NDArray[np.float64]
-SHARE = 0.1  # of the moving time: what is outside for less decides no peak and little energy
 SMALLEST = 0.005  # of the whole stroke: smaller reversals move a damper by less than its clevis gives way
 NOISE = 2.0  # times the displacement's noise: below it a reversal may be none
-MARGIN = 0.8  # of the smallest that was measured: records differ by as much from one another
 
 
 @dataclass(frozen=True)
@@ -41,9 +40,12 @@ def reversals(record: Record) -> Strokes:
     return Strokes(stroke, stroke / duration, duration)
 
 
-def beyond_the_fitted(fitted: Sequence[Record], planned: Sequence[Record]) -> dict[str, str]:
-    """The planned motions that are smaller or slower than the fitted records for more than a tenth of their time, each with a
-    sentence that says how much, and what to record."""
+def beyond_the_fitted(
+    fitted: Sequence[Record], planned: Sequence[Record], thresholds: FitThresholds | None = None
+) -> dict[str, str]:
+    """The planned motions that are smaller or slower than the fitted records for more than a tenth of their time
+    (``outside_time``), each with a sentence that says how much, and what to record."""
+    limits = thresholds or FitThresholds()
     measured = [strokes for strokes in map(reversals, fitted) if strokes.stroke.size]
     if not measured:
         return {}
@@ -54,12 +56,15 @@ def beyond_the_fitted(fitted: Sequence[Record], planned: Sequence[Record]) -> di
         moved = reversals(record)
         if not moved.stroke.size:
             continue
-        small, slow = moved.stroke < MARGIN * least_stroke, moved.speed < MARGIN * least_speed
+        small, slow = (
+            moved.stroke < limits.outside_margin * least_stroke,
+            moved.speed < limits.outside_margin * least_speed,
+        )
         total = float(moved.duration.sum())
         shares = [float(moved.duration[where].sum()) / total for where in (small, slow)]
-        if max(shares) <= SHARE:
+        if max(shares) <= limits.outside_time:
             continue
-        where = small if shares[0] > SHARE else slow
+        where = small if shares[0] > limits.outside_time else slow
         stroke, speed = (1e3 * float(np.median(quantity[where])) for quantity in (moved.stroke, moved.speed))
         notes[record.name] = (
             f"{record.name} moves for {100 * shares[0]:.0f} % of its time in reversals smaller than all that was fitted "

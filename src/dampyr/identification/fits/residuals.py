@@ -13,8 +13,8 @@ free runs are treated alike. Definitions, for one record of n samples at the med
   each cycle. Noise does not; a model's wrong shape does.
 - **noise**: :math:`\text{rms}(r_{i+1} - r_i)/\sqrt 2`, the size that a residual without memory would have [vonNeumann1941]_;
   at most that, as a smooth residual has differences too.
-- **misfit**: the residual is not noise alone where :math:`\tau` exceeds `MISFIT_INTERVALS` intervals, or its rms exceeds
-  `MISFIT_NOISE` times the noise.
+- **misfit**: the residual is not noise alone where :math:`\tau` exceeds ``correlated`` intervals, or its rms exceeds
+  ``beyond_noise`` times the noise (`dampyr.identification.thresholds.FitThresholds`).
 
 Each way is halved where the motion passes the middle of its stroke: before it the damper speeds up, beyond it it slows down.
 The middle is a straight line through the displacement, so that a drift moves no boundary. Samples slower than `SLOW` of the
@@ -44,6 +44,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
+from dampyr.identification.thresholds import FitThresholds
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.records import Record, cycles
 from dampyr.records.cycle_analysis.measure import peak_to_peak
@@ -51,8 +52,6 @@ from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-MISFIT_INTERVALS = 5.0  # white noise has 1
-MISFIT_NOISE = 2.0  # three quarters of the residual's variance are then more than noise
 MAX_LAG = 3.0  # s, of the autocorrelation that is returned
 MIN_TRACE = 8  # samples
 MIN_PERIODS = 3.0  # for the autocorrelation after one period
@@ -165,13 +164,14 @@ class ResidualGroup:
 
 @dataclass(frozen=True, repr=False)
 class Residuals(Shown):
-    """The analysis of all records; ``unit`` is the input's, "V" or "A"."""
+    """The analysis of all records; ``unit`` is the input's, "V" or "A"; ``thresholds`` say what is a misfit, and a finding."""
 
     unit: str
     records: tuple[RecordResidual, ...]
     whole: ResidualGroup
     groups: tuple[ResidualGroup, ...]
     origin: Origin = NOT_STATED
+    thresholds: FitThresholds = field(default_factory=FitThresholds)
 
     @property
     def inputs(self) -> list[float]:
@@ -213,11 +213,15 @@ def motion(record: Record) -> tuple[float, float]:
     return peak_to_peak(record, spans), len(spans) / lasting
 
 
-def analyse(traces: Sequence[Trace], unit: str = "V") -> Residuals:
-    """The analysis of any residuals. Raises :class:`~dampyr.errors.InputError` without traces, or for values not finite."""
+def analyse(traces: Sequence[Trace], unit: str = "V", thresholds: FitThresholds | None = None) -> Residuals:
+    """The analysis of any residuals, judged by ``thresholds``.
+
+    Raises :class:`~dampyr.errors.InputError` without traces, or for values not finite.
+    """
+    limits = thresholds or FitThresholds()
     if not traces:
         raise InputError("there are no residuals to analyse; give one trace or more")
-    by_name = {trace.name: _record(trace) for trace in traces}
+    by_name = {trace.name: _record(trace, limits) for trace in traces}
     if len(by_name) < len(traces):
         raise InputError("two traces have the same name; rename one, so that results can be told apart")
     inputs: dict[float, list[Trace]] = {}
@@ -227,9 +231,8 @@ def analyse(traces: Sequence[Trace], unit: str = "V") -> Residuals:
     def of(at_input: Sequence[Trace], u: float | None) -> ResidualGroup:
         return group(at_input, sum(by_name[trace.name].effective for trace in at_input), u)
 
-    return Residuals(
-        unit, tuple(by_name.values()), of(traces, None), tuple(of(at_input, u) for u, at_input in inputs.items())
-    )
+    groups = tuple(of(at_input, u) for u, at_input in inputs.items())
+    return Residuals(unit, tuple(by_name.values()), of(traces, None), groups, thresholds=limits)
 
 
 def autocorrelation(residual: ArrayLike) -> Array:
@@ -256,7 +259,7 @@ def noise_of(residual: ArrayLike) -> float:
     return float(np.sqrt(0.5 * np.mean(np.diff(np.asarray(residual, dtype=float)) ** 2)))
 
 
-def _record(trace: Trace) -> RecordResidual:
+def _record(trace: Trace, limits: FitThresholds) -> RecordResidual:
     rho = autocorrelation(trace.residual)
     intervals = correlation_intervals(rho)
     rms, noise = _rms(trace.residual), noise_of(trace.residual)
@@ -275,7 +278,7 @@ def _record(trace: Trace) -> RecordResidual:
         correlation_time=intervals * trace.dt,
         effective=trace.time.size / intervals,
         repeats=_repeats(rho, trace),
-        misfit=bool(intervals > MISFIT_INTERVALS or rms > MISFIT_NOISE * noise > 0.0),
+        misfit=bool(intervals > limits.correlated or rms > limits.beyond_noise * noise > 0.0),
         lags=np.linspace(0.0, trace.dt * (n_lags - 1), n_lags),
         autocorrelation=rho[:n_lags],
     )

@@ -18,9 +18,10 @@ from dampyr.errors import FindingWarning, InputError
 from dampyr.findings import Finding, Findings, handed_on, worst_first
 from dampyr.identification.fits.data_sheet import SHEETS, contradictions
 from dampyr.identification.fits.diagnostics import no_interval, notes, residual_findings, trouble_of
+from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.fit_verdict import FitVerdict, fit_verdict
 from dampyr.identification.fits.residuals import Residuals, Trace, analyse, motion
-from dampyr.identification.parameter_uncertainty.levels import PRIOR_SESSION, Levels, levels_and_error
+from dampyr.identification.parameter_uncertainty.levels import Levels, levels_and_error
 from dampyr.identification.parameter_uncertainty.uncertainty import Uncertainty, uncertainty
 from dampyr.identification.scoring.score import Score, compare
 from dampyr.identification.scoring.scoring_window import SETTLING, too_short
@@ -28,6 +29,7 @@ from dampyr.identification.search.fit_data import Piece
 from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Problem
 from dampyr.identification.search.variable_projection import Outcome
+from dampyr.identification.thresholds import FitThresholds
 from dampyr.models import Damper
 from dampyr.models.damper import mapped_covariance
 from dampyr.models.prediction_error import check_level
@@ -72,7 +74,7 @@ class Fit(Shown):
     ``leaderboard`` is the search that chose the model, None where one was named; ``validations`` are the predictions of records
     that were left out of a fit. ``predicted`` holds the scores of the records of the role "validation", or why one could not be
     predicted; ``beyond`` says which of them move more slowly or in smaller reversals than what was fitted
-    (`dampyr.identification.fits.motion_coverage`).
+    (`dampyr.identification.fits.motion_coverage`). ``thresholds`` are what the findings and the verdict are judged by.
     """
 
     bare: Damper | None
@@ -100,6 +102,7 @@ class Fit(Shown):
     predicted: Mapping[str, Score | str] = field(default_factory=dict)
     validation_records: tuple[Record, ...] = field(default=(), repr=False)
     beyond: Mapping[str, str] = field(default_factory=dict)
+    thresholds: FitThresholds = field(default_factory=FitThresholds, repr=False)
 
     @cached_property
     def damper(self) -> Damper | None:
@@ -139,7 +142,7 @@ class Fit(Shown):
     @property
     def verdict(self) -> FitVerdict:
         """Whether the search converged and the model describes the records, in one sentence."""
-        return fit_verdict(self.scores, self.converged, self.reason)
+        return fit_verdict(self.scores, self.converged, self.reason, self.thresholds)
 
     @property
     def origin(self) -> Origin:
@@ -216,7 +219,7 @@ class Fit(Shown):
             for p, residual, record in zip(self.problem.pieces, self.optimum.residuals, self.records, strict=True)
             for c in (p.comparable,)
         ]
-        return replace(analyse(traces, self.problem.pieces[0].unit), origin=self.origin)
+        return replace(analyse(traces, self.problem.pieces[0].unit, self.thresholds), origin=self.origin)
 
     @cached_property
     def scores(self) -> dict[str, Score]:
@@ -260,13 +263,10 @@ def residuals(fit: Fit) -> Residuals:
 def build_fit(
     outcome: Outcome,
     records: tuple[Record, ...],
-    bandwidth: float | None,
-    search_notes: tuple[str, ...] = (),
+    options: FitOptions,
     starts: tuple[int, int] = (1, 1),
-    settling: float = SETTLING,
-    session_prior: float = PRIOR_SESSION,
 ) -> Fit:
-    """The fit at the end of a search; ``search_notes`` are of what came before, ``starts`` how many there were and agreed."""
+    """The fit at the end of a search; ``starts``: how many there were, and how many of them ended in the same optimum."""
     optimum, problem = outcome.optimum, outcome.optimum.problem
     uncertainties = uncertainty(optimum, outcome.at_limit)
     labels = [label for c in problem.columns if c.size for label in c.labels(problem.pieces[0].unit)]
@@ -274,13 +274,14 @@ def build_fit(
     stderr = _errors(labels, uncertainties.covariance, outcome.at_limit)
     few = zip(labels, uncertainties.within, uncertainties.records, strict=True)
     within = {label: int(count) for label, cycles_only, count in few if cycles_only and np.isfinite(stderr[label])}
-    damper, trouble = _damper(optimum, uncertainties, records, bandwidth, tuple(within))
+    damper, trouble = _damper(optimum, uncertainties, records, options.bandwidth, tuple(within))
     levels = None
     if damper is not None and all(np.all(np.isfinite(force)) for force in optimum.forces):
-        levels, error = levels_and_error(optimum, uncertainties, records, session_prior)
+        levels, error = levels_and_error(optimum, uncertainties, records, options.session_prior)
         damper = replace(damper, prediction_error=error)
     trouble = trouble or trouble_of(outcome)
     states = list(problem.composition.states)
+    of_starts = [f"{starts[1]} of {starts[0]} starts ended in the same optimum"] if starts[0] > 1 else []
     sheets = {record.provenance.get("data_sheet", "") for record in records} & set(SHEETS)
     broken_promises = [text for sheet in sorted(sheets) if damper for text in contradictions(damper, sheet)]
     by_cycle = [label in within for label in labels if np.isfinite(stderr[label])]
@@ -295,8 +296,8 @@ def build_fit(
         converged=outcome.converged and not trouble,
         reason=trouble or outcome.reason,
         remarks=(
-            *notes(outcome, uncertainties, labels, within),
-            *(Finding("note", statement) for statement in (*search_notes, *_short_notes(records, settling))),
+            *notes(outcome, uncertainties, labels, within, options.thresholds),
+            *(Finding("note", statement) for statement in (*of_starts, *_short_notes(records, options.settling))),
             *(Finding("doubt", statement) for statement in (*broken_promises, *_sampling_notes(damper, problem))),
         ),
         clusters=clusters,
@@ -315,8 +316,9 @@ def build_fit(
         outcome=outcome,
         records=records,
         starts=starts,
-        settling=settling,
+        settling=options.settling,
         levels=levels,
+        thresholds=options.thresholds,
     )
 
 

@@ -1,9 +1,9 @@
 r"""What the records of a fit cannot separate, and the test that would.
 
 *Pairs.* Two numbers whose effects on the force look alike on these motions trade against each other: in the information of
-the records (the nuisances eliminated) their correlation r is beyond `ALIKE`, and each interval is :math:`1/\sqrt{1 - r^2}`
-times as wide as if the other were known. The fit's clustered errors with and without the other say the same from how the
-records scatter; of few records that is rough. For each pair, motions that the same drive could make are tried: the
+the records (the nuisances eliminated) their correlation r is beyond ``trading`` of the fit's thresholds, and each interval is
+:math:`1/\sqrt{1 - r^2}` times as wide as if the other were known. The fit's clustered errors with and
+without the other say the same from how the records scatter; of few records that is rough. For each pair, motions that the same drive could make are tried: the
 information that the model expects from one more record of each, counted as the other records are, is added, and the motion
 that narrows both intervals most is proposed.
 
@@ -21,7 +21,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.identification.fits.diagnostics import CONFOUNDED, signed
+from dampyr.identification.fits.diagnostics import signed
 from dampyr.identification.fits.residuals import motion
 from dampyr.identification.fits.result import Fit
 from dampyr.identification.parameter_uncertainty.candidate_motions import (
@@ -42,7 +42,6 @@ from dampyr.records import Record
 from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
-ALIKE = 0.8  # correlation by the motions: beyond it an interval is 1.7 times as wide as if the other were known
 MAX_PAIRS = 12  # that are looked into, the strongest first
 WORTH = 0.9  # of the width that another record like those at hand would leave: less of a gain is not worth a new motion
 SIMPLER = 1.1  # times the width of the best motion that a sine may leave and still be proposed
@@ -181,7 +180,7 @@ def _pairs(fit: Fit) -> list[Inseparable]:
     for block in fit.optimum.blocks:
         usable = [k for k, place in enumerate(block.places) if math.isfinite(fit.stderr[labels[place]])]
         r = _correlation(scaled_inverse(block.information[np.ix_(usable, usable)]))
-        alike = [(i, j) for j in range(len(usable)) for i in range(j) if abs(r[i, j]) >= ALIKE]
+        alike = [(i, j) for j in range(len(usable)) for i in range(j) if abs(r[i, j]) >= fit.thresholds.trading]
         pairs += [_Pair(block, usable, places, float(r[places])) for places in alike]
     pairs = sorted(pairs, key=lambda pair: -abs(pair.correlation))[:MAX_PAIRS]
     blocks = [block for block in fit.optimum.blocks if any(pair.block is block for pair in pairs)]
@@ -362,7 +361,7 @@ def _amplitude_and_frequency(fit: Fit) -> list[Inseparable]:
         table = np.log(np.array(sizes))
         if len(sizes) >= MIN_TRIED and np.all(np.ptp(table, axis=0) > 0.0):
             r = float(spearmanr(table[:, 0], table[:, 1])[0])
-            if abs(r) >= CONFOUNDED:
+            if abs(r) >= fit.thresholds.confounded:
                 bound[u] = r
     if not bound:
         return []
