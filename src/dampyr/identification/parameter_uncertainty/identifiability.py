@@ -1,11 +1,11 @@
 r"""What the records of a fit cannot separate, and the test that would.
 
-*Pairs.* Two numbers whose effects on the force look alike on these motions trade against each other: in the information of
-the records (the nuisances eliminated) their correlation r is beyond ``trading`` of the fit's thresholds, and each interval is
-:math:`1/\sqrt{1 - r^2}` times as wide as if the other were known. The fit's clustered errors with and
-without the other say the same from how the records scatter; of few records that is rough. For each pair, motions that the same drive could make are tried: the
-information that the model expects from one more record of each, counted as the other records are, is added, and the motion
-that narrows both intervals most is proposed.
+*Pairs.* Two numbers whose effects on the force look alike on these motions trade against each other: in the information of the
+records (the nuisances eliminated) their correlation r is beyond ``trading`` of the fit's thresholds, and each interval is
+:math:`1/\sqrt{1 - r^2}` times as wide as if the other were known. The fit's clustered errors with and without the other say
+the same from how the records scatter; of few records that is rough. For each pair, motions that the same drive could make are
+tried: the information that the model expects from one more record of each, counted as the other records are, is added, and the
+motion that narrows both intervals most is proposed.
 
 *Amplitude and frequency* that go together leave open whether a residual, or a parameter, follows one or the other. *Voltage and
 measurement session* cannot be told apart where every input was measured in a session of its own: what changed between two days
