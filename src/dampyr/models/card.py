@@ -97,7 +97,7 @@ def _fields(tables: dict[str, Any]) -> dict[str, Any]:
             raise InputError(f"law {name}: {problem}") from None
     covariance_table = tables.get("covariance", {})
     covariance, within = covariance_table.get("matrix"), covariance_table.get("within_records_only", [])
-    if not (isinstance(within, list) and all(isinstance(one, str) for one in within)):
+    if not (isinstance(within, list) and all(isinstance(label, str) for label in within)):
         raise InputError(
             f"covariance.within_records_only = {within!r} is not allowed; give a list of names, or leave it out"
         )

@@ -48,38 +48,50 @@ ROWS = 11  # inputs of a table over the calibrated range: each tenth of it
 class Damper(Shown):
     """A damper, made of one or more parts.
 
-    ``parts``
+    Parameters
+    ----------
+    parts
         such as ``"dahl + spring"`` or ``("dahl", "spring")``: names of ``dampyr.models.parts``. Also part objects, as `at`
         returns them: ``[Dahl(kx=800.0, kw=50.0, rho=900.0), Spring(k0=200.0)]``; their numbers are constant laws.
-    ``laws``
+    laws
         one law per parameter that no part object has, by its name (``"kx"``, or ``"dahl.kx"`` where several parts have one of
         that name), in SI units over the input; a number means a constant. A damper of numbers alone holds at every input and
         needs none.
-    ``input``
+    input
         ``"V"``: the voltage at the coil, or ``"A"``: its current.
-    ``ranges``
+    ranges
         what the calibration covered: ``displacement`` (m, peak), ``velocity`` (m/s, peak), ``frequency`` (Hz) -> (low, high).
-    ``covariance``
+    covariance
         of the laws' coefficients in their order, shape (m, m), or None where it is unknown.
-    ``within_records``
+    within_records
         the fitted numbers, such as ``"dahl.kx @ 1.98 V"``, whose variance holds within the fitted records only: each was
         determined by one or two records, so the variance between records is not in the covariance.
-    ``bandwidth``
+    bandwidth
         of the derivative that gives the velocity where none is passed, in Hz; None: plain central differences.
-    ``provenance``
+    provenance
         where the numbers come from, for people.
-    ``prediction_error``
+    prediction_error
         how far a measured force may be from the predicted one (`dampyr.models.prediction_error`): the levels of sessions and
         records and the residual; None where that was not estimated.
-    ``findings``
+    findings
         what a person should look at, the worst first: the verdict on the fit, faults of its records. What is made of the damper
         repeats those that are wrong or in doubt (`dampyr.findings.handed_on`).
-    ``origin``
+    origin
         of what it was identified from (`dampyr.origin`): "measured" only where every record was; "not stated" where nothing
         says it.
 
-    A law that misses a limit of its parameter by rounding alone, 1e-7 of its largest term, is put on that limit. Raises
-    :class:`~dampyr.errors.InputError` where a law is missing or leaves the allowed values inside its range.
+    Raises
+    ------
+    InputError
+        a law is missing, or leaves the allowed values inside its range. A law that misses a limit of its parameter by rounding
+        alone, 1e-7 of its largest term, is put on that limit.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> damper = dp.models.Damper("dahl + offset", {"kx": 900.0, "kw": 250.0, "rho": 9000.0, "f0": 120.0})
+    >>> damper.needs_input, damper.at(0.0)[1]
+    (False, Offset(f0=120.0))
     """
 
     parts: str | Sequence[Any]
@@ -109,9 +121,9 @@ class Damper(Shown):
         object.__setattr__(self, "composition", composition)
         self._check_names()
         units = {name: quantity.unit or "dimensionless" for name, quantity in composition.quantities.items()}
-        given = {name: in_si(self.laws[name], units[name], name) for name in composition.parameters}
-        object.__setattr__(self, "laws", given)
-        laws = {name: self._law(law) for name, law in given.items()}
+        in_si_units = {name: in_si(self.laws[name], units[name], name) for name in composition.parameters}
+        object.__setattr__(self, "laws", in_si_units)
+        laws = {name: self._law(law) for name, law in in_si_units.items()}
         object.__setattr__(self, "laws", laws)
         for name, quantity in composition.quantities.items():
             low, high = laws[name].extremes()
@@ -179,17 +191,16 @@ class Damper(Shown):
 
     def to_dataframe(self, inputs: ArrayLike | None = None) -> Any:
         """The parameters as a ``pandas.DataFrame`` in SI units: one row an input, by default tenths of the calibrated range."""
-        at = self._inputs_of_a_table() if inputs is None else np.atleast_1d(np.asarray(inputs, dtype=float))
+        if inputs is None:
+            low, high = self.range
+            inputs = np.linspace(low, high, ROWS) if low < high else low
+        at = np.atleast_1d(np.asarray(inputs, dtype=float))
         quantities = self.composition.quantities
         columns = {
             column_name(name, quantities[name].unit): values
             for name, values in zip(self.laws, self.at_mean_temperature.values(at).T, strict=True)
         }
         return data_frame(columns, at.tolist(), column_name(INPUTS[self.input], self.input))
-
-    def _inputs_of_a_table(self) -> Array:
-        low, high = self.range
-        return np.linspace(low, high, ROWS) if low < high else np.array([low])
 
     @property
     def all_laws(self) -> dict[str, Law]:
@@ -241,31 +252,31 @@ class Damper(Shown):
         """
         if self.temperatures is None:
             return self
-        (low, high), given = self.temperatures, float(temperature)
-        if not np.isfinite(given):
-            raise InputError(f"a temperature of {given:g} °C is not allowed; it must be finite")
-        if not low - SAME_TEMPERATURE <= given <= high + SAME_TEMPERATURE:
-            text = f"{given:g} °C is outside the calibrated temperatures {low:.4g} to {high:.4g} °C"
+        (low, high), degrees = self.temperatures, float(temperature)
+        if not np.isfinite(degrees):
+            raise InputError(f"a temperature of {degrees:g} °C is not allowed; it must be finite")
+        if not low - SAME_TEMPERATURE <= degrees <= high + SAME_TEMPERATURE:
+            text = f"{degrees:g} °C is outside the calibrated temperatures {low:.4g} to {high:.4g} °C"
             if not allow_extrapolation:
                 raise RangeError(f"{text}; stay inside them, or pass allow_extrapolation=True")
             warnings.warn(f"{text}: extrapolated", ExtrapolationWarning, stacklevel=3)
         laws: dict[str, Law] = {}
         mixed = []
         for name, law in self.all_laws.items():
-            one = np.eye(len(law.coefficients))
+            mixing = np.eye(len(law.coefficients))
             if isinstance(law, WithTemperature):
-                laws[name], s = law.at_temperature(given), law.share(given)
-                half = len(one) // 2
-                one = np.hstack([(1.0 - s) * np.eye(half), s * np.eye(half)])
+                laws[name], s = law.at_temperature(degrees), law.share(degrees)
+                half = len(mixing) // 2
+                mixing = np.hstack([(1.0 - s) * np.eye(half), s * np.eye(half)])
             else:
                 laws[name] = law
-            mixed.append(one)
+            mixed.append(mixing)
         covariance, error = None, self.prediction_error
         if self.covariance is not None:
             covariance = mapped_covariance(block_diagonal(mixed), self.covariance)
         if error is not None:
             error = error.mapped(block_diagonal(mixed))
-        provenance = dict(self.provenance) | {"temperature": f"{given:g} °C"}
+        provenance = dict(self.provenance) | {"temperature": f"{degrees:g} °C"}
         return replace(self, laws=laws, covariance=covariance, provenance=provenance, prediction_error=error)
 
     @property
@@ -286,7 +297,7 @@ class Damper(Shown):
             parts=tuple(name for name in self.composition.names if name not in names),
             laws=laws,
             covariance=None if self.covariance is None else self.covariance[np.ix_(retained, retained)],
-            within_records=tuple(one for one in self.within_records if one.partition(".")[0] not in names),
+            within_records=tuple(label for label in self.within_records if label.partition(".")[0] not in names),
             prediction_error=self._with_columns(np.flatnonzero(retained)),
         )
 
@@ -401,15 +412,15 @@ class Damper(Shown):
 
         One that needs no input takes either, and 0 where none is given.
         """
-        given, other = (voltage, current) if self.input == "V" else (current, voltage)
+        wanted, other = (voltage, current) if self.input == "V" else (current, voltage)
         if not self.needs_input:
-            return next((each for each in (given, other) if each is not None), 0.0)
+            return next((value for value in (wanted, other) if value is not None), 0.0)
         word = INPUTS[self.input]
         if other is not None:
             raise InputError(f"this damper was calibrated over {word} in {self.input}; pass {word}=, not the other")
-        if given is None:
+        if wanted is None:
             raise InputError(f"this damper needs its {word}; pass {word}= in {self.input}")
-        return given
+        return wanted
 
     def force(
         self,
@@ -422,15 +433,39 @@ class Damper(Shown):
         allow_extrapolation: bool = False,
         temperature: float | None = None,
     ) -> Array:
-        """The force in N, shape (n,), along a path.
+        """The force in N, shape (n,), along a path; quantities and labelled arrays are converted from their units
+        (`dampyr.units.in_si`).
 
-        ``t`` (n,) s rising, ``x`` (n,) m, ``velocity`` (n,) m/s or None for the derivative of x (see ``bandwidth``),
-        ``voltage`` a number or (n,) V, ``state0`` the hysteretic states at the start (0: no memory). Quantities and labelled
-        arrays are converted from their units (`dampyr.units.in_si`). Between samples the path is straight. ``temperature`` in
-        degC is that of a damper whose laws depend on it (see `at_temperature`). A motion beyond the calibrated displacement or
-        velocity gives one warning that names the limit; beyond 20 times either (1 m and 10 m/s where a card over an input
-        states none) it is a :class:`~dampyr.errors.RangeError` that asks about the unit, unless ``allow_extrapolation``.
-        Samples too far apart for a part's friction (`dampyr.models.sampling_error`) give a warning that says by how much.
+        Parameters
+        ----------
+        t
+            (n,) s, rising.
+        x
+            (n,) m; between samples the path is straight.
+        voltage, current
+            the input of the damper, a number or (n,) in V or A: the one that it was calibrated over.
+        velocity
+            (n,) m/s; by default the derivative of x with the damper's ``bandwidth``.
+        state0
+            the hysteretic states at the start; by default 0, no memory.
+        allow_extrapolation
+            also at an input outside the calibrated range, with a warning.
+        temperature
+            degC, of a damper whose laws depend on it (see `at_temperature`).
+
+        Returns
+        -------
+        array
+            (n,) N. A motion beyond the calibrated displacement or velocity gives one warning that names the limit; samples too
+            far apart for a part's friction (`dampyr.models.sampling_error`) give one that says by how much.
+
+        Raises
+        ------
+        RangeError
+            an input outside the calibrated range, or a motion beyond 20 times the calibrated one (1 m and 10 m/s where a card
+            over an input states none): is the path in mm?
+        InputError
+            an input that is missing, or not the damper's; channels of different lengths or that are not finite.
 
         Examples
         --------
@@ -465,6 +500,7 @@ class Damper(Shown):
         """`force` along a motion that was computed, such as that of a building: however far it is beyond the calibrated
         displacement or velocity, it gives a warning and asks nothing about units.
         """
+        from dampyr.models.input_lag import lagged
         from dampyr.models.path_integration import along, delayed
         from dampyr.models.sampling_error import sampling_words
 
@@ -475,7 +511,10 @@ class Damper(Shown):
         u = self._input_along(self.pick_input(voltage, current), t)
         v = self._velocity(t, x, velocity)
         self._warn_outside(x, v)
-        values = self.values(self._behind(t, u), allow_extrapolation=allow_extrapolation)
+        lag = self.composition.lag
+        if lag is not None:  # its time constant is a constant, so any input gives it
+            u = np.asarray(lagged(t, u, float(list(self.all_laws.values())[lag](float(np.mean(u))))))
+        values = self.values(u, allow_extrapolation=allow_extrapolation)
         start = self._state0(state0)
         undelayed = along(self.composition, t, x, v, values, start)
         if text := sampling_words(self.composition, t, x, v, values, start):
@@ -499,10 +538,30 @@ class Damper(Shown):
     ) -> tuple[Array, Array]:
         """The limits (n,) in N between which a measured force along a path is expected with the probability ``level``.
 
-        The path as in `force`. It holds for a record of another measurement session, or of a fitted one by its name
-        (``session``), with the offset that the damper has; `dampyr.identification.prediction_band` compares a record
-        with it. Raises
-        :class:`~dampyr.errors.InputError` where the damper has no `prediction_error`.
+        `dampyr.identification.prediction_band` compares a record with it.
+
+        Parameters
+        ----------
+        t, x, voltage, current, velocity, temperature
+            the path, as in `force`.
+        level
+            share of the measured force that lies between the limits, between 0 and 1.
+        session
+            a fitted measurement session by its name; by default the band holds for a record of another session.
+        draws, seed
+            how many draws the limits are quantiles of, and their seed.
+        allow_extrapolation
+            also at an input outside the calibrated range, with a warning.
+
+        Returns
+        -------
+        two arrays
+            (n,) N, with the offset that the damper has.
+
+        Raises
+        ------
+        InputError
+            the damper has no `prediction_error`, or was not fitted on that session.
         """
         check_level(level)
         if temperature is not None and self.temperatures is not None:
@@ -514,13 +573,6 @@ class Damper(Shown):
         forces, noise = force_draws(self, path, draws, seed, session, allow_extrapolation)
         low, high = np.quantile(forces + noise, (0.5 * (1.0 - level), 0.5 * (1.0 + level)), axis=0)
         return low, high
-
-    def _behind(self, t: Array, u: Array) -> ArrayLike:
-        """The input behind its command, where the damper has a lag."""
-        from dampyr.models.input_lag import lagged
-
-        k = self.composition.lag
-        return u if k is None else lagged(t, u, float(list(self.all_laws.values())[k](float(np.mean(u)))))
 
     def _input_along(self, u: ArrayLike, t: Array) -> Array:
         values = np.asarray(in_si(u, self.input, INPUTS[self.input]), dtype=float)
@@ -607,7 +659,7 @@ class Damper(Shown):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DampyrWarning)  # of doubtful values the damper itself has warned
             if levels and self.prediction_error is not None:
-                return [each.damper.at_level(each.level) for each in draws_of(self, self.prediction_error, n, rng)]
+                return [draw.damper.at_level(draw.level) for draw in draws_of(self, self.prediction_error, n, rng)]
             root = square_root(covariance)
             return [moved(self, root @ rng.standard_normal(len(root))) for _ in range(n)]
 
@@ -661,11 +713,13 @@ def _names_and_constants(parts: Any) -> tuple[str | list[str], dict[str, float]]
     if isinstance(parts, str):
         return parts, {}
     names, constants = [], {}
-    for each in parts if isinstance(parts, Iterable) else [parts]:
-        name = each if isinstance(each, str) else part_name(each)
+    for part in parts if isinstance(parts, Iterable) else [parts]:
+        name = part if isinstance(part, str) else part_name(part)
         names.append(name)
-        if not isinstance(each, str):
-            constants.update({f"{name}.{one.name}": float(getattr(each, one.name)) for one in fields(each)})
+        if not isinstance(part, str):
+            constants.update(
+                {f"{name}.{parameter.name}": float(getattr(part, parameter.name)) for parameter in fields(part)}
+            )
     return names, constants
 
 

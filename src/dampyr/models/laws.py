@@ -326,7 +326,7 @@ def onto_limits(law: Law, quantity: Quantity) -> Law:
     What is farther beyond comes back as it is.
     """
     if isinstance(law, WithTemperature):
-        cold, warm = (onto_limits(each, quantity) for each in (law.cold, law.warm))
+        cold, warm = (onto_limits(side, quantity) for side in (law.cold, law.warm))
         return law if cold is law.cold and warm is law.warm else replace(law, cold=cold, warm=warm)
     numbers = np.array(law.coefficients)
     if isinstance(law, Polynomial):

@@ -151,32 +151,32 @@ class PredictionError:
 
     def mapped(self, matrix: Array) -> PredictionError:
         """The same for a damper whose coefficients are ``matrix`` (k, m) times these."""
-        given = {one.name: getattr(self, one.name) for one in fields(self)}
+        values = {item.name: getattr(self, item.name) for item in fields(self)}
         within = None if self.within_sessions is None else matrix @ self.within_sessions @ matrix.T
-        return PredictionError(**(given | {"directions": self.directions @ matrix.T, "within_sessions": within}))
+        return PredictionError(**(values | {"directions": self.directions @ matrix.T, "within_sessions": within}))
 
     def shape_at(self, u: float) -> ShapeError:
         """The residual at the input that is nearest to ``u``."""
-        return min(self.shapes, key=lambda one: abs(one.input - u))
+        return min(self.shapes, key=lambda shape: abs(shape.input - u))
 
     def card(self) -> dict[str, Any]:
         """The table of a card."""
-        table = {one.name: getattr(self, one.name) for one in fields(self) if getattr(self, one.name) is not None}
+        table = {item.name: getattr(self, item.name) for item in fields(self) if getattr(self, item.name) is not None}
         if self.within_sessions is not None:
             table["within_sessions"] = self.within_sessions.tolist()
         table["directions"] = self.directions.tolist()
         for name in ("sessions", "session_levels", "session_errors"):
             table[name] = list(table[name])
         table["shapes"] = [
-            {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(one).items()}
-            for one in self.shapes
+            {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(item).items()}
+            for item in self.shapes
         ]
         return table
 
 
 def from_card(table: Mapping[str, Any], coefficients: int) -> PredictionError:
     """The prediction error of a card's table; :class:`~dampyr.errors.InputError` names what is wrong with it."""
-    allowed = [one.name for one in fields(PredictionError)]
+    allowed = [item.name for item in fields(PredictionError)]
     for name in table:
         if name not in allowed:
             raise InputError(f"prediction_error has {name!r}, which is unknown; it holds {', '.join(allowed)}")
@@ -184,16 +184,16 @@ def from_card(table: Mapping[str, Any], coefficients: int) -> PredictionError:
     if missing:
         raise InputError(f"prediction_error lacks {missing[0]!r}; add it, or leave the table out")
     try:
-        shapes = tuple(ShapeError(**one) for one in table["shapes"])
+        shapes = tuple(ShapeError(**item) for item in table["shapes"])
         directions = np.array(table["directions"]) if table["sessions"] else np.zeros((0, coefficients))
-        made = PredictionError(**(dict(table) | {"shapes": shapes, "directions": directions}))
+        error = PredictionError(**(dict(table) | {"shapes": shapes, "directions": directions}))
     except (TypeError, ValueError) as problem:
         raise InputError(f"prediction_error: {problem}") from None
-    if made.directions.shape[1] != coefficients:
+    if error.directions.shape[1] != coefficients:
         raise InputError(
-            f"prediction_error.directions has {made.directions.shape[1]} columns; the laws have {coefficients} coefficients"
+            f"prediction_error.directions has {error.directions.shape[1]} columns; the laws have {coefficients} coefficients"
         )
-    return made
+    return error
 
 
 def spread_words(session_sd: float, estimated: bool) -> str:
@@ -317,7 +317,7 @@ def _law_moved(law: Any, change: Array, low: float, high: float) -> Array:
     """The coefficients of a law after their change, its values between ``low`` and ``high``."""
     if isinstance(law, WithTemperature):
         halves = zip((law.cold, law.warm), np.split(change, 2), strict=True)
-        return np.concatenate([_law_moved(one, part, low, high) for one, part in halves])
+        return np.concatenate([_law_moved(half, part, low, high) for half, part in halves])
     before = np.array(law.coefficients)
     if not isinstance(law, Polynomial):
         return _inside(before, change, low, high)
@@ -395,7 +395,7 @@ def phase_basis(t: Array, x: Array, v: Array) -> Array:
     """The functions (n, 10) of the shape error along a motion; a straight line through the displacement is taken off."""
     line = np.polynomial.polynomial.polyfit(t - t[0], x, 1)
     away = x - line[0] - line[1] * (t - t[0])
-    scaled = [one / max(float(np.quantile(np.abs(one), AMPLITUDE_QUANTILE)), 1e-300) for one in (away, v)]
+    scaled = [trace / max(float(np.quantile(np.abs(trace), AMPLITUDE_QUANTILE)), 1e-300) for trace in (away, v)]
     radius, phase = np.hypot(*scaled), np.arctan2(scaled[1], scaled[0])
     steps = np.outer(phase, np.arange(1, HARMONICS + 1))
     waves = np.stack((np.cos(steps), np.sin(steps)), axis=-1).reshape(t.size, -1)
@@ -449,8 +449,8 @@ def force_draws(
     shape, forces, noise = error.shape_at(float(np.mean(u))), np.empty((n, len(t))), np.empty((n, len(t)))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)  # the prediction itself warns of what is outside
-        for k, one in enumerate(draws_of(damper, error, n, rng, session)):
-            force = one.level * one.damper.force(**path, allow_extrapolation=allow_extrapolation)
+        for k, draw in enumerate(draws_of(damper, error, n, rng, session)):
+            force = draw.level * draw.damper.force(**path, allow_extrapolation=allow_extrapolation)
             force = force if averaging is None else averaging(force)
             residual, white = residual_draw(basis, dt, shape, rng)
             size = float(np.std(force))

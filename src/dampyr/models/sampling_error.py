@@ -48,7 +48,7 @@ def sampling_error(
     ends = np.cumsum(count)
     k = np.repeat(np.arange(count.size), count)  # the sample before each finer one
     s = (np.arange(ends[-1]) - (ends - count)[k] + 1.0) / count[k]
-    dt, dx, dv = (np.diff(each)[k] for each in (t, x, v))
+    dt, dx, dv = (np.diff(channel)[k] for channel in (t, x, v))
     fine = (t[k] + s * dt, x[k] + s * dx - 0.5 * dt * s * (1.0 - s) * dv, v[k] + s * dv)
     time, place, rate = (np.concatenate([whole[:1], part]) for whole, part in zip((t, x, v), fine, strict=True))
     rows = values if values.ndim == 1 else values[np.concatenate([[0], k + 1])]

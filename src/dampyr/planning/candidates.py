@@ -60,16 +60,16 @@ class Candidate:
     def table(self) -> dict[str, Any]:
         """The ``[[step]]`` of a campaign file: what differs from the kind's defaults, numbers with their units."""
         table: dict[str, Any] = {"kind": self.kind}
-        for each in fields(self.step):
-            value = getattr(self.step, each.name)
-            if value != each.default:
-                table[each.name] = _written(self.step, each.name, value)
+        for setting in fields(self.step):
+            value = getattr(self.step, setting.name)
+            if value != setting.default:
+                table[setting.name] = _written(self.step, setting.name, value)
         return table
 
 
 def _written(step: Any, name: str, value: Any) -> Any:
     if isinstance(value, tuple):
-        return [_written(step, name, one) for one in value]
+        return [_written(step, name, item) for item in value]
     if isinstance(value, bool | int | str):
         return value
     unit = quantity_of(step, name).unit
@@ -137,28 +137,31 @@ def envelope(
         raise InputError(f"seconds = {seconds:g} is not allowed; give {SHORTEST:g} to 600 s of steady motion")
     levels = voltages_of(damper, rig, voltages)
     frequencies = np.array([round(float(f), 3) for f in np.geomspace(LOWEST, HIGHEST, FREQUENCIES)])
-    limits, made, rounds = {}, [], len(levels) + 2
+    limits, candidates, rounds = {}, [], len(levels) + 2
     for k, u in enumerate(levels):
         limits[u] = np.array([_largest_sine(f, u, rig, damper) for f in frequencies])
         progress((k + 1) / rounds)
         if "sine" in kinds:
-            made += _shares(frequencies, limits[u], rig, partial(_sine, u=u, seconds=seconds))
+            candidates += _shares(frequencies, limits[u], rig, partial(_sine, u=u, seconds=seconds))
     if "voltage_steps" in kinds and len(levels) > 1:
         steps = partial(_voltage_steps, levels=levels, seconds=seconds)
-        made += _shares(frequencies, limits[max(levels)], rig, steps)
+        candidates += _shares(frequencies, limits[max(levels)], rig, steps)
     progress((rounds - 1) / rounds)
     for u in levels:
         if "sweep" in kinds:
-            made += _bands(
+            candidates += _bands(
                 rig, damper, [_sweep(start, stop, u, seconds, rig) for start, stop in ((0.3, 1.5), (0.8, 4.0))]
             )
         if "random" in kinds:
-            made += _bands(rig, damper, [_random(0.2, top, u, seconds, s, rig) for top in (1.5, 4.0) for s in SEEDS])
-    passed = tuple(each for each in made if not _refused(each.step, rig, damper))
+            candidates += _bands(
+                rig, damper, [_random(0.2, top, u, seconds, s, rig) for top in (1.5, 4.0) for s in SEEDS]
+            )
+    dampers = _checked_with(rig, damper)
+    passed = tuple(c for c in candidates if not any(violations_of(c.step, rig, checked) for checked in dampers))
     progress(1.0)
     if not passed:
         raise InputError(
-            f"the rig {rig.name!r} can do none of {len(made)} candidate tests with this damper at {min(levels):.4g} to "
+            f"the rig {rig.name!r} can do none of {len(candidates)} candidate tests with this damper at {min(levels):.4g} to "
             f"{max(levels):.4g} V: with at least {1e3 * _least(rig):.3g} mm none is within its limits; lower the voltages, or "
             "check actuator and limits in the rig's file"
         )
@@ -185,22 +188,17 @@ def _checked_with(rig: RigSettings, damper: Damper) -> tuple[Damper | None, ...]
     return (damper,) if rig.specimen.card else (damper, specimen(rig))
 
 
-def _refused(step: Any, rig: RigSettings, damper: Damper) -> bool:
-    """Whether the check before motion would refuse a step."""
-    return any(violations_of(step, rig, one) for one in _checked_with(rig, damper))
-
-
 def _largest_amplitude(step: Any, rig: RigSettings, damper: Damper) -> float | None:
     """The largest amplitude [m] that passes, at most the step's own; None where none does."""
     a: float | None = float(step.amplitude)
-    for one in _checked_with(rig, damper):
-        if a is not None and violations_of(replace(step, amplitude=a), rig, one):
-            a = largest(replace(step, amplitude=a), "amplitude", rig, one)
+    for checked in _checked_with(rig, damper):
+        if a is not None and violations_of(replace(step, amplitude=a), rig, checked):
+            a = largest(replace(step, amplitude=a), "amplitude", rig, checked)
     return a
 
 
 def _shares(
-    frequencies: Array, limits: Array, rig: RigSettings, made: Callable[[float, float], Candidate]
+    frequencies: Array, limits: Array, rig: RigSettings, candidate_of: Callable[[float, float], Candidate]
 ) -> list[Candidate]:
     """Candidates at each frequency with shares of the largest amplitude there, to three digits, rounded down."""
     candidates = []
@@ -208,7 +206,7 @@ def _shares(
         for share in SHARES:
             a = _three_digits(share * limit)
             if a >= _least(rig):
-                candidates.append(made(float(f), a))
+                candidates.append(candidate_of(float(f), a))
     return candidates
 
 
@@ -231,8 +229,8 @@ def _voltage_steps(f: float, a: float, levels: tuple[float, ...], seconds: float
     would be the largest error of the record.
     """
     hold = max(1, round(seconds * f / len(levels) / 2)) / f
-    both = (*levels, *levels[::-1])
-    step = kind("voltage_steps")(amplitude=a, frequency=f, voltages=both, hold=round(hold, 3), rest_before=1.0)
+    up_and_down = (*levels, *levels[::-1])
+    step = kind("voltage_steps")(amplitude=a, frequency=f, voltages=up_and_down, hold=round(hold, 3), rest_before=1.0)
     return _placed("voltage_steps", step, f, a)
 
 
@@ -256,9 +254,9 @@ def _placed(name: str, step: Any, frequency: float, amplitude: float) -> Candida
 def _bands(rig: RigSettings, damper: Damper, wanted: list[Candidate]) -> list[Candidate]:
     """Tests over a band of frequencies with the largest amplitude that passes, where that is enough."""
     candidates = []
-    for each in wanted:
-        a = _largest_amplitude(each.step, rig, damper)
+    for candidate in wanted:
+        a = _largest_amplitude(candidate.step, rig, damper)
         if a is not None and a >= _least(rig):
             a = _three_digits(MARGIN * a)
-            candidates.append(replace(each, step=replace(each.step, amplitude=a), amplitude=a))
+            candidates.append(replace(candidate, step=replace(candidate.step, amplitude=a), amplitude=a))
     return candidates

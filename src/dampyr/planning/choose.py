@@ -63,6 +63,7 @@ class PeakGoal:
 
         c = np.where(np.isfinite(self.gradient), self.gradient, 0.0)
         parts = np.abs(c) * np.sqrt(np.maximum(np.diag(covariance), 0.0))
+        # the coefficients that matter most to the peak lend it their degrees of freedom
         mean = float(parts @ freedom / max(parts.sum(), 1e-300))
         variance = max(float(c @ covariance @ c), 0.0)
         return float(stdtrit(max(mean, 1.0), 0.975) * np.sqrt(variance))

@@ -61,10 +61,10 @@ class Round(Shown):
     @property
     def ratios(self) -> dict[str, float]:
         """What was achieved over what was expected, by coefficient, where both are intervals."""
-        both = {label: (self.expected.get(label), half) for label, half in self.achieved.items()}
         return {
             label: half / promised
-            for label, (promised, half) in both.items()
+            for label, half in self.achieved.items()
+            for promised in (self.expected.get(label),)
             if promised and np.isfinite(promised) and np.isfinite(half)
         }
 
@@ -118,6 +118,8 @@ def plan_and_perform(
         without a target there are twelve tests.
     per_round
         How many tests are performed before the records are looked at.
+    progress
+        Called with what is being done, and the fraction of it that is done.
     watcher, control
         Those of `dampyr.campaigns.perform`.
 
@@ -126,7 +128,10 @@ def plan_and_perform(
     Planned
         also where the targets are not reached: ``reached`` and ``reason`` say so.
 
-    Raises what `propose` and `perform` raise.
+    Raises
+    ------
+    InputError
+        nothing is known of the damper, another plan in this folder, or what `propose` and `dampyr.campaigns.perform` refuse.
     """
     options = PlanOptions.of("plan_and_perform", options, given)
     options.check_goal()
@@ -134,7 +139,7 @@ def plan_and_perform(
         raise InputError(f"per_round = {per_round} is not allowed; give at least 1 test")
     evidence = specimen(rig.settings, rig.folder) if evidence is None else evidence
     evidence, model = _started(evidence, options, progress)
-    options = _with_model(options, model)
+    options = replace(options, model=model)
     if isinstance(evidence, Fit) and not options.mixed_origins:
         check_one_kind([*evidence.records, Named(f"the tests of the rig {rig.settings.name!r}", rig.origin)])
     folder = Path(folder)
@@ -154,10 +159,6 @@ def _started(evidence: Any, options: PlanOptions, progress: Progress) -> tuple[D
     return evidence, options.model or " + ".join(parts)
 
 
-def _with_model(options: PlanOptions, model: str) -> PlanOptions:
-    return replace(options, model=model)
-
-
 @dataclass
 class _Loop:
     """One plan under way."""
@@ -170,20 +171,21 @@ class _Loop:
     progress: Progress
     watcher: Watcher | None
     control: RunControl | None
+    first: Proposal | None = None  # made before there is a folder, so that a refusal leaves nothing behind
 
     @property
     def identity(self) -> dict[str, Any]:
         """What makes this plan another one than the next."""
-        given = {
+        arguments = {
             f.name: getattr(self.options, f.name)
             for f in fields(self.options)
             if f.name not in ("peak", "mixed_origins")
         }
         peak = self.options.peak
-        given["peak"] = None if peak is None else [peak.words, float(np.sum(np.square(peak.motion.acceleration)))]
+        arguments["peak"] = None if peak is None else [peak.words, float(np.sum(np.square(peak.motion.acceleration)))]
         names = [record.name for record in self.evidence.records] if isinstance(self.evidence, Fit) else []
-        given |= {"schema": SCHEMA, "per_round": self.per_round, "records": names}
-        plain_text: dict[str, Any] = json.loads(json.dumps(plain(given)))
+        arguments |= {"schema": SCHEMA, "per_round": self.per_round, "records": names}
+        plain_text: dict[str, Any] = json.loads(json.dumps(plain(arguments)))
         return plain_text
 
     def begin(self) -> None:
@@ -210,8 +212,6 @@ class _Loop:
         self.folder.mkdir(parents=True, exist_ok=True)
         write_whole(path, json.dumps(self.identity, indent=2) + "\n")
 
-    first: Proposal | None = None
-
     @property
     def max_tests(self) -> int | None:
         """Tests of all rounds together, None where only time or a target ends them."""
@@ -222,9 +222,9 @@ class _Loop:
 
     def _left(self, rounds: list[Round]) -> tuple[int, float]:
         """How many tests, and how many s of them, the next round may have."""
-        done = sum(len(one.tests) for one in rounds)
+        done = sum(len(performed.tests) for performed in rounds)
         number = self.per_round if self.max_tests is None else min(self.per_round, self.max_tests - done)
-        used = sum(one.duration for one in rounds)
+        used = sum(performed.duration for performed in rounds)
         return number, np.inf if self.options.duration is None else self.options.duration - used
 
     def _next(self, evidence: Damper | Fit, left: tuple[int, float]) -> Proposal:
@@ -239,34 +239,27 @@ class _Loop:
         evidence: Damper | Fit = self.evidence
         while True:
             number = len(rounds) + 1
-            own = self.folder / f"round-{number:02d}"
-            if not (own / CAMPAIGN).is_file():
+            folder = self.folder / f"round-{number:02d}"
+            if not (folder / CAMPAIGN).is_file():
                 reason, reached = self._verdict(evidence, rounds)
-                proposal = None
-                if not reason:
-                    proposal = (
-                        self.first if number == 1 and self.first is not None else self._proposal(evidence, rounds)
-                    )
-                    reason = (
-                        "" if proposal is not None else "what is left of the duration is too short for another test"
-                    )
-                if not reason and proposal is not None and rounds and self._gains_little(proposal):
+                proposal = None if reason else self._proposal(evidence, rounds)
+                if proposal is None:
+                    reason = reason or "what is left of the duration is too short for another test"
+                elif rounds and self._gains_little(proposal):
                     reason = f"another round is expected to improve the intervals by less than {100 * NO_GAIN:g} %"
                 if reason or proposal is None:
                     if not isinstance(evidence, Fit):
                         raise InputError(f"nothing was performed: {reason}")
-                    return Planned(self.folder, tuple(rounds), evidence, reached, reason, self._goal())
-                self._write(own, proposal)
-            perform(own / CAMPAIGN, self.rig, own, self.watcher, self.control)
+                    return Planned(self.folder, tuple(rounds), evidence, reached, reason, self.options.aim)
+                self._write(folder, proposal)
+            perform(folder / CAMPAIGN, self.rig, folder, self.watcher, self.control)
             evidence = self._fit(number)
-            rounds.append(self._round(number, own, evidence))
-
-    def _goal(self) -> str:
-        if self.options.peak is not None:
-            return self.options.peak.words
-        return f"the parameters {', '.join(self.options.targets)}" if self.options.targets else "all parameters"
+            rounds.append(self._round(number, folder, evidence))
 
     def _proposal(self, evidence: Damper | Fit, rounds: list[Round]) -> Proposal | None:
+        """The next round; None where no candidate fits into what is left of the duration."""
+        if not rounds and self.first is not None:
+            return self.first
         try:
             return self._next(evidence, self._left(rounds))
         except InputError as problem:
@@ -274,16 +267,16 @@ class _Loop:
                 return None
             raise
 
-    def _write(self, own: Path, proposal: Proposal) -> None:
+    def _write(self, folder: Path, proposal: Proposal) -> None:
         """The promise first: a round with a campaign has it."""
-        own.mkdir(exist_ok=True)
+        folder.mkdir(exist_ok=True)
         promise = {
             "half_width": dict(proposal.after),
             "peak_half_width": proposal.peak_after,
             "duration_s": proposal.duration,
         }
-        write_whole(own / EXPECTED, json.dumps(plain(promise), indent=2) + "\n")
-        write_whole(own / CAMPAIGN, proposal.text)
+        write_whole(folder / EXPECTED, json.dumps(plain(promise), indent=2) + "\n")
+        write_whole(folder / CAMPAIGN, proposal.text)
 
     def _fit(self, last: int) -> Fit:
         """The fit to the records that were known and those of all rounds so far."""
@@ -294,8 +287,8 @@ class _Loop:
                 records.append(record.replace(note=f"named {name} among the rounds of a plan", name=name))
         return fitted(records, self.options, self.progress)
 
-    def _round(self, number: int, own: Path, evidence: Fit) -> Round:
-        promise = json.loads((own / EXPECTED).read_text("utf-8"))
+    def _round(self, number: int, folder: Path, evidence: Fit) -> Round:
+        promise = json.loads((folder / EXPECTED).read_text("utf-8"))
         spans = evidence.intervals()
         achieved = {}
         for label, value in evidence.parameters.items():
@@ -303,10 +296,10 @@ class _Loop:
             if value and not np.isnan(half):
                 achieved[label] = float(half / abs(value))
         promised = {label: np.inf if half is None else float(half) for label, half in promise["half_width"].items()}
-        tests = tuple(test.name for test in read(own / CAMPAIGN).tests)
+        tests = tuple(test.name for test in read(folder / CAMPAIGN).tests)
         peak = self._peak_half(evidence)
         return Round(
-            number, own, tests, float(promise["duration_s"]), promised, achieved, promise["peak_half_width"], peak
+            number, folder, tests, float(promise["duration_s"]), promised, achieved, promise["peak_half_width"], peak
         )
 
     def _peak_half(self, evidence: Fit) -> float | None:
@@ -323,13 +316,12 @@ class _Loop:
         """Why no further round is performed, empty where one is; and whether the targets are met."""
         if isinstance(evidence, Fit) and evidence.damper is None:
             return f"the fit gives no damper to plan from: {evidence.reason}", False
-        reached = self._reached(evidence, rounds)
-        if reached:
+        if self._reached(evidence, rounds):
             return "the targets are reached", True
-        done = sum(len(one.tests) for one in rounds)
+        done = sum(len(performed.tests) for performed in rounds)
         if self.max_tests is not None and done >= self.max_tests:
             return f"all {self.max_tests} tests are performed", False
-        used = sum(one.duration for one in rounds)
+        used = sum(performed.duration for performed in rounds)
         if self.options.duration is not None and used >= self.options.duration:
             return f"the {self.options.duration:g} s of tests are used", False
         return "", False
@@ -358,13 +350,13 @@ class _Loop:
         if proposal.peak_after is not None and proposal.peak_before is not None:
             return proposal.peak_after > (1.0 - NO_GAIN) * proposal.peak_before
         aims = self.options.targets
-        both = [
+        aimed_at = [
             (proposal.before[label], half)
             for label, half in proposal.after.items()
             if label in proposal.before
             and np.isfinite(half)
             and (not aims or any(is_named(label, name) for name in aims))
         ]
-        if not both or any(not np.isfinite(before) for before, _ in both):
+        if not aimed_at or any(not np.isfinite(before) for before, _ in aimed_at):
             return False
-        return float(np.mean([np.log(after / before) for before, after in both])) > np.log(1.0 - NO_GAIN)
+        return float(np.mean([np.log(after / before) for before, after in aimed_at])) > np.log(1.0 - NO_GAIN)

@@ -116,6 +116,13 @@ class PlanOptions(Options):
             raise InputError("the target of a peak is a share of it, such as 0.02, and needs the goal peak")
 
     @property
+    def aim(self) -> str:
+        """What is to be known well, in words."""
+        if self.peak is not None:
+            return self.peak.words
+        return f"the parameters {', '.join(self.targets)}" if self.targets else "all parameters"
+
+    @property
     def aimed(self) -> bool:
         """Whether there is a target, after which nothing more need be tested."""
         return bool(self.targets) or self.peak_target is not None
@@ -241,10 +248,33 @@ def propose(
     options
         The further arguments as one object; those that are given by name, such as ``targets={"dahl.rho": 0.05}``, take
         their places. ``peak``: the `Peak` of a structure, for the goal "peak".
+    progress
+        Called with what is being done, and the fraction of it that is done.
 
-    Raises :class:`~dampyr.errors.InputError` before anything moves, see `envelope` and `layout`.
+    Returns
+    -------
+    Proposal
+        the tests, and the intervals that are expected after them.
+
+    Raises
+    ------
+    InputError
+        nothing is known of the damper, no test is within the rig's limits, or an option that excludes another; before anything
+        moves.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> card = dp.studies.raminelli_2020.damper()
+    >>> proposal = dp.planning.propose(card, tests=2, kinds=["sine"], voltages=[1.98], laws="constant", seconds=4.0)
+    >>> len(proposal.tests), proposal.duration < 60.0
+    (2, True)
     """
-    settings, folder = _settings(rig)
+    folder = None
+    if rig is None or isinstance(rig, RigSettings):
+        settings = rig or RigSettings()
+    else:
+        settings, folder = load_settings(rig), Path(rig).parent
     options = PlanOptions.of("propose", options, given)
     options.check_goal()
     evidence = specimen(settings, folder) if evidence is None else evidence
@@ -262,12 +292,6 @@ def propose(
     return _proposed(evidence.damper, evidence, settings, options, progress)
 
 
-def _settings(rig: RigSettings | str | Path | None) -> tuple[RigSettings, Path | None]:
-    if rig is None or isinstance(rig, RigSettings):
-        return rig or RigSettings(), None
-    return load_settings(rig), Path(rig).parent
-
-
 def fitted(
     records: Record | Sequence[Record], options: PlanOptions, progress: Progress = lambda stage, done: None
 ) -> Fit:
@@ -279,7 +303,8 @@ def fitted(
     if options.model is None:
         raise InputError("records are given without a model; name one, such as dahl")
     model = options.model
-    if any(np.ndim(r.voltage) and np.ptp(r.voltage) for r in listed if r.voltage is not None) and not _has_lag(model):
+    varies = any(np.ndim(r.voltage) and np.ptp(r.voltage) for r in listed if r.voltage is not None)
+    if varies and "lag" not in map(str.strip, model.split("+")):
         model = f"{model} + lag"
 
     def show(step: int, _: float) -> None:
@@ -291,10 +316,6 @@ def fitted(
     result = fit_model(model, listed, of_fit, show)
     progress("fitting the model", 1.0)
     return result
-
-
-def _has_lag(model: str) -> bool:
-    return "lag" in [part.strip() for part in model.split("+")]
 
 
 def _proposed(
@@ -312,24 +333,27 @@ def _proposed(
     )
     candidates = candidates_of.candidates
     records = []
-    for k, each in enumerate(candidates):
-        records.append(expected_record(each.step.drive(rig), bare, rig, f"candidate {k + 1}"))
+    for k, candidate in enumerate(candidates):
+        records.append(expected_record(candidate.step.drive(rig), bare, rig, f"candidate {k + 1}"))
         progress("weighing the candidates", 0.3 * (k + 1) / len(candidates))
     study = _Study(damper, bare, evidence, rig, options)
     pool = study.of(records, lambda p: progress("weighing the candidates", 0.3 + 0.7 * p))
-    enough = _enough(options)
+    # the criterion is a logarithm: of the peak's half width, or of the ratios to the targets, which is 0 where all are met
+    enough = -np.inf if not options.targets else 0.0
+    if options.peak_target is not None:
+        enough = float(np.log(options.peak_target))
     places = best_tests(
         pool.plan,
         pool_of(pool.plan, pool.present, pool.candidates, pool.spread, pool.factors),
         options.max_tests,
         pool.goal,
-        [each.duration for each in candidates],
+        [candidate.duration for candidate in candidates],
         np.inf if options.duration is None else options.duration,
         enough=enough - float(np.log(pool.peak_factor)),
         progress=lambda p: progress("choosing tests", p),
     )
     if not places:
-        shortest = min(each.duration for each in candidates)
+        shortest = min(candidate.duration for candidate in candidates)
         raise InputError(
             f"duration = {options.duration:g} s is shorter than the shortest candidate, {shortest:.3g} s; give more, or fewer "
             "seconds of motion"
@@ -342,6 +366,14 @@ def _proposed(
     after = expected(last.plan, [*last.present, *last.candidates], last.spread, factors=last.factors)
     tests = tuple(ProposedTest(candidates[k], last.improved_by(place, after)) for place, k in enumerate(places))
     before, peak_before = _before(damper, evidence, last, notes)
+    if last.spread.records == 0:
+        notes.append(
+            "how records differ is assumed (3 % of gain, 3 % of each parameter, residuals of 5 %): after a first fit it is "
+            "estimated"
+        )
+    # none wider than the records give already: more tests take nothing away
+    narrowest = before if evidence is not None else {}
+    halves = zip(last.plan.labels, after.half, strict=True)
     peak_after = last.goal.half(after) * last.peak_factor if isinstance(last.goal, PeakGoal) else None
     if peak_after is not None and evidence is not None and peak_before is not None:
         peak_after = min(peak_after, peak_before)
@@ -349,8 +381,8 @@ def _proposed(
         tests=tests,
         values=dict(zip(last.plan.labels, map(float, last.plan.theta), strict=True)),
         before=before,
-        after=_after(last.plan.labels, after.half, before if evidence is not None else {}),
-        goal=_goal_words(options),
+        after={label: min(float(half), narrowest.get(label, np.inf)) for label, half in halves},
+        goal=options.aim,
         model=str(last.plan.composition),
         rig=rig,
         damper=damper,
@@ -360,58 +392,27 @@ def _proposed(
         peak=last.peak,
         peak_before=peak_before,
         peak_after=peak_after,
-        notes=(
-            *notes,
-            *_spread_notes(last.spread),
-            *_session_notes(evidence, [test.candidate for test in tests]),
-        ),
+        notes=(*notes, *_session_notes(evidence, [test.candidate for test in tests])),
     )
-
-
-def _after(labels: Sequence[str], halves: Array, before: Mapping[str, float]) -> dict[str, float]:
-    """The expected half widths by label, none wider than those that the records give already: more tests take nothing away."""
-    return {label: min(float(half), before.get(label, np.inf)) for label, half in zip(labels, halves, strict=True)}
-
-
-def _enough(options: PlanOptions) -> float:
-    """The value of the criterion at which the targets are met."""
-    if options.peak_target is not None:
-        return float(np.log(options.peak_target))
-    return 0.0 if options.targets else -np.inf
 
 
 def _kinds(rig: RigSettings, options: PlanOptions, notes: list[str]) -> tuple[str, ...]:
     """The kinds of step to plan with; tests of varying voltage only where a fit can take them."""
     laws = options.laws
     kinds_of_law = [laws] if isinstance(laws, str) else [*(laws or {}).values()]
-    at_values = any(str(each).startswith("interpolation") for each in kinds_of_law)
+    at_values = any(str(kind).startswith("interpolation") for kind in kinds_of_law)
     why = "laws by interpolation need one voltage in each test" if at_values else ""
     if not why and rig.wires.coil_voltage:
         why = "the coil's voltage is read back here, and its noise would count as voltages that differ"
     if not why or "voltage_steps" not in options.kinds:
         return options.kinds
     notes.append(f"no steps of voltage within a test: {why}")
-    return tuple(each for each in options.kinds if each != "voltage_steps")
+    return tuple(kind for kind in options.kinds if kind != "voltage_steps")
 
 
 def _levels(evidence: Fit) -> tuple[float, ...]:
     """The inputs of a fit's records: its knots."""
     return tuple(sorted({u for c in evidence.problem.columns for u in c.knots}))
-
-
-def _goal_words(options: PlanOptions) -> str:
-    if options.peak is not None:
-        return options.peak.words
-    return f"the parameters {', '.join(options.targets)}" if options.targets else "all parameters"
-
-
-def _spread_notes(spread: ModelDeviation) -> tuple[str, ...]:
-    if spread.records == 0:
-        return (
-            "how records differ is assumed (3 % of gain, 3 % of each parameter, residuals of 5 %): after a first fit it is "
-            "estimated",
-        )
-    return ()
 
 
 def _session_notes(evidence: Fit | None, tests: Sequence[Candidate]) -> tuple[str, ...]:

@@ -254,8 +254,8 @@ def law(layout: Layout) -> list[str]:
     lines += [f"e{k} = e{k} + fg{k}*last" for k in states]
     for way, out in ((by_x, "fx"), (by_v, "fv")):
         lines += [*way.lines(layout, out), f"{out} = {out}/(1.0 - fg)"]
-        own = [f"{out}{k} + " if k != place else "" for k in states]
-        lines += [f"{out}{k} = {direct}fg{k}*{out}" for k, direct in zip(states, own, strict=True)]
+        others = [f"{out}{k} + " if k != place else "" for k in states]
+        lines += [f"{out}{k} = {direct}fg{k}*{out}" for k, direct in zip(states, others, strict=True)]
     return lines
 
 

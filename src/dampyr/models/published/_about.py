@@ -117,7 +117,8 @@ def read_sets(path: Path) -> dict[str, About]:
     table = tomllib.loads(path.read_text(encoding="utf-8"))
     sets = table.pop("sets", {path.stem: {}})
     return {
-        name: _about(table | own | {"printed": table["printed"] | own.get("printed", {})}) for name, own in sets.items()
+        name: _about(table | of_set | {"printed": table["printed"] | of_set.get("printed", {})})
+        for name, of_set in sets.items()
     }
 
 
