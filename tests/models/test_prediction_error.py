@@ -21,7 +21,6 @@ from dampyr.models.prediction_error import (
     PredictionError,
     ShapeError,
     force_power,
-    level_direction,
     moved,
     phase_basis,
     residual_draw,
@@ -36,6 +35,18 @@ LAWS = {
     "dahl.kw": Interpolation((0.0, 2.0), (50.0, 300.0)),
     "dahl.rho": Constant(4000.0, 0.0, 2.0),
 }
+
+
+def level_direction(one: Damper) -> np.ndarray:
+    """The change (m,) of a damper's coefficients with the logarithm of its level; the static offset has none."""
+    static = one.composition.static
+    powers = [
+        0 if k in static else force_power(quantity.unit)
+        for k, quantity in enumerate(one.composition.quantities.values())
+    ]
+    return np.concatenate(
+        [power * np.array(law.coefficients) for power, law in zip(powers, one.all_laws.values(), strict=True)]
+    )
 
 
 def damper(**changes: object) -> Damper:

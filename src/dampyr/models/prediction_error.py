@@ -272,22 +272,14 @@ def force_power(unit: str) -> int:
     )
 
 
-def level_direction(damper: Any) -> Array:
-    """The change (m,) of the damper's coefficients with the logarithm of its level; the static offset has none."""
-    return np.concatenate(
-        [
-            power * np.array(law.coefficients)
-            for power, law in zip(_powers(damper), damper.all_laws.values(), strict=True)
-        ]
-    )
-
-
 def at_level(damper: Any, level: float) -> Any:
     """The damper with ``level`` times the dynamic force."""
     if not (math.isfinite(level) and level > 0.0):
         raise InputError(f"level = {level:g} is not allowed; it must be greater than 0, 1 being the fitted one")
+    quantities, static = damper.composition.quantities.values(), damper.composition.static
+    powers = [0 if k in static else force_power(quantity.unit) for k, quantity in enumerate(quantities)]
     sizes = [len(law.coefficients) for law in damper.all_laws.values()]
-    return damper.with_coefficients(damper.coefficients * np.repeat([level**power for power in _powers(damper)], sizes))
+    return damper.with_coefficients(damper.coefficients * np.repeat([level**power for power in powers], sizes))
 
 
 def square_root(covariance: Array) -> Array:
@@ -344,14 +336,6 @@ def _inside(values: Array, change: Array, low: float, high: float) -> Array:
         h = np.hypot(1.0, r)
         left = np.where(distance > 0.0, distance / (h * (h + r)), 0.0)
         return np.where(np.isinf(distance), values + change, np.where(change < 0.0, limit + left, limit - left))
-
-
-def _powers(damper: Any) -> list[int]:
-    static = damper.composition.static
-    return [
-        0 if k in static else force_power(quantity.unit)
-        for k, quantity in enumerate(damper.composition.quantities.values())
-    ]
 
 
 @dataclass(frozen=True)

@@ -138,12 +138,8 @@ class CoefficientLayout:
     def damper(self, theta: Array) -> Damper:
         """The damper of other coefficients; :class:`~dampyr.errors.InputError` where they make none."""
         knots = [u for c in self.columns for u in c.knots]
-        free = iter(np.split(theta, np.cumsum([c.size for c in self.columns])[:-1]))
-        values = {c.name: (c, coefficients) for c, coefficients in zip(self.columns, free, strict=True)}
-        laws = {}
-        for name, (column, coefficients) in values.items():
-            owner, of_owner = values[column.tied] if column.tied else (column, coefficients)
-            laws[name] = owner.law(of_owner, min(knots), max(knots))
+        by_column = np.split(theta, np.cumsum([c.size for c in self.columns])[:-1])
+        laws = {c.name: c.law(part, min(knots), max(knots)) for c, part in zip(self.columns, by_column, strict=True)}
         return Damper(self.composition.names, laws, input=self.unit)
 
 
@@ -152,7 +148,6 @@ def layout(
     inputs: Sequence[Array | float],
     laws: str | Mapping[str, str] | None = None,
     fixed: Mapping[str, float] | None = None,
-    tied: Mapping[str, str] | None = None,
 ) -> CoefficientLayout:
     """The coefficients of a fit to records with these ``inputs`` (numbers, or arrays where they vary), by the laws of a fit.
 
@@ -160,8 +155,8 @@ def layout(
     """
     if damper.temperatures is not None:
         raise InputError("laws of the temperature are not planned for; give a card at one temperature")
-    held = held_twins(damper.composition, laws, fixed, tied) | dict(fixed or {})
-    law_columns = columns(damper.composition, list(inputs), laws, held, tied)
+    held = held_twins(damper.composition, laws, fixed, None) | dict(fixed or {})
+    law_columns = columns(damper.composition, list(inputs), laws, held)
     theta = [np.asarray(damper.all_laws[c.name](np.array(c.knots)), dtype=float) for c in law_columns if c.size]
     if not theta:
         raise InputError("every parameter is fixed; leave at least one free")

@@ -17,7 +17,7 @@ from dampyr.findings import Finding
 from dampyr.identification.fits.residuals import RecordResidual, ResidualGroup, Residuals
 from dampyr.identification.parameter_uncertainty.uncertainty import MIN_CYCLES, Uncertainty
 from dampyr.identification.parameter_uncertainty.uncertainty import MIN_RECORDS as MIN_INTERVAL_RECORDS
-from dampyr.identification.search.fit_data import Piece
+from dampyr.identification.scoring.scoring_window import loop_work
 from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Problem
 from dampyr.identification.search.variable_projection import Outcome
@@ -386,17 +386,16 @@ def _of_smoothing(problem: Problem) -> list[str]:
     return notes
 
 
-def energy(piece: Piece) -> float:
-    """The work on the damper along a record, J; below 0 it gives energy."""
-    return float(np.trapezoid(piece.force - np.mean(piece.force), piece.x - np.mean(piece.x)))
-
-
 def trouble_of(outcome: Outcome) -> str:
     """Why the numbers are no damper although the search has ended; empty where they are one."""
     problem = outcome.optimum.problem
     positive = np.concatenate([np.full(c.size, c.quantity.linear and c.quantity.low == 0) for c in problem.columns])
     friction = set(map(int, np.flatnonzero(positive)))
-    if friction and friction <= set(outcome.at_limit) and all(energy(piece) < 0 for piece in problem.pieces):
+    if (
+        friction
+        and friction <= set(outcome.at_limit)
+        and all(loop_work(piece.force, piece.x) < 0 for piece in problem.pieces)
+    ):
         return (
             "every friction stands at its limit 0, because the loops create energy: the force sign is inverted; invert it "
             "where the records are read"

@@ -131,8 +131,11 @@ def check_records(
 ) -> None:
     """Refuse records that the options cannot be used on, before minutes of fitting."""
     if not fitted:
-        what = "only validation records are chosen, and these are never fitted; choose" if others else "there are no"
-        raise InputError(f"{what} {'some that are for fits' if others else 'records to fit; give one or more'}")
+        if others:
+            raise InputError(
+                "only validation records are chosen, and these are never fitted; choose some that are for fits"
+            )
+        raise InputError("there are no records to fit; give one or more")
     if not options.mixed_origins:
         check_one_kind(fitted)
     if options.predict or model is None:

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,11 +117,7 @@ def levels_and_error(
     levels = Levels(
         dict(zip(groups, map(float, np.exp(y)), strict=True)),
         session,
-        spread.record,
-        spread.record_freedom,
-        spread.session,
-        spread.session_freedom,
-        spread.reml,
+        *astuple(spread),
         bool(repeats),
         named,
         text,
@@ -129,20 +125,20 @@ def levels_and_error(
         members.T @ uncertainty.by_level,
     )
     counts = members.sum(axis=0)
-    shrinkage = spread.session**2 / np.maximum(spread.session**2 + spread.record**2 / counts, 1e-300)
+    shrinkage = spread.session_sd**2 / np.maximum(spread.session_sd**2 + spread.record_sd**2 / counts, 1e-300)
     variances = np.diag(uncertainty.covariance)
     determined = np.isfinite(variances) & (variances > 0.0)
     error = PredictionError(
-        record_sd=spread.record,
+        record_sd=spread.record_sd,
         record_freedom=spread.record_freedom,
-        session_sd=spread.session,
+        session_sd=spread.session_sd,
         session_freedom=spread.session_freedom,
         session_source=text,
         freedom=float(np.median(uncertainty.freedom[determined])) if determined.any() else math.inf,
         sessions=tuple(names),
         directions=members.T @ uncertainty.by_level @ to_laws.T,
         session_levels=tuple(map(float, shrinkage * (members.T @ y) / counts)),
-        session_errors=tuple(map(float, spread.record * np.sqrt(shrinkage / counts))),
+        session_errors=tuple(map(float, spread.record_sd * np.sqrt(shrinkage / counts))),
         shapes=_shapes(fitted),
         within_sessions=_within_sessions(uncertainty, members, shrinkage * (members.T @ y) / counts, to_laws)
         if repeats
@@ -282,11 +278,11 @@ def _low(problem: Problem, pieces: Sequence[int]) -> float:
 class LevelSpread:
     """Standard deviations of the logarithms of levels, and their degrees of freedom, infinite where they are stated."""
 
-    record: float
+    record_sd: float
     record_freedom: float
-    session: float
+    session_sd: float
     session_freedom: float
-    reml: float
+    session_reml: float
 
 
 def _spread(y: Array, shown: Array, members: Array, repeated: bool, prior: float) -> LevelSpread:
@@ -349,7 +345,7 @@ def _words(
         where = listing([f"{u:g}" for u in repeats], 4)
         count = len(set(session.values()))
         return (
-            f"the level of sessions differs by {percent(spread.session)} (standard deviation), estimated from "
+            f"the level of sessions differs by {percent(spread.session_sd)} (standard deviation), estimated from "
             f"{counted(count, 'session')} that were repeated at {where} {unit}",
             "",
         )

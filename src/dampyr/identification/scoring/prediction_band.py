@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from dampyr.argument_kinds import DAMPER, RECORD, Argument, check_kinds
 from dampyr.errors import InputError
-from dampyr.identification.scoring.scoring_window import SETTLING, Window, scoring_window, whole_cycles
+from dampyr.identification.scoring.scoring_window import SETTLING, Window, loop_work, scoring_window, whole_cycles
 from dampyr.models import Damper
 from dampyr.models.prediction_error import check_level, force_draws, prior_words
 from dampyr.origin import NOT_STATED, Origin, combined
@@ -213,8 +213,8 @@ def prediction_band(
     energy = None
     if span := whole_cycles(record, where):
         part, count = span
-        x = record.displacement[part] - np.mean(record.displacement[part])
-        work = [np.trapezoid(force[part] - np.mean(force[part]), x) / count for force in (*(forces + noise), measured)]
+        x = record.displacement[part]
+        work = [loop_work(force[part], x) / count for force in (*(forces + noise), measured)]
         energy = _interval(np.array(work[:-1]), float(work[-1]), tails)
     return Band(
         level=level,

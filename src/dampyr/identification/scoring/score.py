@@ -35,7 +35,14 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.argument_kinds import DAMPER, RECORD, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.identification.scoring.prediction_band import Band, prediction_band
-from dampyr.identification.scoring.scoring_window import MIN_SCORED, SETTLING, Window, scoring_window, whole_cycles
+from dampyr.identification.scoring.scoring_window import (
+    MIN_SCORED,
+    SETTLING,
+    Window,
+    loop_work,
+    scoring_window,
+    whole_cycles,
+)
 from dampyr.models import Damper
 from dampyr.models.prediction_error import check_level
 from dampyr.records import Record, cycles, with_velocity
@@ -252,7 +259,4 @@ def _energy_error(record: Record, force: Array, where: Window) -> float:
         return float("nan")
     span, _ = whole
     x = record.displacement[span]
-    middle = float(np.mean(x))
-    measured = np.trapezoid(record.force[span] - np.mean(record.force[span]), x - middle)
-    model = np.trapezoid(force[span] - np.mean(force[span]), x - middle)
-    return float(model / measured - 1.0)
+    return float(loop_work(force[span], x) / loop_work(record.force[span], x) - 1.0)

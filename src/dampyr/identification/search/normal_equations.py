@@ -46,6 +46,7 @@ Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Integers = NDArray[np.int64]
 LAG_STEP = 1e-6  # s, of the difference that gives the derivative by a lag
+CURVATURE_RANGE = (0.2, 10.0)  # of H: a secant estimate beyond it is of another place, or of noise
 MAX_TURNS = 12  # of letting nuisances go to their limits and back
 RIDGE = 1e-13  # of each record's nuisances, so that two with the same derivatives share their step
 
@@ -327,7 +328,7 @@ def eliminated(sums: Array, free: Bools, fixed: Array, damping: float = 0.0) -> 
     return Eliminated(0.5 * (matrix + matrix.T), target, constant + fixed, by_theta, by_record)
 
 
-def with_curvature(H: Array, curvature: Array, least_part: float = 0.2, largest_part: float = 10.0) -> Array:
+def with_curvature(H: Array, curvature: Array) -> Array:
     """H with an estimate of the second derivatives, held between a fifth and ten times H in every direction."""
     d = np.sqrt(np.maximum(np.diag(H), 0.0))
     if not np.any(curvature) or np.any(d == 0.0):
@@ -338,7 +339,7 @@ def with_curvature(H: Array, curvature: Array, least_part: float = 0.2, largest_
     back = vectors / np.sqrt(np.maximum(values, SINGULAR * values.max()))
     seen, turned = np.linalg.eigh(back.T @ (curvature / np.outer(d, d)) @ back)
     full = root @ turned
-    return np.asarray((full * np.clip(1.0 + seen, least_part, largest_part)) @ full.T * np.outer(d, d))
+    return np.asarray((full * np.clip(1.0 + seen, *CURVATURE_RANGE)) @ full.T * np.outer(d, d))
 
 
 def linearise(problem: Problem, point: SearchPoint) -> NormalEquations:
