@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple, dataclass, field
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -115,14 +115,14 @@ def levels_and_error(
     spread = _spread(y, np.eye(len(y)) - uncertainty.absorbed, members, bool(repeats), session_prior)
     text, settles = _words(problem, groups, session, named, repeats, spread, session_prior)
     levels = Levels(
-        dict(zip(groups, map(float, np.exp(y)), strict=True)),
-        session,
-        *astuple(spread),
-        bool(repeats),
-        named,
-        text,
-        settles,
-        members.T @ uncertainty.by_level,
+        level=dict(zip(groups, map(float, np.exp(y)), strict=True)),
+        session=session,
+        **asdict(spread),
+        repeated=bool(repeats),
+        named=named,
+        words=text,
+        settles=settles,
+        by_session=members.T @ uncertainty.by_level,
     )
     counts = members.sum(axis=0)
     shrinkage = spread.session_sd**2 / np.maximum(spread.session_sd**2 + spread.record_sd**2 / counts, 1e-300)
