@@ -108,9 +108,9 @@ class Damper(Shown):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "origin", as_origin(self.origin))
-        names, constants = _names_and_constants(self.parts)
+        names, constants = _separate_constants(self.parts)
         composition = compose(names)
-        named = {_full_name(name, composition): law for name, law in self.laws.items()}
+        named = {_complete_name(name, composition): law for name, law in self.laws.items()}
         if len(named) < len(self.laws):
             raise InputError(f"a parameter is given twice among {', '.join(self.laws)}; give each once")
         twice = sorted(set(constants) & set(named))
@@ -380,7 +380,7 @@ class Damper(Shown):
             if values.min() < quantity.low or values.max() > quantity.high:
                 values[...] = quantity.without_rounding(values, float(np.abs(values).max()))
             for extreme in (values.min(), values.max()):
-                quantity.check(f"{name} at {_span(inputs)} {self.input}", float(extreme))
+                quantity.check(f"{name} at {_format_span(inputs)} {self.input}", float(extreme))
         if not static:
             table[..., list(self.composition.static)] = 0.0
         return table
@@ -478,7 +478,7 @@ class Damper(Shown):
         >>> force.shape, round(float(force.max()))
         ((801,), 510)
         """
-        time, displacement = _path(t, x)
+        time, displacement = _check_path(t, x)
         speed = self._velocity(time, displacement, velocity)
         if not allow_extrapolation:
             self._check_units(displacement, speed)
@@ -507,7 +507,7 @@ class Damper(Shown):
         if temperature is not None and self.temperatures is not None:
             fixed = self.at_temperature(temperature, allow_extrapolation)
             return fixed.force_of_motion(t, x, voltage, current, velocity, state0, allow_extrapolation)
-        t, x = _path(t, x)
+        t, x = _check_path(t, x)
         u = self._input_along(self.pick_input(voltage, current), t)
         v = self._velocity(t, x, velocity)
         self._warn_outside(x, v)
@@ -567,7 +567,7 @@ class Damper(Shown):
         if temperature is not None and self.temperatures is not None:
             fixed = self.at_temperature(temperature, allow_extrapolation)
             return fixed.band(t, x, voltage, current, velocity, level, session, draws, seed, allow_extrapolation)
-        time, displacement = _path(t, x)
+        time, displacement = _check_path(t, x)
         speed = self._velocity(time, displacement, velocity)
         path = {"t": time, "x": displacement, "voltage": voltage, "current": current, "velocity": speed}
         forces, noise = force_draws(self, path, draws, seed, session, allow_extrapolation)
@@ -700,7 +700,7 @@ class Damper(Shown):
         return card.read(Path(path), cls)
 
 
-def _full_name(name: str, composition: Composition) -> str:
+def _complete_name(name: str, composition: Composition) -> str:
     """The name of a parameter with its part; a name that is not one of the composition's stays as it is."""
     full = [parameter for parameter in composition.parameters if parameter.partition(".")[2] == name]
     if len(full) > 1:
@@ -708,7 +708,7 @@ def _full_name(name: str, composition: Composition) -> str:
     return full[0] if full else name
 
 
-def _names_and_constants(parts: Any) -> tuple[str | list[str], dict[str, float]]:
+def _separate_constants(parts: Any) -> tuple[str | list[str], dict[str, float]]:
     """The names of parts that are given as text, as objects or as both, and the parameters of the objects."""
     if isinstance(parts, str):
         return parts, {}
@@ -740,7 +740,7 @@ def mapped_covariance(T: Array, covariance: Array) -> Array:
     return np.asarray(0.5 * (out + out.T))
 
 
-def _path(t: ArrayLike, x: ArrayLike) -> tuple[Array, Array]:
+def _check_path(t: ArrayLike, x: ArrayLike) -> tuple[Array, Array]:
     time = np.ascontiguousarray(in_si(t, "s", "t"), dtype=float)
     displacement = np.ascontiguousarray(in_si(x, "m", "x"), dtype=float)
     if time.ndim != 1 or time.shape != displacement.shape or time.size < 2:
@@ -753,5 +753,5 @@ def _path(t: ArrayLike, x: ArrayLike) -> tuple[Array, Array]:
     return time, displacement
 
 
-def _span(u: Array) -> str:
+def _format_span(u: Array) -> str:
     return f"{u.min():g}" if u.min() == u.max() else f"{u.min():g} to {u.max():g}"

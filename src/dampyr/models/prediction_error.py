@@ -298,27 +298,27 @@ def moved(damper: Any, change: Array) -> Any:
     return damper.with_coefficients(
         np.concatenate(
             [
-                _law_moved(law, part, quantity.low, quantity.high)
+                _move_law(law, part, quantity.low, quantity.high)
                 for law, part, quantity in zip(laws, np.split(change, ends), quantities, strict=True)
             ]
         )
     )
 
 
-def _law_moved(law: Any, change: Array, low: float, high: float) -> Array:
+def _move_law(law: Any, change: Array, low: float, high: float) -> Array:
     """The coefficients of a law after their change, its values between ``low`` and ``high``."""
     if isinstance(law, WithTemperature):
         halves = zip((law.cold, law.warm), np.split(change, 2), strict=True)
-        return np.concatenate([_law_moved(half, part, low, high) for half, part in halves])
+        return np.concatenate([_move_law(half, part, low, high) for half, part in halves])
     before = np.array(law.coefficients)
     if not isinstance(law, Polynomial):
-        return _inside(before, change, low, high)
+        return _move_inside(before, change, low, high)
     width = (law.high - law.low) or 1.0
     points = law.low + 0.5 * width * (1.0 - np.cos(np.linspace(0.0, math.pi, before.size)))
     powers = np.vander(points, increasing=True)
     values, change = powers @ before, powers @ change
     clear = CLEARANCE * float(np.abs([values, change]).max())
-    step = np.linalg.solve(powers, _inside(values, change, low + clear, high - clear) - values)
+    step = np.linalg.solve(powers, _move_inside(values, change, low + clear, high - clear) - values)
     for _ in range(HALVINGS):
         smallest, largest = law.with_coefficients(before + step).extremes()
         if low < smallest and largest <= high:
@@ -327,7 +327,7 @@ def _law_moved(law: Any, change: Array, low: float, high: float) -> Array:
     return before  # it stands at its limit where the change would take it beyond
 
 
-def _inside(values: Array, change: Array, low: float, high: float) -> Array:
+def _move_inside(values: Array, change: Array, low: float, high: float) -> Array:
     """The values after their change towards a limit, by what is left to it: the difference would lose the digits of that."""
     limit = np.where(change < 0.0, low, high)
     distance = np.abs(limit - values)
@@ -357,8 +357,8 @@ def draws_of(
     root = square_root(covariance if error.within_sessions is None else error.within_sessions)
     fitted = None if session is None else error.sessions.index(session)
     for _ in range(n):
-        spread = error.session_sd * _t_factor(rng, error.session_freedom)
-        change = _t_factor(rng, error.freedom) * root @ rng.standard_normal(len(root))
+        spread = error.session_sd * _draw_t_factor(rng, error.session_freedom)
+        change = _draw_t_factor(rng, error.freedom) * root @ rng.standard_normal(len(root))
         if fitted is None:
             change = change + spread * rng.standard_normal(len(error.sessions)) @ error.directions
         drawn = moved(damper, change)
@@ -366,11 +366,11 @@ def draws_of(
             level = spread * rng.standard_normal()
         else:
             level = error.session_levels[fitted] + error.session_errors[fitted] * rng.standard_normal()
-        level += error.record_sd * _t_factor(rng, error.record_freedom) * rng.standard_normal()
+        level += error.record_sd * _draw_t_factor(rng, error.record_freedom) * rng.standard_normal()
         yield Draw(drawn, math.exp(level))
 
 
-def _t_factor(rng: np.random.Generator, freedom: float) -> float:
+def _draw_t_factor(rng: np.random.Generator, freedom: float) -> float:
     """What makes a normal number one of Student's t."""
     return math.sqrt(freedom / rng.chisquare(freedom)) if math.isfinite(freedom) else 1.0
 

@@ -37,7 +37,7 @@ def sampling_error(
     """
     from dampyr.models.path_integration import along
 
-    speed = _least_speed(composition, values)
+    speed = _smallest_speed(composition, values)
     if speed is None:
         return 0.0, 0.0
     near = np.where(v[:-1] * v[1:] < 0.0, 0.0, np.minimum(np.abs(v[:-1]), np.abs(v[1:]))) < REACH * speed
@@ -66,7 +66,7 @@ def sampling_words(
     share, once = sampling_error(composition, t, x, v, values, state0)
     if share <= TOLERABLE and once <= TOLERABLE_ONCE:
         return ""
-    speed, rate = 1e3 * (_least_speed(composition, values) or 0.0), (t.size - 1) / (t[-1] - t[0])
+    speed, rate = 1e3 * (_smallest_speed(composition, values) or 0.0), (t.size - 1) / (t[-1] - t[0])
     return (
         f"the velocity crosses {speed:.3g} mm/s within a sample at {rate:.4g} samples a second, within which this friction "
         f"falls: that alone makes the force wrong by {100 * share:.2g} % of its spread in the mean, "
@@ -74,7 +74,7 @@ def sampling_words(
     )
 
 
-def _least_speed(composition: Composition, values: Array) -> float | None:
+def _smallest_speed(composition: Composition, values: Array) -> float | None:
     """The smallest of the speeds that the parts name, over all inputs."""
     names = [f"{part.name}.{part.speed}" for part in composition.parts if part.speed]
     columns = [list(composition.parameters).index(name) for name in names]

@@ -185,9 +185,11 @@ def expected_information(plan: CoefficientLayout, record: Record, spread: ModelD
     fitted_piece = piece(record, None)
     problem = plan.problem(fitted_piece)
     point = SearchPoint(plan.theta, np.zeros((1, problem.locals)))
-    J = _eliminated(plan, problem, point)
-    sizes = _by_level(fitted_piece, fitted_piece.force)[fitted_piece.comparable]
-    noise = _noise(J, spread, float(np.median(np.diff(fitted_piece.t))), spread.residual(sizes) / fitted_piece.spread)
+    J = _differentiate(plan, problem, point)
+    sizes = _spread_by_level(fitted_piece, fitted_piece.force)[fitted_piece.comparable]
+    noise = _weigh_noise(
+        J, spread, float(np.median(np.diff(fitted_piece.t))), spread.residual(sizes) / fitted_piece.spread
+    )
     A = J.T @ J
     return Information(record.name, A, noise, np.zeros(len(A)))
 
@@ -206,7 +208,7 @@ class _Seen:
     dt: float
 
 
-def _seen(fit: Fit, plan: CoefficientLayout) -> list[_Seen]:
+def _read_fit(fit: Fit, plan: CoefficientLayout) -> list[_Seen]:
     seen = []
     for r, (fitted_piece, record) in enumerate(zip(fit.problem.pieces, fit.records, strict=True)):
         problem = plan.problem(fitted_piece)
@@ -218,34 +220,36 @@ def _seen(fit: Fit, plan: CoefficientLayout) -> list[_Seen]:
         point = SearchPoint(plan.theta, fit.optimum.point.local[[r], fit.problem.locals - locals_of_plan :])
         scale = fitted_piece.spread * np.sqrt(fitted_piece.count)
         e = fit.optimum.residuals[r][fitted_piece.comparable] / scale
-        J = _eliminated(plan, problem, point)
+        J = _differentiate(plan, problem, point)
         own_part = J @ (np.linalg.pinv(J.T @ J, rcond=1e-6, hermitian=True) @ (J.T @ e))
         dt = float(np.median(np.diff(fitted_piece.t)))
-        sizes = _by_level(fitted_piece, fit.forces[r])[fitted_piece.comparable]
+        sizes = _spread_by_level(fitted_piece, fit.forces[r])[fitted_piece.comparable]
         seen.append(_Seen(record.name, J, e, (e - own_part) * scale, sizes, fitted_piece.spread, dt))
     return seen
 
 
 def learned(fit: Fit, plan: CoefficientLayout) -> tuple[ModelDeviation, list[Information]]:
     """How the records of a fit differ from its damper and from one another, and what each of them tells."""
-    seen = _seen(fit, plan)
+    seen = _read_fit(fit, plan)
     levels = [(float(np.std(s.left[s.sizes == size])), float(size)) for s in seen for size in np.unique(s.sizes)]
-    noise, share = _sizes(*np.array(levels).T)
+    noise, share = _fit_sizes(*np.array(levels).T)
     lag = float(np.median([s.dt for s in seen]))
     standardised = [s.left / np.hypot(noise, share * s.sizes) for s in seen if abs(s.dt - lag) < 1e-3 * lag]
-    rho = _autocorrelation(standardised, lag)
+    rho = _autocorrelate(standardised, lag)
     assumed = assumed_spread(plan)
     spread = ModelDeviation(plan.names, assumed.deviations, noise, share, rho, lag, len(seen))
     records = [
-        Information(s.name, s.J.T @ s.J, _noise(s.J, spread, s.dt, spread.residual(s.sizes) / s.spread), s.J.T @ s.e)
+        Information(
+            s.name, s.J.T @ s.J, _weigh_noise(s.J, spread, s.dt, spread.residual(s.sizes) / s.spread), s.J.T @ s.e
+        )
         for s in seen
     ]
     if len(seen) >= LEARNED_FROM:
-        spread = replace(spread, deviations=_deviations(records, plan, assumed.deviations))
+        spread = replace(spread, deviations=_estimate_deviations(records, plan, assumed.deviations))
     return spread, records
 
 
-def _eliminated(plan: CoefficientLayout, problem: Problem, point: SearchPoint) -> Array:
+def _differentiate(plan: CoefficientLayout, problem: Problem, point: SearchPoint) -> Array:
     """The derivatives (n, G) of the force by the relative coefficients over spread and root of n, less the nuisances' part."""
     piece = problem.pieces[0]
     high = problem.inner_limits[1]
@@ -277,7 +281,7 @@ def _eliminated(plan: CoefficientLayout, problem: Problem, point: SearchPoint) -
     return J
 
 
-def _by_level(piece: Piece, force: Array) -> Array:
+def _spread_by_level(piece: Piece, force: Array) -> Array:
     """The standard deviation (n,) N of the force at each sample's input: a misfit at 0 V is not that at 3 V.
 
     Inputs that a record passes for less than a twentieth of its time count as the nearest other one.
@@ -293,7 +297,7 @@ def _by_level(piece: Piece, force: Array) -> Array:
     return np.array([float(np.std(force[which == k])) for k in range(levels.size)])[which]
 
 
-def _noise(J: Array, spread: ModelDeviation, dt: float, relative: Array) -> Array:
+def _weigh_noise(J: Array, spread: ModelDeviation, dt: float, relative: Array) -> Array:
     """J'CJ of noise with this standard deviation (n,) over the force's spread."""
     n = len(J)
     J = J * relative[:, None]
@@ -320,7 +324,7 @@ def assumed_spread(plan: CoefficientLayout) -> ModelDeviation:
     return ModelDeviation(plan.names, D, 0.0, RESIDUAL, np.exp(-lags / CORRELATED), lag)
 
 
-def _sizes(residuals: Array, spreads: Array) -> tuple[float, float]:
+def _fit_sizes(residuals: Array, spreads: Array) -> tuple[float, float]:
     """The constant and the proportional part of the residuals' standard deviations, neither below 0."""
     from scipy.optimize import nnls
 
@@ -329,7 +333,7 @@ def _sizes(residuals: Array, spreads: Array) -> tuple[float, float]:
     return float(np.sqrt(squares[0])), float(np.sqrt(squares[1]))
 
 
-def _autocorrelation(residuals: list[Array], lag: float) -> Array:
+def _autocorrelate(residuals: list[Array], lag: float) -> Array:
     """Of the residuals, each over its standard deviation, the mean over the records; tapered to 0 at the longest lag."""
     shortest = min(e.size for e in residuals)
     count = max(2, min(int(MEMORY / lag), shortest // 4))
@@ -342,7 +346,7 @@ def _autocorrelation(residuals: list[Array], lag: float) -> Array:
     return np.asarray(total / len(residuals) * (1.0 - np.arange(count) / count))
 
 
-def _deviations(records: list[Information], plan: CoefficientLayout, first: Array) -> Array:
+def _estimate_deviations(records: list[Information], plan: CoefficientLayout, first: Array) -> Array:
     """D by expectation and maximisation over each record's score at the fit to all others.
 
     That is a record's own deviation less the error of the others' fit, whose covariance follows from the same D.

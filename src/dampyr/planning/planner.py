@@ -138,7 +138,7 @@ def plan_and_perform(
     if per_round < 1:
         raise InputError(f"per_round = {per_round} is not allowed; give at least 1 test")
     evidence = specimen(rig.settings, rig.folder) if evidence is None else evidence
-    evidence, model = _started(evidence, options, progress)
+    evidence, model = _start(evidence, options, progress)
     options = replace(options, model=model)
     if isinstance(evidence, Fit) and not options.mixed_origins:
         check_one_kind([*evidence.records, Named(f"the tests of the rig {rig.settings.name!r}", rig.origin)])
@@ -148,7 +148,7 @@ def plan_and_perform(
     return loop.run()
 
 
-def _started(evidence: Any, options: PlanOptions, progress: Progress) -> tuple[Damper | Fit, str]:
+def _start(evidence: Any, options: PlanOptions, progress: Progress) -> tuple[Damper | Fit, str]:
     """What is known, as a damper or a fit, and the model of the fits to come."""
     if evidence is None:
         raise InputError("nothing is known of the damper, not even a card; give a card or records")

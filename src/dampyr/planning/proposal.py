@@ -284,12 +284,12 @@ def propose(
             "records, or name a card in the rig's file (specimen.card)"
         )
     if isinstance(evidence, Damper):
-        return _proposed(evidence, None, settings, options, progress)
+        return _propose(evidence, None, settings, options, progress)
     if not isinstance(evidence, Fit):
         evidence = fitted(evidence, options, progress)
     if evidence.damper is None:
         raise InputError(f"the records give no damper to plan from: {evidence.reason}; try another model")
-    return _proposed(evidence.damper, evidence, settings, options, progress)
+    return _propose(evidence.damper, evidence, settings, options, progress)
 
 
 def fitted(
@@ -318,15 +318,15 @@ def fitted(
     return result
 
 
-def _proposed(
+def _propose(
     damper: Damper, evidence: Fit | None, rig: RigSettings, options: PlanOptions, progress: Progress
 ) -> Proposal:
     notes: list[str] = []
-    kinds = _kinds(rig, options, notes)
+    kinds = _choose_kinds(rig, options, notes)
     bare = damper.without("lag") if "lag" in damper.composition.names else damper
     if options.peak is not None:
         damper.check_input(options.peak.voltage)
-    chosen_voltages = options.voltages if options.voltages is not None or evidence is None else _levels(evidence)
+    chosen_voltages = options.voltages if options.voltages is not None or evidence is None else _list_knots(evidence)
     levels = voltages_of(damper, rig, chosen_voltages)
     candidates_of = envelope(
         rig, bare, levels, kinds, options.seconds, lambda p: progress("finding what the rig can do", p)
@@ -365,7 +365,7 @@ def _proposed(
         last = study.of(chosen)
     after = expected(last.plan, [*last.present, *last.candidates], last.spread, factors=last.factors)
     tests = tuple(ProposedTest(candidates[k], last.improved_by(place, after)) for place, k in enumerate(places))
-    before, peak_before = _before(damper, evidence, last, notes)
+    before, peak_before = _measure_before(damper, evidence, last, notes)
     if last.spread.records == 0:
         notes.append(
             "how records differ is assumed (3 % of gain, 3 % of each parameter, residuals of 5 %): after a first fit it is "
@@ -392,11 +392,11 @@ def _proposed(
         peak=last.peak,
         peak_before=peak_before,
         peak_after=peak_after,
-        notes=(*notes, *_session_notes(evidence, [test.candidate for test in tests])),
+        notes=(*notes, *_note_sessions(evidence, [test.candidate for test in tests])),
     )
 
 
-def _kinds(rig: RigSettings, options: PlanOptions, notes: list[str]) -> tuple[str, ...]:
+def _choose_kinds(rig: RigSettings, options: PlanOptions, notes: list[str]) -> tuple[str, ...]:
     """The kinds of step to plan with; tests of varying voltage only where a fit can take them."""
     laws = options.laws
     kinds_of_law = [laws] if isinstance(laws, str) else [*(laws or {}).values()]
@@ -410,12 +410,12 @@ def _kinds(rig: RigSettings, options: PlanOptions, notes: list[str]) -> tuple[st
     return tuple(kind for kind in options.kinds if kind != "voltage_steps")
 
 
-def _levels(evidence: Fit) -> tuple[float, ...]:
+def _list_knots(evidence: Fit) -> tuple[float, ...]:
     """The inputs of a fit's records: its knots."""
     return tuple(sorted({u for c in evidence.problem.columns for u in c.knots}))
 
 
-def _session_notes(evidence: Fit | None, tests: Sequence[Candidate]) -> tuple[str, ...]:
+def _note_sessions(evidence: Fit | None, tests: Sequence[Candidate]) -> tuple[str, ...]:
     """Where the records do not show how measurement sessions differ: whether these tests, made in one, settle it."""
     of_records = None if evidence is None else evidence.levels
     if evidence is None or of_records is None or not of_records.settles:
@@ -423,7 +423,7 @@ def _session_notes(evidence: Fit | None, tests: Sequence[Candidate]) -> tuple[st
     if of_records.named and len(of_records.sessions) == 1:
         return (f"{of_records.words}; to settle it, repeat one of these tests on another day or after a new mounting",)
     tested = {u for test in tests for u in getattr(test.step, "voltages", (getattr(test.step, "voltage", None),))}
-    missing = [f"{u:g}" for u in _levels(evidence) if not any(v is not None and abs(u - v) < 1e-6 for v in tested)]
+    missing = [f"{u:g}" for u in _list_knots(evidence) if not any(v is not None and abs(u - v) < 1e-6 for v in tested)]
     if missing:
         do = f"add a test at {listing(missing)} V to the session of these tests: then each voltage is tested in two sessions"
     else:
@@ -527,7 +527,7 @@ class _Study:
         return Damper((*self.bare.composition.names, "lag"), laws, input=self.bare.input, ranges=self.bare.ranges)
 
 
-def _before(
+def _measure_before(
     damper: Damper, evidence: Fit | None, last: _Pool, notes: list[str]
 ) -> tuple[dict[str, float], float | None]:
     """The half widths over the values now, by the labels of the plan, and that of the peak."""
@@ -545,10 +545,10 @@ def _before(
         notes.append("the card has no covariance, so how well it is known before these tests is not known")
         return {}, None
     notes.append("the card brings no records: after these tests the intervals are those of the tests alone")
-    return _of_card(damper, last.plan), None
+    return _measure_card(damper, last.plan), None
 
 
-def _of_card(damper: Damper, plan: CoefficientLayout) -> dict[str, float]:
+def _measure_card(damper: Damper, plan: CoefficientLayout) -> dict[str, float]:
     """1.96 standard errors of a card's values at the knots of a plan, over the values."""
     base, covariance = damper.coefficients, damper.covariance
     assert covariance is not None

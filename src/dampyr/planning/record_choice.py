@@ -85,13 +85,13 @@ def choose_records(records: Sequence[Record], n: int, damper: Damper | None = No
 
 def expected_misses(records: Sequence[Record], damper: Damper | None = None) -> Misses:
     """The criterion of `choose_records` for these records."""
-    without = [r.name for r in records if r.input_value is None or np.ptp(np.asarray(_input(r)))]
+    without = [r.name for r in records if r.input_value is None or np.ptp(np.asarray(_input_of(r)))]
     if without:
         raise InputError(f"{without[0]}: its input is not known or varies, and records are chosen by it; leave it out")
-    inputs = np.array([float(np.mean(_input(r))) for r in records])
+    inputs = np.array([float(np.mean(_input_of(r))) for r in records])
     # without a damper the displacement stands for the force: something that a record can be measured by
     blind = [
-        _with_force_of(r, damper) if damper else r.replace(note=BLIND, force=1e3 * r.displacement) for r in records
+        _replace_force(r, damper) if damper else r.replace(note=BLIND, force=1e3 * r.displacement) for r in records
     ]
     measured = [measure(record) for record in blind]
     stroke = np.array([m.peak_to_peak_m for m in measured])
@@ -109,19 +109,19 @@ def expected_misses(records: Sequence[Record], damper: Damper | None = None) -> 
             },
             input=str(records[0].input),
         )
-        blind = [_with_force_of(r, damper) for r in records]
+        blind = [_replace_force(r, damper) for r in records]
     plan = layout(damper, list(inputs))
     spread = assumed_spread(plan)
     A = np.stack([expected_information(plan, record, spread).A for record in blind])
     return Misses(plan, A, place, inputs)
 
 
-def _input(record: Record) -> float | Array:
+def _input_of(record: Record) -> float | Array:
     value = record.voltage if record.voltage is not None else record.current
     return np.nan if value is None else value
 
 
-def _with_force_of(record: Record, damper: Damper) -> Record:
+def _replace_force(record: Record, damper: Damper) -> Record:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)
         force = damper.force_of_motion(

@@ -279,7 +279,7 @@ def judge_record(record: Record, reference: Reference, options: AcceptOptions) -
     motion_cut = cut_cycles(record)
     table = [cycle for cycle in cycle_table(record, options.offset) if cycle.level] if motion_cut.cycles else []
     expectations = expected(reference, record, table, options.offset, options.allow_extrapolation)
-    points = tuple(_point(q, cycle, expectations[q][k], band) for k, cycle in enumerate(table) for q in requested)
+    points = tuple(_make_point(q, cycle, expectations[q][k], band) for k, cycle in enumerate(table) for q in requested)
     against = [reference] if isinstance(reference, Damper) else reference
     origin = combined(source.origin for source in (record, *against))
     levels = tuple(
@@ -290,7 +290,7 @@ def judge_record(record: Record, reference: Reference, options: AcceptOptions) -
         levels=levels, run=motion_cut.run, cut=len(motion_cut.cycles), stroke_m=motion_cut.stroke_m,
         origin=origin,
     )  # fmt: skip
-    return _with_verdict(judged, _whole_reason(motion_cut))
+    return _judge(judged, _explain_unjudged(motion_cut))
 
 
 def relevelled(judgement: Acceptance, cycles: int) -> Acceptance:
@@ -314,10 +314,10 @@ def relevelled(judgement: Acceptance, cycles: int) -> Acceptance:
         for run in judgement.levels
         if run.first + run.cycles > cycles + 1
     )
-    return _with_verdict(replace(judgement, points=points, levels=levels, level=level), "")
+    return _judge(replace(judgement, points=points, levels=levels, level=level), "")
 
 
-def _point(quantity: str, cycle: Cycle, expectation: Expected, tolerance: Tolerance) -> AcceptancePoint:
+def _make_point(quantity: str, cycle: Cycle, expectation: Expected, tolerance: Tolerance) -> AcceptancePoint:
     measured = {"extension": cycle.force_out, "compression": cycle.force_in, "energy": cycle.energy}[quantity]
     error = {"extension": cycle.error_out, "compression": cycle.error_in, "energy": cycle.energy_error}[quantity]
     speeds = {"extension": cycle.speed_out, "compression": -cycle.speed_in}
@@ -332,7 +332,7 @@ def _point(quantity: str, cycle: Cycle, expectation: Expected, tolerance: Tolera
     return replace(point, expected=value, low=value - half, high=value + half)
 
 
-def _whole_reason(motion_cut: Cut) -> str:
+def _explain_unjudged(motion_cut: Cut) -> str:
     """Why a motion is no test of levels; "" where it is one."""
     if not motion_cut.cycles:
         return "no whole cycle"
@@ -348,41 +348,43 @@ def _whole_reason(motion_cut: Cut) -> str:
     return ""
 
 
-def _with_verdict(judgement: Acceptance, reason: str) -> Acceptance:
+def _judge(judgement: Acceptance, reason: str) -> Acceptance:
     """What is inside, with the allowance for noise, of the points and of the levels; and the reason against a verdict."""
     having = [p for p in judgement.points if p.expected is not None]
     count = len(having) + len({(p.level, p.quantity) for p in having})
     # Bonferroni over all points and means; one side each, as a value at the edge leaves the band on one side
     z = NORMAL.inv_cdf(1.0 - RISK / max(count, 1))
-    points = tuple(_placed(p, z) for p in judgement.points)
+    points = tuple(_place(p, z) for p in judgement.points)
     levels = tuple(
-        _level(level, [p for p in points if p.level == level.number], judgement.quantities, z)
+        _judge_level(level, [p for p in points if p.level == level.number], judgement.quantities, z)
         for level in judgement.levels
     )
-    rejection, acceptance = _risks(levels, points, z)
+    rejection, acceptance = _estimate_risks(levels, points, z)
     return replace(
-        judgement, points=points, levels=levels, reason=reason or _reason(levels, judgement.quantities),
+        judgement, points=points, levels=levels, reason=reason or _join_reasons(levels, judgement.quantities),
         wrong_rejection=rejection, wrong_acceptance=acceptance,
     )  # fmt: skip
 
 
-def _half(points: Sequence[AcceptancePoint]) -> float:
+def _halve_band(points: Sequence[AcceptancePoint]) -> float:
     """Half the width of the band about the mean of points that have a reference value."""
     return float(np.mean([0.5 * (p.high - p.low) for p in points if p.low is not None and p.high is not None]))
 
 
-def _allowed(half: float, error: float, z: float) -> float:
+def _allow_for_noise(half: float, error: float, z: float) -> float:
     return min(z * error, NOISE_SHARE * half)
 
 
-def _placed(p: AcceptancePoint, z: float) -> AcceptancePoint:
+def _place(p: AcceptancePoint, z: float) -> AcceptancePoint:
     if p.low is None or p.high is None:
         return p
-    allowance = _allowed(0.5 * (p.high - p.low), p.error or 0.0, z)
+    allowance = _allow_for_noise(0.5 * (p.high - p.low), p.error or 0.0, z)
     return replace(p, allowance=allowance, inside=p.low - allowance <= p.measured <= p.high + allowance)
 
 
-def _level(level: JudgedLevel, points: Sequence[AcceptancePoint], requested: Sequence[str], z: float) -> JudgedLevel:
+def _judge_level(
+    level: JudgedLevel, points: Sequence[AcceptancePoint], requested: Sequence[str], z: float
+) -> JudgedLevel:
     """A level with what its points say together."""
     cycles = {p.cycle for p in points}
     judged = sum(all(p.inside is not None for p in points if p.cycle == k) for k in cycles)
@@ -401,17 +403,17 @@ def _level(level: JudgedLevel, points: Sequence[AcceptancePoint], requested: Seq
             continue
         value = float(np.mean([p.expected for p in having if p.expected is not None]))
         away = float(np.mean([p.measured for p in having])) - value
-        half = _half(having)
+        half = _halve_band(having)
         error = float(np.linalg.norm([p.error or 0.0 for p in having])) / len(having)
-        spread = _scatter(having)
+        spread = _estimate_scatter(having)
         deviation[quantity] = away / value if value else None
         scatter[quantity] = spread / abs(value) if spread is not None and value else None
-        inside[quantity] = abs(away) <= half * (1.0 + 1e-12) + _allowed(half, error, z)
+        inside[quantity] = abs(away) <= half * (1.0 + 1e-12) + _allow_for_noise(half, error, z)
     why = "; ".join(w if len(names) == len(requested) else f"{', '.join(names)}: {w}" for w, names in reasons.items())
     return replace(level, judged=judged, deviation=deviation, scatter=scatter, inside=inside, reason=why)
 
 
-def _scatter(points: Sequence[AcceptancePoint]) -> float | None:
+def _estimate_scatter(points: Sequence[AcceptancePoint]) -> float | None:
     """The standard deviation of single values, N or J: by their errors, or by successive cycles where these differ more.
 
     Differences of successive cycles hold no drift, and their median no single cycle that is off.
@@ -426,7 +428,7 @@ def _scatter(points: Sequence[AcceptancePoint]) -> float | None:
     return max(by_cycles, by_error or 0.0)
 
 
-def _risks(
+def _estimate_risks(
     levels: Sequence[JudgedLevel], points: Sequence[AcceptancePoint], z: float
 ) -> tuple[float | None, float | None]:
     """The chances of a wrong rejection and of a wrong acceptance, see `Acceptance`; None where a scatter is not known."""
@@ -436,27 +438,29 @@ def _risks(
         of_quantity = [
             p for p in points if (p.level, p.quantity) == (level.number, quantity) and p.expected is not None
         ]
-        spread, half = _scatter(of_quantity), _half(of_quantity)
+        spread, half = _estimate_scatter(of_quantity), _halve_band(of_quantity)
         if spread is None:
             return None, None
         error = float(np.linalg.norm([p.error or 0.0 for p in of_quantity])) / len(of_quantity)
         limits = [(spread, half + p.allowance) for p in of_quantity]
-        mean = (spread / math.sqrt(len(of_quantity)), half + _allowed(half, error, z))
-        right += sum(math.log(max(_passes(0.0, *limit), 1e-300)) for limit in [*limits, mean])
+        mean = (spread / math.sqrt(len(of_quantity)), half + _allow_for_noise(half, error, z))
+        right += sum(math.log(max(_chance_to_pass(0.0, *limit), 1e-300)) for limit in [*limits, mean])
         off = BEYOND * half
-        all_pass = math.prod(_passes(off, *limit) for limit in limits)
-        wrong = max(wrong, min(all_pass, _passes(off, *mean)))  # the mean passes where the single values do: no product
+        all_pass = math.prod(_chance_to_pass(off, *limit) for limit in limits)
+        wrong = max(
+            wrong, min(all_pass, _chance_to_pass(off, *mean))
+        )  # the mean passes where the single values do: no product
     return (max(0.0, -math.expm1(right)), wrong) if judged else (None, None)
 
 
-def _passes(off: float, spread: float, limit: float) -> float:
+def _chance_to_pass(off: float, spread: float, limit: float) -> float:
     """The chance that a value which is ``off`` by so much and scatters with ``spread`` is within ``limit``."""
     if spread <= 0.0:
         return float(abs(off) <= limit)
     return NORMAL.cdf((limit - off) / spread) - NORMAL.cdf((-limit - off) / spread)
 
 
-def _reason(levels: Sequence[JudgedLevel], requested: Sequence[str]) -> str:
+def _join_reasons(levels: Sequence[JudgedLevel], requested: Sequence[str]) -> str:
     """Why the whole cannot be judged; "" where at least half of the cycles of every level and quantity were."""
     reasons = {level.number: level.reason for level in levels if level.reason}
     if not reasons:

@@ -51,13 +51,13 @@ def trends(residuals: Residuals) -> tuple[Trend, ...]:
         tried += [(name, group.input_value, members) for name in ("frequency", "stroke")]
     tried.append(("input", None, list(residuals.records)))
     least = residuals.thresholds.trend_records
-    correlations = [trend for name, u, members in tried if (trend := _trend(name, u, members, least)) is not None]
+    correlations = [trend for name, u, members in tried if (trend := _correlate(name, u, members, least)) is not None]
     # Bonferroni: of so many tries together, not of each, a share of ``chance`` finds a trend where there is none
     limit = residuals.thresholds.chance / max(len(correlations), 1)
     return tuple(Trend(*trend, counts=trend[3] <= limit) for trend in correlations)
 
 
-def _trend(
+def _correlate(
     name: str, u: float | None, members: Sequence[RecordResidual], least: int
 ) -> tuple[str, float | None, float, float, int, float] | None:
     from scipy.stats import spearmanr
@@ -79,11 +79,11 @@ def _trend(
 def findings(residuals: Residuals) -> tuple[str, ...]:
     """What the residuals show, one sentence each, without its full stop."""
     return (
-        _size(residuals),
-        *_directions(residuals),
-        _memory(residuals),
-        *_repetition(residuals),
-        *_trend_words(residuals),
+        _describe_size(residuals),
+        *_compare_directions(residuals),
+        _describe_memory(residuals),
+        *_describe_repetition(residuals),
+        *_describe_trends(residuals),
     )
 
 
@@ -92,7 +92,7 @@ def residual_findings(residuals: Residuals) -> list[Finding]:
 
     A misfit beyond noise is a note, as the verdict says how large it is.
     """
-    concerns = [Finding("doubt", text) for text in (*_shifted(residuals), *_uneven(residuals))]
+    concerns = [Finding("doubt", text) for text in (*_describe_shifts(residuals), *_describe_unevenness(residuals))]
     if residuals.misfits:
         concerns.append(
             Finding(
@@ -105,7 +105,7 @@ def residual_findings(residuals: Residuals) -> list[Finding]:
     return concerns
 
 
-def _size(residuals: Residuals) -> str:
+def _describe_size(residuals: Residuals) -> str:
     relative = float(np.median([r.relative for r in residuals.records]))
     return (
         f"the residual is {residuals.whole.rms:.3g} N rms, in the median record {100 * relative:.2g} % of the force's "
@@ -114,7 +114,7 @@ def _size(residuals: Residuals) -> str:
     )
 
 
-def _directions(residuals: Residuals) -> list[str]:
+def _compare_directions(residuals: Residuals) -> list[str]:
     out, back = residuals.whole.sides["out"], residuals.whole.sides["in"]
     if not (np.isfinite(out.rms) and np.isfinite(back.rms)):
         return []
@@ -126,25 +126,27 @@ def _directions(residuals: Residuals) -> list[str]:
     return [f"the residual is larger when the damper is {way}: {high:.3g} N against {low:.3g} N rms"]
 
 
-def _memory(residuals: Residuals) -> str:
+def _describe_memory(residuals: Residuals) -> str:
     if residuals.effective >= residuals.thresholds.independent * residuals.samples:
-        count = f"{_count(residuals.samples)} samples, effective sample size {_count(residuals.effective)}"
+        count = (
+            f"{_format_count(residuals.samples)} samples, effective sample size {_format_count(residuals.effective)}"
+        )
         return f"successive residuals are nearly independent: {count}"
     factor = np.sqrt(residuals.samples / residuals.effective)
     return (
-        f"residuals are correlated over {residuals.correlation_time:.2g} s: {_count(residuals.samples)} samples, "
-        f"effective sample size {_count(residuals.effective)} at most, which alone makes naive errors {factor:.2g} times too "
-        "small"
+        f"residuals are correlated over {residuals.correlation_time:.2g} s: {_format_count(residuals.samples)} samples, "
+        f"effective sample size {_format_count(residuals.effective)} at most, which alone makes naive errors {factor:.2g} times "
+        "too small"
     )
 
 
-def _count(number: float) -> str:
+def _format_count(number: float) -> str:
     """Two digits are enough for an estimate, with a space between thousands."""
     rounded = number if isinstance(number, int) else float(f"{number:.2g}")
     return f"{rounded:,.0f}".replace(",", "\N{NO-BREAK SPACE}")
 
 
-def _repetition(residuals: Residuals) -> list[str]:
+def _describe_repetition(residuals: Residuals) -> list[str]:
     shares = [r.repeats for r in residuals.records if np.isfinite(r.repeats)]
     if not shares:
         return []
@@ -157,11 +159,11 @@ def _repetition(residuals: Residuals) -> list[str]:
     ]
 
 
-def _trend_words(residuals: Residuals) -> list[str]:
+def _describe_trends(residuals: Residuals) -> list[str]:
     tried = trends(residuals)
     counting = [trend for trend in tried if trend.counts]
     # of frequency and stroke that go together one sentence tells both
-    in_one_sentence = {t.input_value for t in counting if t.quantity == "frequency" and _confounded(t, residuals)}
+    in_one_sentence = {t.input_value for t in counting if t.quantity == "frequency" and _is_confounded(t, residuals)}
     messages = [
         _describe_trend(trend, residuals)
         for trend in counting
@@ -181,13 +183,13 @@ def _describe_trend(trend: Trend, residuals: Residuals) -> str:
     word = INPUTS.get(unit, "input") if trend.quantity == "input" else trend.quantity
     text = f"{where}the residual relative to the force {way} with {word} "
     text += f"(rank correlation {signed(trend.rank)}, p = {trend.p:.1g})"
-    if not _confounded(trend, residuals):
+    if not _is_confounded(trend, residuals):
         return text
     other = "stroke" if trend.quantity == "frequency" else "frequency"
     return f"{text}, or with {other}: in these records the two go together ({signed(trend.confounded)})"
 
 
-def _confounded(trend: Trend, residuals: Residuals) -> bool:
+def _is_confounded(trend: Trend, residuals: Residuals) -> bool:
     return abs(trend.confounded) >= residuals.thresholds.confounded  # NaN is not
 
 
@@ -196,24 +198,24 @@ def signed(value: float) -> str:
     return f"{value:.2f}".replace("-", "−")
 
 
-def _shifted(residuals: Residuals) -> list[str]:
+def _describe_shifts(residuals: Residuals) -> list[str]:
     """Inputs at which the mean differs between the directions by more than ``shifted`` of the rms."""
     messages = []
     for group in residuals.groups:
         out, back = group.sides["out"].mean, group.sides["in"].mean
         if abs(out - back) > residuals.thresholds.shifted * group.rms > 0.0:
             messages.append(
-                f"at {group.input_value:g} {residuals.unit} the residual's mean differs between the directions: {_force(out)} "
-                f"when the damper is pulled, {_force(back)} when pushed"
+                f"at {group.input_value:g} {residuals.unit} the residual's mean differs between the directions: "
+                f"{_format_force(out)} when the damper is pulled, {_format_force(back)} when pushed"
             )
     return messages
 
 
-def _force(value: float) -> str:
+def _format_force(value: float) -> str:
     return f"{value:.3g} N".replace("-", "−")
 
 
-def _uneven(residuals: Residuals) -> list[str]:
+def _describe_unevenness(residuals: Residuals) -> list[str]:
     """Inputs at which the even part has more than ``uneven`` of the variance, and clearly more than chance would give it.
 
     That is ``uneven_by_chance`` times as much, or ``uneven_surely`` of it: a long memory makes large shares likely, but none so
@@ -223,11 +225,12 @@ def _uneven(residuals: Residuals) -> list[str]:
     odd = [
         group
         for group in residuals.groups
-        if _share(group) > max(limits.uneven, min(limits.uneven_by_chance * group.chance, limits.uneven_surely))
+        if _compute_even_share(group)
+        > max(limits.uneven, min(limits.uneven_by_chance * group.chance, limits.uneven_surely))
     ]
     if not odd:
         return []
-    shares = sorted(100 * _share(g) for g in odd)
+    shares = sorted(100 * _compute_even_share(g) for g in odd)
     span = f"{shares[0]:.0f} to {shares[-1]:.0f}" if len(shares) > 1 else f"{shares[0]:.0f}"
     where = ", ".join(f"{g.input_value:g}" for g in odd)
     return [
@@ -237,7 +240,7 @@ def _uneven(residuals: Residuals) -> list[str]:
     ]
 
 
-def _share(group: ResidualGroup) -> float:
+def _compute_even_share(group: ResidualGroup) -> float:
     """Of the residual's variance that is even."""
     return (group.asymmetry / group.rms) ** 2 if group.rms > 0.0 else 0.0
 
@@ -253,21 +256,21 @@ def notes(
     single records. What the numbers are not determined by is a doubt."""
     problem = outcome.optimum.problem
     doubts = [
-        *_of_parameters(outcome, uncertainty, labels),
-        *_of_motion(outcome.optimum, thresholds.sliding),
-        *_of_records(problem, thresholds.resolved_steps),
+        *_note_parameters(outcome, uncertainty, labels),
+        *_note_motion(outcome.optimum, thresholds.sliding),
+        *_note_resolution(problem, thresholds.resolved_steps),
     ]
     notes = [
-        *_of_few_records(problem, uncertainty, labels, within, thresholds.few_cycles),
-        *_of_twins(problem),
+        *_note_few_records(problem, uncertainty, labels, within, thresholds.few_cycles),
+        *_note_twins(problem),
         *([problem.composition.not_for_buildings] if problem.composition.not_for_buildings else []),
-        *_of_noisy_inputs(problem),
-        *_of_smoothing(problem),
+        *_note_noisy_inputs(problem),
+        *_note_smoothing(problem),
     ]
     return [*(Finding("doubt", text) for text in doubts), *(Finding("note", text) for text in notes)]
 
 
-def _of_parameters(outcome: Outcome, uncertainty: Uncertainty, labels: list[str]) -> list[str]:
+def _note_parameters(outcome: Outcome, uncertainty: Uncertainty, labels: list[str]) -> list[str]:
     limits = [c.quantity.range_in_words() for c in outcome.optimum.problem.columns for _ in range(c.size)]
     notes = [f"{labels[k]} stands at its limit ({limits[k]}); its error is not known" for k in outcome.at_limit]
     unidentifiable = [labels[k] for k in uncertainty.unidentifiable]
@@ -291,7 +294,7 @@ def no_interval(count: int) -> str:
     return f"between-record variance is not estimated from {counted(count, 'record')}"
 
 
-def _of_few_records(
+def _note_few_records(
     problem: Problem, uncertainty: Uncertainty, labels: list[str], within: Mapping[str, int], least: int
 ) -> list[str]:
     """Errors that rest on the cycles of one or two records."""
@@ -311,7 +314,7 @@ def _of_few_records(
     return notes
 
 
-def _of_twins(problem: Problem) -> list[str]:
+def _note_twins(problem: Problem) -> list[str]:
     """Parameters of which only the sum is seen, and which of them was held."""
     by_name = {c.name: c for c in problem.columns}
     return [
@@ -321,7 +324,7 @@ def _of_twins(problem: Problem) -> list[str]:
     ]
 
 
-def _of_motion(optimum: Optimum, sliding: float) -> list[str]:
+def _note_motion(optimum: Optimum, sliding: float) -> list[str]:
     """Friction that never comes near its limit: only the slope of the loop is seen, the product of kw and rho."""
     problem = optimum.problem
     stroke = max(float(np.ptp(piece.x)) for piece in problem.pieces)
@@ -339,7 +342,7 @@ def _of_motion(optimum: Optimum, sliding: float) -> list[str]:
     return notes
 
 
-def _of_records(problem: Problem, least: int) -> list[str]:
+def _note_resolution(problem: Problem, least: int) -> list[str]:
     notes = []
     for piece in problem.pieces:
         levels = np.unique(piece.x).size
@@ -351,7 +354,7 @@ def _of_records(problem: Problem, least: int) -> list[str]:
     return notes
 
 
-def _of_noisy_inputs(problem: Problem) -> list[str]:
+def _note_noisy_inputs(problem: Problem) -> list[str]:
     """Inputs that vary and have noise: where the laws end, and what the noise beyond counts as."""
     noisy = [(piece, piece.commanded) for piece in problem.pieces if piece.commanded is not None]
     if not noisy:
@@ -367,7 +370,7 @@ def _of_noisy_inputs(problem: Problem) -> list[str]:
     ]
 
 
-def _of_smoothing(problem: Problem) -> list[str]:
+def _note_smoothing(problem: Problem) -> list[str]:
     """Moving averages that the records still hold: on the force they are put on the model's, on the motion they do harm."""
     forces = [piece.name for piece in problem.pieces if piece.average is not None]
     motions = [piece for piece in problem.pieces if piece.smoothed_motion > 0.0]

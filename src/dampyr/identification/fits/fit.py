@@ -107,7 +107,7 @@ def fit(
     board = None
     if model is None:
         if progress is None:
-            print(_what_starts(fitted, chosen), file=sys.stderr)
+            print(_announce_search(fitted, chosen), file=sys.stderr)
         board = leaderboard(fitted, chosen, executor, progress)
         model, chosen = board.winner.model, replace(chosen, bandwidth=board.bandwidth, models=())
     chosen = of_model(chosen, model)
@@ -119,8 +119,8 @@ def fit(
     return replace(
         result,
         leaderboard=board,
-        validations=_validations(fitted, model, chosen, board, tell),
-        predicted=_predicted(result.damper, others, chosen.settling) if others else {},
+        validations=_validate_splits(fitted, model, chosen, board, tell),
+        predicted=_predict(result.damper, others, chosen.settling) if others else {},
         validation_records=tuple(others),
         beyond=beyond,
     )
@@ -146,7 +146,7 @@ def check_records(
         check_bandwidth(fitted, options.bandwidth)
 
 
-def _what_starts(records: Sequence[Record], options: FitOptions) -> str:
+def _announce_search(records: Sequence[Record], options: FitOptions) -> str:
     """What a fit without a model is about to do, and how long it takes, for a caller who watches no progress."""
     models = counted(len(options.models), "model") if options.models else "every model of the catalogue"
     work = BUDGET if options.budget is None else options.budget
@@ -157,7 +157,7 @@ def _what_starts(records: Sequence[Record], options: FitOptions) -> str:
     )
 
 
-def _validations(
+def _validate_splits(
     records: list[Record],
     model: str | Composition | Damper,
     options: FitOptions,
@@ -176,7 +176,7 @@ def _validations(
     return tuple(validations)
 
 
-def _predicted(damper: Damper | None, records: Sequence[Record], settling: float) -> dict[str, Score | str]:
+def _predict(damper: Damper | None, records: Sequence[Record], settling: float) -> dict[str, Score | str]:
     """How well the damper predicts validation records, or why it cannot."""
     scores: dict[str, Score | str] = {}
     for record in records:

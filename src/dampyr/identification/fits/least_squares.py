@@ -73,7 +73,7 @@ def prepared(
     composition = compose(model) if isinstance(model, str) else model
     if isinstance(composition, Damper):
         composition = composition.composition
-    _check(list(records))
+    _check_records(list(records))
     if options.bandwidth is not None:
         check_bandwidth(records, options.bandwidth)
     pieces = [piece(record, options.bandwidth) for record in records]
@@ -87,7 +87,7 @@ def prepared(
 
 
 @lru_cache(maxsize=1)
-def _threads() -> Any:
+def _control_threads() -> Any:
     from threadpoolctl import ThreadpoolController
 
     return ThreadpoolController()
@@ -107,7 +107,7 @@ def one_thread() -> Iterator[None]:
     with _lock:
         _count += 1
         if _count == 1:
-            _within.enter_context(_threads().limit(limits=1, user_api="blas"))
+            _within.enter_context(_control_threads().limit(limits=1, user_api="blas"))
     try:
         yield
     finally:
@@ -117,7 +117,7 @@ def one_thread() -> Iterator[None]:
                 _within.close()
 
 
-def _check(records: list[Record]) -> None:
+def _check_records(records: list[Record]) -> None:
     if not records:
         raise InputError("there are no records to fit; give one or more")
     held = [r.name for r in records if r.role == "validation"]

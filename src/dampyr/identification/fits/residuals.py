@@ -221,7 +221,7 @@ def analyse(traces: Sequence[Trace], unit: str = "V", thresholds: FitThresholds 
     limits = thresholds or FitThresholds()
     if not traces:
         raise InputError("there are no residuals to analyse; give one trace or more")
-    by_name = {trace.name: _record(trace, limits) for trace in traces}
+    by_name = {trace.name: _analyse_record(trace, limits) for trace in traces}
     if len(by_name) < len(traces):
         raise InputError("two traces have the same name; rename one, so that results can be told apart")
     inputs: dict[float, list[Trace]] = {}
@@ -259,7 +259,7 @@ def noise_of(residual: ArrayLike) -> float:
     return float(np.sqrt(0.5 * np.mean(np.diff(np.asarray(residual, dtype=float)) ** 2)))
 
 
-def _record(trace: Trace, limits: FitThresholds) -> RecordResidual:
+def _analyse_record(trace: Trace, limits: FitThresholds) -> RecordResidual:
     rho = autocorrelation(trace.residual)
     intervals = correlation_intervals(rho)
     rms, noise = _rms(trace.residual), noise_of(trace.residual)
@@ -277,7 +277,7 @@ def _record(trace: Trace, limits: FitThresholds) -> RecordResidual:
         noise=noise,
         correlation_time=intervals * trace.dt,
         effective=trace.time.size / intervals,
-        repeats=_repeats(rho, trace),
+        repeats=_correlate_after_period(rho, trace),
         misfit=bool(intervals > limits.correlated or rms > limits.beyond_noise * noise > 0.0),
         lags=np.linspace(0.0, trace.dt * (n_lags - 1), n_lags),
         autocorrelation=rho[:n_lags],
@@ -288,7 +288,7 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _repeats(rho: Array, trace: Trace) -> float:
+def _correlate_after_period(rho: Array, trace: Trace) -> float:
     """The autocorrelation after one period, unbiased."""
     if not trace.periods >= MIN_PERIODS:
         return float("nan")
@@ -302,25 +302,25 @@ def group(traces: Sequence[Trace], effective: float, input_value: float | None =
     """The residuals of some records by direction; ``effective`` is their effective sample size."""
     r = np.concatenate([trace.residual for trace in traces])
     v = np.concatenate([trace.velocity for trace in traces])
-    masks = [_masks(trace) for trace in traces]
+    masks = [_sort_by_side(trace) for trace in traces]
     joined = {name: np.concatenate([mask[name] for mask in masks]) for name in SIDES}
     reach = float(np.max(np.abs(v)))
     curves = {}
     for branch in BRANCHES:
         on_branch = joined[f"out, {branch}"] | joined[f"in, {branch}"]
-        curves[branch] = _curve(v[on_branch], r[on_branch], reach)
+        curves[branch] = _bin_by_velocity(v[on_branch], r[on_branch], reach)
     return ResidualGroup(
         input_value=input_value,
         records=tuple(trace.name for trace in traces),
         rms=_rms(r),
-        sides={name: _side(r[mask]) for name, mask in joined.items()},
+        sides={name: _summarise_side(r[mask]) for name, mask in joined.items()},
         curves=curves,
-        asymmetry=_asymmetry(list(curves.values())),
+        asymmetry=_measure_asymmetry(list(curves.values())),
         chance=BINS / effective,
     )
 
 
-def _masks(trace: Trace) -> dict[str, Mask]:
+def _sort_by_side(trace: Trace) -> dict[str, Mask]:
     """Which samples belong to each of `SIDES`."""
     fast = np.abs(trace.velocity) > SLOW * float(np.max(np.abs(trace.velocity)))
     t = trace.time - trace.time.mean()
@@ -329,13 +329,13 @@ def _masks(trace: Trace) -> dict[str, Mask]:
     return dict(zip(SIDES, (out, back, out & ~above, out & above, back & above, back & ~above), strict=True))
 
 
-def _side(r: Array) -> Side:
+def _summarise_side(r: Array) -> Side:
     if r.size == 0:
         return Side(0, float("nan"), float("nan"))
     return Side(r.size, float(np.mean(r)), _rms(r))
 
 
-def _curve(v: Array, r: Array, reach: float) -> ResidualCurve:
+def _bin_by_velocity(v: Array, r: Array, reach: float) -> ResidualCurve:
     edges = np.linspace(-reach, reach, BINS + 1)
     number = np.clip(np.searchsorted(edges, v, side="right") - 1, 0, BINS - 1)
     quartiles = np.full((3, BINS), np.nan)
@@ -345,7 +345,7 @@ def _curve(v: Array, r: Array, reach: float) -> ResidualCurve:
     return ResidualCurve(0.5 * (edges[1:] + edges[:-1]), quartiles[0], quartiles[1], quartiles[2], counts)
 
 
-def _asymmetry(curves: Sequence[ResidualCurve]) -> float:
+def _measure_asymmetry(curves: Sequence[ResidualCurve]) -> float:
     """The rms of the medians' even part, weighted by the samples that both of its bins hold; 0 where there is none."""
     even = np.concatenate([0.5 * (c.median + c.median[::-1]) for c in curves])
     weights = np.concatenate([np.minimum(c.counts, c.counts[::-1]) for c in curves]).astype(float)

@@ -271,10 +271,10 @@ def build_fit(
     uncertainties = uncertainty(optimum, outcome.at_limit)
     labels = [label for c in problem.columns if c.size for label in c.labels(problem.pieces[0].unit)]
     unit_of = [c.quantity.unit for c in problem.columns for _ in range(c.size)]
-    stderr = _errors(labels, uncertainties.covariance, outcome.at_limit)
+    stderr = _label_errors(labels, uncertainties.covariance, outcome.at_limit)
     few = zip(labels, uncertainties.within, uncertainties.records, strict=True)
     within = {label: int(count) for label, cycles_only, count in few if cycles_only and np.isfinite(stderr[label])}
-    damper, trouble = _damper(optimum, uncertainties, records, options.bandwidth, tuple(within))
+    damper, trouble = _make_damper(optimum, uncertainties, records, options.bandwidth, tuple(within))
     levels = None
     if damper is not None and all(np.all(np.isfinite(force)) for force in optimum.forces):
         levels, error = levels_and_error(optimum, uncertainties, records, options.session_prior)
@@ -290,15 +290,18 @@ def build_fit(
         bare=damper,
         parameters=dict(zip(labels, map(float, optimum.point.theta), strict=True)),
         stderr=stderr,
-        naive_stderr=_errors(labels, uncertainties.naive, outcome.at_limit),
+        naive_stderr=_label_errors(labels, uncertainties.naive, outcome.at_limit),
         units=dict(zip(labels, unit_of, strict=True)),
-        correlation=_correlation(uncertainties.covariance),
+        correlation=_correlate(uncertainties.covariance),
         converged=outcome.converged and not trouble,
         reason=trouble or outcome.reason,
         remarks=(
             *notes(outcome, uncertainties, labels, within, options.thresholds),
-            *(Finding("note", statement) for statement in (*of_starts, *_short_notes(records, options.settling))),
-            *(Finding("doubt", statement) for statement in (*broken_promises, *_sampling_notes(damper, problem))),
+            *(
+                Finding("note", statement)
+                for statement in (*of_starts, *_note_short_records(records, options.settling))
+            ),
+            *(Finding("doubt", statement) for statement in (*broken_promises, *_note_sampling(damper, problem))),
         ),
         clusters=clusters,
         freedom=dict(zip(labels, map(float, uncertainties.freedom), strict=True)),
@@ -322,7 +325,7 @@ def build_fit(
     )
 
 
-def _short_notes(records: tuple[Record, ...], settling: float) -> list[str]:
+def _note_short_records(records: tuple[Record, ...], settling: float) -> list[str]:
     """The records that are scored from the start of their motion, because settling would leave next to nothing of them."""
     short = [record.name for record in records if too_short(record, settling)]
     if not short:
@@ -333,7 +336,7 @@ def _short_notes(records: tuple[Record, ...], settling: float) -> list[str]:
     ]
 
 
-def _sampling_notes(damper: Damper | None, problem: Problem) -> list[str]:
+def _note_sampling(damper: Damper | None, problem: Problem) -> list[str]:
     """What the records' samples make wrong in the force of this damper, of the worst record; warned of, too."""
     if damper is None or not any(part.speed for part in damper.composition.parts):
         return []
@@ -347,13 +350,13 @@ def _sampling_notes(damper: Damper | None, problem: Problem) -> list[str]:
     return [f"{p.name}: {text}"]
 
 
-def _errors(labels: list[str], covariance: Array, at_limit: tuple[int, ...]) -> dict[str, float]:
+def _label_errors(labels: list[str], covariance: Array, at_limit: tuple[int, ...]) -> dict[str, float]:
     errors = np.sqrt(np.diag(covariance))
     errors[list(at_limit)] = np.nan
     return dict(zip(labels, map(float, errors), strict=True))
 
 
-def _correlation(covariance: Array) -> Array:
+def _correlate(covariance: Array) -> Array:
     spread = np.sqrt(np.diag(covariance))
     with np.errstate(invalid="ignore", divide="ignore"):
         out = covariance / np.outer(spread, spread)
@@ -361,7 +364,7 @@ def _correlation(covariance: Array) -> Array:
     return np.asarray(out)
 
 
-def _damper(
+def _make_damper(
     optimum: Optimum,
     uncertainty: Uncertainty,
     records: tuple[Record, ...],
@@ -380,11 +383,11 @@ def _damper(
                 for c, k, theta in zip(problem.columns, problem.owners, optimum.point.of(problem), strict=True)
             },
             input=problem.pieces[0].unit,
-            ranges=_ranges(records, problem.pieces),
+            ranges=_measure_ranges(records, problem.pieces),
             covariance=mapped_covariance(optimum.law_matrix, uncertainty.covariance),
             bandwidth=bandwidth,
             within_records=within,
-            provenance=_provenance(records),
+            provenance=_state_provenance(records),
             origin=combined(record.origin for record in records),
         )
     except InputError as problem_:
@@ -396,7 +399,7 @@ def _damper(
     return damper, ""
 
 
-def _ranges(records: tuple[Record, ...], pieces: list[Piece]) -> dict[str, tuple[float, float]]:
+def _measure_ranges(records: tuple[Record, ...], pieces: list[Piece]) -> dict[str, tuple[float, float]]:
     strokes = [0.5 * float(np.ptp(p.x)) for p in pieces]
     speeds = [float(np.max(np.abs(p.v))) for p in pieces]
     frequencies = []
@@ -410,7 +413,7 @@ def _ranges(records: tuple[Record, ...], pieces: list[Piece]) -> dict[str, tuple
     return ranges
 
 
-def _provenance(records: tuple[Record, ...]) -> dict[str, str]:
+def _state_provenance(records: tuple[Record, ...]) -> dict[str, str]:
     names, origins = [r.name for r in records], Counter(r.origin.kind for r in records)
     shown = ", ".join(names) if len(names) <= 50 else f"{len(names)} records"
     return {

@@ -97,25 +97,25 @@ def limit_cycle(
     >>> round(cycle.kw, 1), round(cycle.rho, 1)
     (250.0, 1000.0)
     """
-    branch = _branch(x, force, velocity)
+    branch = _check_branch(x, force, velocity)
     x, force, velocity = branch
-    kx = _viscous(force, velocity) if kx is None else kx
+    kx = _estimate_viscous(force, velocity) if kx is None else kx
     theta = force - kx * velocity
-    zero = _zero(x, theta, nearest)
-    slope = _nearest_slope if nearest else _local_slope
+    zero = _locate_zero(x, theta, nearest)
+    slope = _take_nearest_slope if nearest else _fit_local_slope
     a = slope(x, theta, zero, points)[1]
-    arc = _arc(x, theta, zero)
-    trials = np.array([_rho(a, *slope(x, theta, at, points)) for at in x[arc]])
+    arc = _select_arc(x, theta, zero)
+    trials = np.array([_compute_rho(a, *slope(x, theta, at, points)) for at in x[arc]])
     if x_star1 is None:
         x_star1 = float(x[arc][int(np.argsort(trials)[trials.size // 2])])
     elif not zero < x_star1 <= x[-1]:
         raise InputError(f"x_star1 = {x_star1:g} must lie between x* = {zero:g} and the largest displacement {x[-1]:g}")
-    rho = _rho(a, *slope(x, theta, x_star1, points))
+    rho = _compute_rho(a, *slope(x, theta, x_star1, points))
     span = np.quantile(trials, (0.05, 0.95))
     return LimitCycle(float(kx), a, rho, a / rho, zero, x_star1, (float(span[0]), float(span[1])), x, theta)
 
 
-def _branch(x: ArrayLike, force: ArrayLike, velocity: ArrayLike) -> tuple[Array, Array, Array]:
+def _check_branch(x: ArrayLike, force: ArrayLike, velocity: ArrayLike) -> tuple[Array, Array, Array]:
     columns = [np.asarray(c, dtype=float) for c in (x, force, velocity)]
     if len({c.shape for c in columns}) > 1 or columns[0].ndim != 1 or columns[0].size < 2 * ORDER:
         shapes = ", ".join(str(c.shape) for c in columns)
@@ -128,7 +128,7 @@ def _branch(x: ArrayLike, force: ArrayLike, velocity: ArrayLike) -> tuple[Array,
     return columns[0], columns[1], columns[2]
 
 
-def _viscous(force: Array, velocity: Array) -> float:
+def _estimate_viscous(force: Array, velocity: Array) -> float:
     """kx by (2.5)."""
     below = velocity[0] + velocity[-1]
     if abs(below) < 1e-9 * float(np.abs(velocity).max()):
@@ -139,7 +139,7 @@ def _viscous(force: Array, velocity: Array) -> float:
     return float((force[0] + force[-1]) / below)
 
 
-def _zero(x: Array, theta: Array, nearest: bool) -> float:
+def _locate_zero(x: Array, theta: Array, nearest: bool) -> float:
     """x*, where theta changes sign."""
     below = np.flatnonzero((theta[:-1] < 0.0) & (theta[1:] >= 0.0))
     if below.size == 0:
@@ -159,13 +159,13 @@ def _zero(x: Array, theta: Array, nearest: bool) -> float:
     return float(np.interp(0.0, theta[k : k + 2], x[k : k + 2]))
 
 
-def _nearest_slope(x: Array, theta: Array, at: float, points: int) -> tuple[float, float]:
+def _take_nearest_slope(x: Array, theta: Array, at: float, points: int) -> tuple[float, float]:
     """theta and its central difference at the sample nearest to ``at``."""
     k = int(np.clip(np.argmin(np.abs(x - at)), 1, x.size - 2))
     return float(theta[k]), float((theta[k + 1] - theta[k - 1]) / (x[k + 1] - x[k - 1]))
 
 
-def _local_slope(x: Array, theta: Array, at: float, points: int) -> tuple[float, float]:
+def _fit_local_slope(x: Array, theta: Array, at: float, points: int) -> tuple[float, float]:
     """theta and its slope at ``at``, of the polynomial through (or fitted to) the samples around it."""
     k = int(np.searchsorted(x, at))
     first = int(np.clip(k - points // 2, 0, x.size - points))
@@ -177,7 +177,7 @@ def _local_slope(x: Array, theta: Array, at: float, points: int) -> tuple[float,
     return float(polynomial.coef[0]), float(polynomial.coef[1] / width)
 
 
-def _arc(x: Array, theta: Array, zero: float) -> NDArray[np.int64]:
+def _select_arc(x: Array, theta: Array, zero: float) -> NDArray[np.int64]:
     """The samples from which x*1 is chosen: past x*, with theta from 20 to 80 % of its largest value."""
     largest = float(theta.max())
     inside = np.flatnonzero((x > zero) & (theta > ARC[0] * largest) & (theta < ARC[1] * largest))
@@ -190,5 +190,5 @@ def _arc(x: Array, theta: Array, zero: float) -> NDArray[np.int64]:
     return selected[:: max(1, selected.size // 200)] if selected.size else inside[:1]
 
 
-def _rho(a: float, theta: float, slope: float) -> float:
+def _compute_rho(a: float, theta: float, slope: float) -> float:
     return (a - slope) / theta

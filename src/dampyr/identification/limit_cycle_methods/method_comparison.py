@@ -119,7 +119,7 @@ def compare_method(
     for k, record in enumerate(nominal):
         if progress:
             progress(f"by {method}", k / len(nominal))
-        results.append(_result(record, method, options))
+        results.append(_compare_record(record, method, options))
     return MethodComparison(method, nominal, tuple(results))
 
 
@@ -156,7 +156,7 @@ def limit_cycle_of(record: Record) -> LimitCycle:
     return limit_cycle(x, force - plastic.offset, velocity, kx=plastic.kx, points=LOCAL)
 
 
-def _result(record: Record, method: str, options: FitOptions) -> MethodResult:
+def _compare_record(record: Record, method: str, options: FitOptions) -> MethodResult:
     numbers: dict[str, float] = {}
     moving = record
     if record.velocity is None or options.bandwidth is not None:

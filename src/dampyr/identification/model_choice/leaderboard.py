@@ -237,7 +237,7 @@ def leaderboard(
             listed, in_trials, executor, lambda done: report("choosing the velocity", done)
         )
     small = screening_set(listed, bandwidth)  # with its velocity, so that no trial derives it from thinned samples
-    allowed, left_out = _allowed(options.add_ons, listed)
+    allowed, left_out = _select_add_ons(options.add_ons, listed)
     bases = [*options.models] or [*(name for name in available_parts() if not part(name).add_on), *PAIRS]
     screened, unfinished = screen_all(
         bases,
@@ -251,10 +251,10 @@ def leaderboard(
     trials = [trial for model in screened for trial in model.trials]
     spent += sum(trial.work for trial in trials)
     cut = any(trial.reason == CUT for trial in trials)
-    chosen = [] if cut else _finalists(screened, options.finalists)
+    chosen = [] if cut else _select_finalists(screened, options.finalists)
     if not chosen and not cut:
         raise InputError(f"no model could be fitted; the first failed: {screened[0].bare.reason}")
-    entries = _judged(
+    entries = _judge(
         chosen,
         listed,
         whole,
@@ -266,7 +266,7 @@ def leaderboard(
         deadline,
     )
     ranked = sorted(entries, key=lambda entry: (entry.error, entry.model))
-    notes = [*pieces, *left_out, *([] if cut else _stopped(screened, unfinished, ranked))]
+    notes = [*pieces, *left_out, *([] if cut else _describe_stops(screened, unfinished, ranked))]
     missing = [model for model in chosen if model not in {entry.model for entry in entries}]
     spent += sum(entry.work for entry in entries)
     board = Leaderboard(
@@ -276,13 +276,13 @@ def leaderboard(
         tuple(notes),
         time.perf_counter() - begun,
         optimism(ranked),
-        cut=_cut_words(screened, missing, options.seconds) if cut or missing else "",
+        cut=_describe_cut(screened, missing, options.seconds) if cut or missing else "",
         work=spent,
         origin=combined(r.origin for r in whole),
     )
     if not options.nested or board.cut:
         return board
-    error = _nested_error(listed, replace(options, nested=False), executor, report, deadline)
+    error = _estimate_nested_error(listed, replace(options, nested=False), executor, report, deadline)
     return replace(board, nested=error, seconds=time.perf_counter() - begun)
 
 
@@ -307,7 +307,7 @@ def enough_records(records: list[Record], settling: float) -> tuple[list[Record]
     )
 
 
-def _allowed(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _select_add_ons(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The add-ons that these records can identify, and why others are left out."""
     varies = any(isinstance(r.voltage if r.input == "V" else r.current, np.ndarray) for r in records)
     if "lag" in add_ons and not varies:
@@ -316,7 +316,7 @@ def _allowed(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[s
     return tuple(add_ons), ()
 
 
-def _finalists(screened: Sequence[Screened], count: int) -> list[str]:
+def _select_finalists(screened: Sequence[Screened], count: int) -> list[str]:
     """The best models of the screening; one more where none of them may stand in for a damper of a building."""
     ranked = sorted((s.best for s in screened if np.isfinite(s.best.error)), key=lambda trial: trial.error)
     models = [trial.model for trial in ranked]
@@ -325,7 +325,7 @@ def _finalists(screened: Sequence[Screened], count: int) -> list[str]:
     return best + suited[:1] * (not any(model in suited for model in best))
 
 
-def _judged(
+def _judge(
     models: Sequence[str],
     records: list[Record],
     whole: list[Record],
@@ -352,34 +352,34 @@ def _judged(
         of_model = replace(options, fixed=held_in(model) | dict(options.fixed))
         parts = [validation_jobs(records, model, split, of_model) for split in splits]
         jobs += [(model, job) for folds, _ in parts for job in folds]
-        jobs.append((model, partial(_timed_fit, model, whole, of_model)))
+        jobs.append((model, partial(_fit_timed, model, whole, of_model)))
         planned.append((model, parts))
     # The slowest first, so that no core waits for another at the end.
     order = sorted(range(len(jobs)), key=lambda k: -len(compose(jobs[k][0]).parameters))
-    done = parallel.run_all([partial(_quiet, jobs[k][1]) for k in order], executor, report, deadline=deadline)
+    done = parallel.run_all([partial(_run_quietly, jobs[k][1]) for k in order], executor, report, deadline=deadline)
     results = iter([result for _, result in sorted(zip(order, done, strict=True), key=lambda pair: pair[0])])
     entries = []
     for model, parts in planned:
         folds, fitted = [[next(results) for _ in folds] for folds, _ in parts], next(results)
         if fitted is not None and all(fold is not None for of_split in folds for fold in of_split):
             validations = [assemble(of_split) for of_split, (_, assemble) in zip(folds, parts, strict=True)]
-            entries.append(_entry(model, validations, *fitted))
+            entries.append(_make_entry(model, validations, *fitted))
     return entries
 
 
-def _quiet(job: Callable[[], Any]) -> Any:
+def _run_quietly(job: Callable[[], Any]) -> Any:
     """The job without its warnings: they are of fits that may never be shown."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)
         return job()
 
 
-def _timed_fit(model: str, records: list[Record], options: FitOptions) -> tuple[Fit, float]:
+def _fit_timed(model: str, records: list[Record], options: FitOptions) -> tuple[Fit, float]:
     begun = time.perf_counter()
     return fit_model(model, records, options), time.perf_counter() - begun
 
 
-def _entry(model: str, validations: list[Validation], fit_result: Fit, seconds: float) -> Finalist:
+def _make_entry(model: str, validations: list[Validation], fit_result: Fit, seconds: float) -> Finalist:
     scores = list(validations[0].scores.values())
 
     def mean(key: str) -> float:
@@ -439,7 +439,7 @@ def optimism(entries: Sequence[Finalist]) -> float:
     """By how much the lowest error is too low: the choice by four parts of the records scored on the fifth, less that by all
     scored on all; NaN for a single finalist or parts without scores."""
     ranked = [entry for entry in entries if np.isfinite(entry.error)]
-    table = np.array([[_mean_l1(fold) for fold in entry.validations[0].folds] for entry in ranked])
+    table = np.array([[_average_l1(fold) for fold in entry.validations[0].folds] for entry in ranked])
     if len(ranked) < 2 or not np.all(np.isfinite(table)):
         return float("nan")
     counts = np.array([len(fold.scores) for fold in ranked[0].validations[0].folds])
@@ -450,11 +450,11 @@ def optimism(entries: Sequence[Finalist]) -> float:
     return float(honest - np.min(sums.sum(axis=1)) / counts.sum())
 
 
-def _mean_l1(fold: Fold) -> float:
+def _average_l1(fold: Fold) -> float:
     return float(np.mean([of_record.l1 for of_record in fold.scores.values()])) if fold.scores else float("nan")
 
 
-def _cut_words(screened: Sequence[Screened], missing: Sequence[str], seconds: float | None) -> str:
+def _describe_cut(screened: Sequence[Screened], missing: Sequence[str], seconds: float | None) -> str:
     """What a limit in seconds has cut, and how to go on."""
     trials = [trial for model in screened for trial in model.trials]
     done = sum(trial.reason != CUT for trial in trials)
@@ -465,7 +465,7 @@ def _cut_words(screened: Sequence[Screened], missing: Sequence[str], seconds: fl
     )
 
 
-def _stopped(screened: Sequence[Screened], unfinished: Sequence[str], entries: Sequence[Finalist]) -> list[str]:
+def _describe_stops(screened: Sequence[Screened], unfinished: Sequence[str], entries: Sequence[Finalist]) -> list[str]:
     """What the work did not suffice for."""
     notes = []
     trials = [trial.model for model in screened for trial in model.trials if OUT_OF_WORK in trial.reason]
@@ -488,7 +488,7 @@ def _stopped(screened: Sequence[Screened], unfinished: Sequence[str], entries: S
     return notes
 
 
-def _nested_error(
+def _estimate_nested_error(
     records: list[Record],
     options: FitOptions,
     executor: Executor | None,

@@ -115,7 +115,7 @@ def screen_all(
     for k in range(rounds):
         if not going or tally.used_up:
             break
-        plan = {base: _next_models(ends[base], add_ons, bare=k == 0) for base in going}
+        plan = {base: _extend(ends[base], add_ons, bare=k == 0) for base in going}
         # Each add-on with all models before the next one, so that a lack of work is the same for all.
         tried = range(max(map(len, plan.values())))
         models = [model for n in tried for planned in plan.values() for model in planned[n : n + 1]]
@@ -131,7 +131,7 @@ def screen_all(
         by_model = {m: done or Trial(m, math.inf, 0.0, why) for m, done in zip(models, results, strict=True)}
         for base, planned in plan.items():
             trials[base] += [by_model[model] for model in planned]
-        going = _still_going(going, trials, ends) if k + 1 < rounds else []
+        going = _select_contenders(going, trials, ends) if k + 1 < rounds else []
     progress(1.0)
     unfinished = [base for base in bases if any(done.reason in (NOT_BEGUN, CUT) for done in trials[base])]
     return [Screened(base, tuple(trials[base])) for base in bases], [
@@ -159,14 +159,14 @@ class _Tally:
         return self.sure <= 0 and self.spent > self.limit
 
 
-def _next_models(model: str, add_ons: Sequence[str], bare: bool) -> list[str]:
+def _extend(model: str, add_ons: Sequence[str], bare: bool) -> list[str]:
     """The model with one add-on more, whichever it does not hold yet; itself too where it is still bare."""
     parts = compose(model).parts
     held = {p.name for p in parts} | {inner for p in parts for inner in p.holds}
     return [model] * bare + [f"{model} + {a}" for a in add_ons if a not in held]
 
 
-def _still_going(going: list[str], trials: dict[str, list[Trial]], ends: dict[str, str]) -> list[str]:
+def _select_contenders(going: list[str], trials: dict[str, list[Trial]], ends: dict[str, str]) -> list[str]:
     """The models that the last add-on was worth it for and that are not far behind the best; ``ends`` follows them."""
     lead = min(trial.error for tried in trials.values() for trial in tried)
     remaining = []
@@ -242,7 +242,7 @@ def screening_set(records: Sequence[Record], bandwidth: float | None = None) -> 
         groups.setdefault(float(record.input_value or 0.0), []).append(record)
     chosen: list[Record] = []
     for _, at_input in sorted(groups.items()):
-        ranked = sorted(at_input, key=_speed)
+        ranked = sorted(at_input, key=_measure_speed)
         places = np.unique(np.round(np.linspace(0, len(ranked) - 1, PER_INPUT)).astype(int))
         for record in (ranked[k] for k in places):
             as_recorded = record.velocity is not None and bandwidth is None
@@ -250,7 +250,7 @@ def screening_set(records: Sequence[Record], bandwidth: float | None = None) -> 
     return chosen
 
 
-def _speed(record: Record) -> float:
+def _measure_speed(record: Record) -> float:
     return float(np.sqrt(np.mean(np.gradient(record.displacement, record.time) ** 2)))
 
 

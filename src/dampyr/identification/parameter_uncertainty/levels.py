@@ -106,14 +106,14 @@ def levels_and_error(
     problem, to_laws = optimum.problem, optimum.law_matrix
     groups = record_groups(problem)
     fitted = [_Level.of(optimum, pieces) for pieces in groups.values()]
-    session, named = _sessions(problem, records, groups)
+    session, named = _name_sessions(problem, records, groups)
     gains = [optimum.point.nuisance(problem, pieces[0], "gain") for pieces in groups.values()]
     y = np.array([record_level.logarithm for record_level in fitted]) + np.log(gains)
     names = list(dict.fromkeys(session.values()))
     members = np.array([[session[name] == session_name for session_name in names] for name in groups], dtype=float)
-    repeats = _repeats(problem, groups, session) if named else {}
-    spread = _spread(y, np.eye(len(y)) - uncertainty.absorbed, members, bool(repeats), session_prior)
-    text, settles = _words(problem, groups, session, named, repeats, spread, session_prior)
+    repeats = _list_repeats(problem, groups, session) if named else {}
+    spread = _estimate_spread(y, np.eye(len(y)) - uncertainty.absorbed, members, bool(repeats), session_prior)
+    text, settles = _describe(problem, groups, session, named, repeats, spread, session_prior)
     levels = Levels(
         level=dict(zip(groups, map(float, np.exp(y)), strict=True)),
         session=session,
@@ -139,15 +139,15 @@ def levels_and_error(
         directions=members.T @ uncertainty.by_level @ to_laws.T,
         session_levels=tuple(map(float, shrinkage * (members.T @ y) / counts)),
         session_errors=tuple(map(float, spread.record_sd * np.sqrt(shrinkage / counts))),
-        shapes=_shapes(fitted),
-        within_sessions=_within_sessions(uncertainty, members, shrinkage * (members.T @ y) / counts, to_laws)
+        shapes=_average_shapes(fitted),
+        within_sessions=_take_out_sessions(uncertainty, members, shrinkage * (members.T @ y) / counts, to_laws)
         if repeats
         else None,
     )
     return levels, error
 
 
-def _within_sessions(uncertainty: Uncertainty, members: Array, levels: Array, to_laws: Array) -> Array | None:
+def _take_out_sessions(uncertainty: Uncertainty, members: Array, levels: Array, to_laws: Array) -> Array | None:
     """The covariance (m, m) of the laws' coefficients without what the levels of the sessions have added between records.
 
     Each record's influence less that of its session's level; None where a coefficient has no finite variance.
@@ -205,7 +205,7 @@ class _Level:
         return cls(u, math.log(level), shape, lags, float(np.median(np.diff(first_piece.t))))
 
 
-def _shapes(fitted: Sequence[_Level]) -> tuple[ShapeError, ...]:
+def _average_shapes(fitted: Sequence[_Level]) -> tuple[ShapeError, ...]:
     """The residual by input; where fewer than three records are at one, its spread is that of all about their inputs' means."""
     by_input: dict[float, list[_Level]] = {}
     for record_level in fitted:
@@ -224,12 +224,12 @@ def _shapes(fitted: Sequence[_Level]) -> tuple[ShapeError, ...]:
         at_input = by_input[u]
         shapes = np.array([record_level.shape for record_level in at_input])
         spread = np.std(shapes, axis=0, ddof=1) if len(at_input) >= MIN_GROUP else pooled
-        noise, time, white = _noise(at_input)
+        noise, time, white = _split_noise(at_input)
         shape_errors.append(ShapeError(u, tuple(shapes.mean(axis=0)), tuple(spread), noise, time, white, len(at_input)))
     return tuple(shape_errors)
 
 
-def _noise(at_input: Sequence[_Level]) -> tuple[float, float, float]:
+def _split_noise(at_input: Sequence[_Level]) -> tuple[float, float, float]:
     """The correlated noise, its time in s and the white noise whose covariances are those of the rest at 0, 1 and 2 samples."""
     c0, c1, c2 = np.mean([record_level.covariances for record_level in at_input], axis=0)
     dt = float(np.median([record_level.dt for record_level in at_input]))
@@ -240,7 +240,7 @@ def _noise(at_input: Sequence[_Level]) -> tuple[float, float, float]:
     return math.sqrt(correlated), -dt / math.log(float(c2 / c1)), math.sqrt(max(float(c0) - correlated, 0.0))
 
 
-def _sessions(
+def _name_sessions(
     problem: Problem, records: Sequence[Record], groups: Mapping[str, Sequence[int]]
 ) -> tuple[dict[str, str], bool]:
     """The session of each record; where the records name none, each input counts as one."""
@@ -254,12 +254,12 @@ def _sessions(
     return sessions, named
 
 
-def _repeats(
+def _list_repeats(
     problem: Problem, groups: Mapping[str, Sequence[int]], session: Mapping[str, str]
 ) -> dict[float, list[str]]:
     """The inputs that were measured in two sessions or more, with these."""
     spans = {
-        name: (_low(problem, pieces), max(float(np.max(problem.pieces[k].u)) for k in pieces))
+        name: (_lowest_input(problem, pieces), max(float(np.max(problem.pieces[k].u)) for k in pieces))
         for name, pieces in groups.items()
     }
     inputs = sorted({round(end, 6) for span in spans.values() for end in span})
@@ -270,7 +270,7 @@ def _repeats(
     return {u: sessions for u, sessions in at.items() if len(sessions) > 1}
 
 
-def _low(problem: Problem, pieces: Sequence[int]) -> float:
+def _lowest_input(problem: Problem, pieces: Sequence[int]) -> float:
     return min(float(np.min(problem.pieces[k].u)) for k in pieces)
 
 
@@ -285,7 +285,7 @@ class LevelSpread:
     session_reml: float
 
 
-def _spread(y: Array, shown: Array, members: Array, repeated: bool, prior: float) -> LevelSpread:
+def _estimate_spread(y: Array, shown: Array, members: Array, repeated: bool, prior: float) -> LevelSpread:
     """The spread of records and of sessions from the levels ``y`` (n,), of which a fit shows (I - H): ``shown``."""
     left, values, right = np.linalg.svd(shown)
     seen = values > SEEN
@@ -301,10 +301,10 @@ def _spread(y: Array, shown: Array, members: Array, repeated: bool, prior: float
     within = strength == 0.0
     if not repeated or within.all() or prior == 0.0:
         return LevelSpread(float(np.sqrt(np.mean(z**2))), float(z.size), *stated)
-    return _posterior(w, strength, prior)
+    return _integrate_posterior(w, strength, prior)
 
 
-def _posterior(w: Array, strength: Array, prior: float) -> LevelSpread:
+def _integrate_posterior(w: Array, strength: Array, prior: float) -> LevelSpread:
     """The posterior of both standard deviations on a grid, as scaled inverse chi-square distributions."""
     size = max(float(np.sqrt(np.mean(w**2))), 1e-4)
     record, session = np.geomspace(0.05 * size, 5.0 * size, GRID), np.geomspace(*SPAN, GRID)
@@ -316,11 +316,11 @@ def _posterior(w: Array, strength: Array, prior: float) -> LevelSpread:
     reml = 0.0 if at_zero.max() >= likelihood[best] - 1e-3 else float(session[best[1]])
     log_prior = -PRIOR_FREEDOM * np.log(session) - 0.5 * PRIOR_FREEDOM * prior**2 / session**2
     weight = np.exp(likelihood + log_prior - (likelihood + log_prior).max())
-    of_records = _inverse_chi_square(record, weight.sum(axis=1))
-    return LevelSpread(*of_records, *_inverse_chi_square(session, weight.sum(axis=0)), reml)
+    of_records = _fit_inverse_chi_square(record, weight.sum(axis=1))
+    return LevelSpread(*of_records, *_fit_inverse_chi_square(session, weight.sum(axis=0)), reml)
 
 
-def _inverse_chi_square(values: Array, weight: Array) -> tuple[float, float]:
+def _fit_inverse_chi_square(values: Array, weight: Array) -> tuple[float, float]:
     """The scale and the degrees of freedom of the distribution whose precision has this mean and this spread."""
     share = weight / weight.sum()
     # the precision of a scaled inverse chi-square has the mean 1/s^2 and the variance 2/(nu s^4)
@@ -329,7 +329,7 @@ def _inverse_chi_square(values: Array, weight: Array) -> tuple[float, float]:
     return 1.0 / math.sqrt(mean), max(2.0 * mean**2 / max(variance, 1e-300), 1.0)
 
 
-def _words(
+def _describe(
     problem: Problem,
     groups: Mapping[str, Sequence[int]],
     session: Mapping[str, str],
@@ -349,7 +349,7 @@ def _words(
             f"{counted(count, 'session')} that were repeated at {where} {unit}",
             "",
         )
-    inputs = {name: round(_low(problem, pieces), 6) for name, pieces in groups.items()}
+    inputs = {name: round(_lowest_input(problem, pieces), 6) for name, pieces in groups.items()}
     if not named:
         why = f"the records do not say in which measurement session they were made, so level and {word} cannot be told apart"
     elif len(set(session.values())) == 1:

@@ -168,7 +168,7 @@ def sample_posterior(
         raise InputError(f"lengths = {lengths:g} is not allowed; give a number above 0, such as {LENGTHS:g}")
     if steps < CHUNK:
         raise InputError(f"steps = {steps} is not allowed; give {CHUNK} or more")
-    _check(fit)
+    _check_errors(fit)
     tell = progress or (lambda stage, done: None)
     labels, blocks = list(fit.parameters), fit.optimum.blocks
     sampled, held, notes = [], dict[str, float](), list[str]()
@@ -180,7 +180,7 @@ def sample_posterior(
             def share(done: float, number: int = number) -> None:
                 tell("sampling", (number + done) / len(blocks))
 
-            sampled.append(_run(target, lengths, steps, seed + number, share))
+            sampled.append(_run_chain(target, lengths, steps, seed + number, share))
     tell("sampling", 1.0)
     if not sampled:
         raise InputError("every number of this fit stands at a limit, so there is nothing to sample")
@@ -221,7 +221,7 @@ def sample_posterior(
     )
 
 
-def _check(fit: Fit) -> None:
+def _check_errors(fit: Fit) -> None:
     unknown = [label for label, error in fit.stderr.items() if math.isinf(error)]
     if unknown:
         raise InputError(
@@ -259,7 +259,7 @@ class _Target:
         records = len({piece.cut_from or piece.name for piece in self.problem.pieces})
         by_record = not any(label in fit.within_records for label in self.labels)
         lacking = max(self.size - (records - 1), 0) if by_record else 0
-        self.precision, self.spread = _precision(covariance, self.hessian, naive, lacking)
+        self.precision, self.spread = _invert_covariance(covariance, self.hessian, naive, lacking)
         if lacking:
             notes.append(
                 f"{listing(self.labels, 3)}: {records} records show no variance between them in {lacking} of {self.size} "
@@ -333,7 +333,7 @@ class _Target:
         return -0.5 * (self.freedom + self.size) * math.log1p(q / max(self.freedom, 1.0))
 
 
-def _precision(covariance: Array, hessian: Array, naive: float, lacking: int) -> tuple[Array, Array]:
+def _invert_covariance(covariance: Array, hessian: Array, naive: float, lacking: int) -> tuple[Array, Array]:
     """The inverse of the covariance, and a root of the covariance.
 
     The clustered covariance of G records has at most G - 1 directions, as their scores add up to zero. The ``lacking`` ones
@@ -361,7 +361,7 @@ class _Chain:
     trouble: str
 
 
-def _run(target: _Target, lengths: float, steps: int, seed: int, tell: Callable[[float], None]) -> _Chain:
+def _run_chain(target: _Target, lengths: float, steps: int, seed: int, tell: Callable[[float], None]) -> _Chain:
     """emcee's walkers until their chains are long enough."""
     try:
         import emcee
@@ -372,7 +372,7 @@ def _run(target: _Target, lengths: float, steps: int, seed: int, tell: Callable[
     moves = [(emcee.moves.DEMove(), 0.7), (emcee.moves.DESnookerMove(), 0.1), (emcee.moves.StretchMove(), 0.2)]
     sampler = emcee.EnsembleSampler(walkers, target.size, target.log_density, moves=moves)
     sampler.random_state = np.random.RandomState(seed).get_state()
-    state: Any = _starts(target, walkers, rng)
+    state: Any = _draw_starts(target, walkers, rng)
     time, done = np.full(target.size, math.inf), 0
     while done < steps:
         state = sampler.run_mcmc(state, min(CHUNK, steps - done), skip_initial_state_check=True)
@@ -397,7 +397,7 @@ def _run(target: _Target, lengths: float, steps: int, seed: int, tell: Callable[
     return _Chain(target.labels, to_values(thinned, target.log), time, r_hat, share, done, trouble)
 
 
-def _starts(target: _Target, walkers: int, rng: np.random.Generator) -> Array:
+def _draw_starts(target: _Target, walkers: int, rng: np.random.Generator) -> Array:
     """Where walkers begin: draws from the fit's covariance, nearer the optimum where these leave the limits."""
     starts = np.empty((walkers, target.size))
     for k in range(walkers):

@@ -68,13 +68,13 @@ def random_effects(estimates: ArrayLike, errors: ArrayLike, level: float = 0.95)
         raise InputError("estimates must be finite, and their errors finite and greater than 0; leave the others out")
     check_level(level)
     k, v = y.size, s**2
-    variance = _restricted_maximum(y, v)
+    variance = _maximise_likelihood(y, v)
     weights = 1.0 / (variance + v)
     mean = float(weights @ y / weights.sum())
     error = math.sqrt(max(float(weights @ (y - mean) ** 2) / (k - 1), 1.0) / float(weights.sum()))
     reach = float(t.ppf(0.5 + 0.5 * level, k - 1))
     ends = [
-        math.sqrt(_q_profile(y, v, float(chi2.ppf(share, k - 1)))) for share in (0.5 + 0.5 * level, 0.5 - 0.5 * level)
+        math.sqrt(_invert_q(y, v, float(chi2.ppf(share, k - 1)))) for share in (0.5 + 0.5 * level, 0.5 - 0.5 * level)
     ]
     return RandomEffects(
         mean=mean,
@@ -82,7 +82,7 @@ def random_effects(estimates: ArrayLike, errors: ArrayLike, level: float = 0.95)
         mean_interval=(mean - reach * error, mean + reach * error),
         spread=math.sqrt(variance),
         spread_interval=(ends[0], ends[1]),
-        prediction=_new_group(y, v, level),
+        prediction=_predict_new_group(y, v, level),
         shrunken=mean + variance * weights * (y - mean),
     )
 
@@ -90,11 +90,11 @@ def random_effects(estimates: ArrayLike, errors: ArrayLike, level: float = 0.95)
 def _minus_log_likelihood(y: Array, v: Array, variances: Array) -> Array:
     """Restricted, but for a constant, at each of the variances."""
     total = variances[:, None] + v
-    square = np.sum((y - _means(y, v, variances)[:, None]) ** 2 / total, axis=1)
+    square = np.sum((y - _weigh_means(y, v, variances)[:, None]) ** 2 / total, axis=1)
     return np.asarray(0.5 * (np.sum(np.log(total), axis=1) + np.log(np.sum(1.0 / total, axis=1)) + square))
 
 
-def _restricted_maximum(y: Array, v: Array) -> float:
+def _maximise_likelihood(y: Array, v: Array) -> float:
     """The variance between groups of the highest restricted likelihood, 0 where none is higher."""
     from scipy.optimize import minimize_scalar
 
@@ -112,7 +112,7 @@ def _restricted_maximum(y: Array, v: Array) -> float:
     return float(end.x) ** 2 if end.fun < at(0.0) else 0.0
 
 
-def _q_profile(y: Array, v: Array, wanted: float) -> float:
+def _invert_q(y: Array, v: Array, wanted: float) -> float:
     """The variance at which Q falls to ``wanted``; 0 where it is below that without any."""
     from scipy.optimize import brentq
 
@@ -125,7 +125,7 @@ def _q_profile(y: Array, v: Array, wanted: float) -> float:
     return float(brentq(excess, 0.0, (WIDEST * float(np.ptp(y))) ** 2, xtol=1e-14))
 
 
-def _new_group(y: Array, v: Array, level: float) -> tuple[float, float]:
+def _predict_new_group(y: Array, v: Array, level: float) -> tuple[float, float]:
     """The interval of a new group over the confidence distribution of the spread."""
     from scipy.optimize import brentq
     from scipy.stats import chi2, norm
@@ -134,11 +134,14 @@ def _new_group(y: Array, v: Array, level: float) -> tuple[float, float]:
     ends = np.append(
         0.0, np.geomspace(1e-4 * (size + math.sqrt(v.min())), WIDEST * (size + math.sqrt(v.max())), STEPS) ** 2
     )
-    q = np.sum((y - _means(y, v, ends)[:, None]) ** 2 / (ends[:, None] + v), axis=1)
+    q = np.sum((y - _weigh_means(y, v, ends)[:, None]) ** 2 / (ends[:, None] + v), axis=1)
     below = chi2.sf(q, y.size - 1)  # the distribution function of the variance; its first value is what lies at 0
     variance = np.append(0.0, np.sqrt(ends[1:] * np.append(0.25 * ends[1], ends[1:-1])))
     share = np.diff(np.append(0.0, below)) / below[-1]
-    middle, spread = _means(y, v, variance), np.sqrt(variance + 1.0 / np.sum(1.0 / (variance[:, None] + v), axis=1))
+    middle, spread = (
+        _weigh_means(y, v, variance),
+        np.sqrt(variance + 1.0 / np.sum(1.0 / (variance[:, None] + v), axis=1)),
+    )
 
     def end(wanted: float) -> float:
         reach = np.array([-1.0, 1.0]) * 1.01 * float(norm.ppf(0.5 + 0.5 * level)) * spread[:, None] + middle[:, None]
@@ -147,7 +150,7 @@ def _new_group(y: Array, v: Array, level: float) -> tuple[float, float]:
     return end(0.5 - 0.5 * level), end(0.5 + 0.5 * level)
 
 
-def _means(y: Array, v: Array, variances: Array) -> Array:
+def _weigh_means(y: Array, v: Array, variances: Array) -> Array:
     """The weighted mean at each variance between groups."""
     weights = 1.0 / (variances[:, None] + v)
     return np.asarray(weights @ y / weights.sum(axis=1))

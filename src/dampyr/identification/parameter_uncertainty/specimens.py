@@ -125,7 +125,7 @@ class Specimens(Shown):
         errors = [d.prediction_error for d in dampers if d is not None and d.prediction_error is not None]
         if len(errors) < len(dampers):
             return None
-        record_sd, record_freedom = _pooled([(error.record_sd, error.record_freedom) for error in errors])
+        record_sd, record_freedom = _pool([(error.record_sd, error.record_freedom) for error in errors])
         apart = bool(self._shared_sessions)
         widest = max(errors, key=lambda error: error.session_sd)
         return PredictionError(
@@ -139,7 +139,7 @@ class Specimens(Shown):
             directions=np.zeros((0, self._damper_of_reference.coefficients.size)),
             session_levels=(),
             session_errors=(),
-            shapes=_pooled_shapes([shape for error in errors for shape in error.shapes]),
+            shapes=_pool_shapes([shape for error in errors for shape in error.shapes]),
         )
 
     @property
@@ -167,7 +167,7 @@ class Specimens(Shown):
         return replace(
             mean_damper,
             covariance=T @ self._covariance @ T.T,
-            ranges=_widest([fit.ranges for fit in dampers]),
+            ranges=_join_ranges([fit.ranges for fit in dampers]),
             within_records=(),
             prediction_error=self._prediction_error(),
             findings=Findings(lambda: handed_on([self])),
@@ -248,7 +248,7 @@ class Specimens(Shown):
         relative = self._relative
         table = np.array([[self.spreads[label].estimates[n] for label in labels] for n in complete])
         table = to_coordinates(table, relative)
-        of_fits = np.mean([_own_covariance(self.fits[n], relative) for n in complete], axis=0)
+        of_fits = np.mean([_scale_covariance(self.fits[n], relative) for n in complete], axis=0)
         estimated = np.cov(table, rowvar=False).reshape(len(labels), len(labels))
         scale = np.sqrt(np.diag(estimated))
         unit = np.outer(1.0 / scale, 1.0 / scale)
@@ -337,7 +337,7 @@ def fit_specimens(
     if len(fits) < MIN_GROUPS:
         why = "; ".join(f"{name}: {reason}" for name, reason in left_out.items())
         raise InputError(f"only {counted(len(fits), 'specimen')} gave a damper, of which there is no spread ({why})")
-    return _over_specimens(fits, left_out, level, errors == "pooled")
+    return _combine_fits(fits, left_out, level, errors == "pooled")
 
 
 def group_by_specimen(records: Sequence[Record]) -> dict[str, list[Record]]:
@@ -353,13 +353,13 @@ def group_by_specimen(records: Sequence[Record]) -> dict[str, list[Record]]:
     return groups
 
 
-def _over_specimens(fits: dict[str, Fit], left_out: dict[str, str], level: float, pooled: bool) -> Specimens:
-    factors = _pooling_factors(fits) if pooled else {}
+def _combine_fits(fits: dict[str, Fit], left_out: dict[str, str], level: float, pooled: bool) -> Specimens:
+    factors = _pool_errors(fits) if pooled else {}
     labels = list(dict.fromkeys(label for fit in fits.values() for label in fit.parameters))
     spreads, effects, missing = dict[str, SpecimenSpread](), dict[str, RandomEffects](), dict[str, str]()
     for label in labels:
-        determined = {name: fit for name, fit in fits.items() if not _why_not(fit, label)}
-        without = {name: why for name, fit in fits.items() if (why := _why_not(fit, label))}
+        determined = {name: fit for name, fit in fits.items() if not _explain_exclusion(fit, label)}
+        without = {name: why for name, fit in fits.items() if (why := _explain_exclusion(fit, label))}
         if len(determined) < MIN_GROUPS:
             reasons = "; ".join(f"{name}: {why}" for name, why in without.items())
             missing[label] = (
@@ -396,7 +396,7 @@ def _over_specimens(fits: dict[str, Fit], left_out: dict[str, str], level: float
     return Specimens(spreads, fits, left_out, missing, level, effects)
 
 
-def _pooling_factors(fits: dict[str, Fit]) -> dict[tuple[str, str], float]:
+def _pool_errors(fits: dict[str, Fit]) -> dict[tuple[str, str], float]:
     """By specimen and number: the pooled standard error over that of the specimen's own fit."""
     ratios: dict[str, dict[str, tuple[float, float]]] = {}
     for name, fit in fits.items():
@@ -405,7 +405,7 @@ def _pooling_factors(fits: dict[str, Fit]) -> dict[tuple[str, str], float]:
             ratios_of_fit, freedoms = variance_ratios(fit, block)
             for k, ratio in ratios_of_fit.items():
                 label = labels[block.places[k]]
-                if not _why_not(fit, label):
+                if not _explain_exclusion(fit, label):
                     ratios.setdefault(label, {})[name] = ratio, freedoms[k]
     factors = dict[tuple[str, str], float]()
     for label, by_specimen in ratios.items():
@@ -416,7 +416,7 @@ def _pooling_factors(fits: dict[str, Fit]) -> dict[tuple[str, str], float]:
     return factors
 
 
-def _why_not(fit: Fit, label: str) -> str:
+def _explain_exclusion(fit: Fit, label: str) -> str:
     """Why a specimen's fit says nothing of a number; empty where it does."""
     if label not in fit.parameters:
         return "it was not tested at this input"
@@ -432,14 +432,14 @@ def _why_not(fit: Fit, label: str) -> str:
     return ""
 
 
-def _own_covariance(fit: Fit, relative: NDArray[np.bool_]) -> Array:
+def _scale_covariance(fit: Fit, relative: NDArray[np.bool_]) -> Array:
     """The covariance of one fit in the coordinates."""
     errors, values = np.array(list(fit.stderr.values())), np.array(list(fit.parameters.values()))
     spread = errors / np.where(relative, values, 1.0)
     return np.asarray(fit.correlation * np.outer(spread, spread))
 
 
-def _pooled(spreads: Sequence[tuple[float, float]]) -> tuple[float, float]:
+def _pool(spreads: Sequence[tuple[float, float]]) -> tuple[float, float]:
     """One standard deviation of several with their degrees of freedom; that of the stated ones where none was estimated."""
     estimated = [(sd, freedom) for sd, freedom in spreads if math.isfinite(freedom)]
     if not estimated:
@@ -448,7 +448,7 @@ def _pooled(spreads: Sequence[tuple[float, float]]) -> tuple[float, float]:
     return math.sqrt(sum(freedom * sd**2 for sd, freedom in estimated) / total), total
 
 
-def _pooled_shapes(shapes: Sequence[ShapeError]) -> tuple[ShapeError, ...]:
+def _pool_shapes(shapes: Sequence[ShapeError]) -> tuple[ShapeError, ...]:
     """The residual by input: its mean over the specimens, and its spread between their records and between them."""
     by_input: dict[float, list[ShapeError]] = {}
     for shape in shapes:
@@ -475,7 +475,7 @@ def _pooled_shapes(shapes: Sequence[ShapeError]) -> tuple[ShapeError, ...]:
     return tuple(pooled)
 
 
-def _widest(ranges: Sequence[Mapping[str, tuple[float, float]]]) -> dict[str, tuple[float, float]]:
+def _join_ranges(ranges: Sequence[Mapping[str, tuple[float, float]]]) -> dict[str, tuple[float, float]]:
     """The calibrated ranges of all specimens together."""
     names = dict.fromkeys(name for of_specimen in ranges for name in of_specimen)
     ends = {name: [of_specimen[name] for of_specimen in ranges if name in of_specimen] for name in names}

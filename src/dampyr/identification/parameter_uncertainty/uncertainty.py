@@ -69,15 +69,15 @@ def uncertainty(optimum: Optimum, held: tuple[int, ...] = ()) -> Uncertainty:
     """The covariance of the coefficients at the optimum; those ``held`` at a limit count as known."""
     problem = optimum.problem
     of_records = zip(optimum.cluster_sums, optimum.curvature_sums, strict=True)
-    reduced = [_reduced(problem, sums, curvature, held) for sums, curvature in of_records]
-    information = _above_rounding(reduced, problem.size)
+    reduced = [_eliminate_nuisances(problem, sums, curvature, held) for sums, curvature in of_records]
+    information = _sum_information(reduced, problem.size)
     samples = sum(piece.count - problem.locals for piece in problem.pieces)
-    bread, unidentifiable = _inverse(information, held)
+    bread, unidentifiable = _invert(information, held)
     squares = sum(record.squares for record in reduced) / max(samples - problem.size, 1)
-    naive = bread * (_variance(optimum, samples) if optimum.is_robust else squares)
-    reduced = _by_record(problem, reduced)
+    naive = bread * (_estimate_variance(optimum, samples) if optimum.is_robust else squares)
+    reduced = _join_pieces(problem, reduced)
     whole = [Reduced(r.scores.sum(axis=0)[None], r.information.sum(axis=0)[None], r.squares, r.raw) for r in reduced]
-    records, cycles = _clusters(whole, information), _clusters(reduced, information)
+    records, cycles = _count_clusters(whole, information), _count_clusters(reduced, information)
     within = records.counts < MIN_RECORDS
     counts = np.where(within, cycles.counts, records.counts)
     linear = np.where(problem.is_linear, optimum.point.theta, 0.0)
@@ -96,15 +96,15 @@ def uncertainty(optimum: Optimum, held: tuple[int, ...] = ()) -> Uncertainty:
     few = tuple(k for k in map(int, np.flatnonzero(counts < MIN_CYCLES)) if k not in (*held, *unidentifiable))
     unknown = (*unidentifiable, *few)
     return Uncertainty(
-        _with_infinite(covariance, unknown),
-        _with_infinite(naive, unknown),
+        _mark_infinite(covariance, unknown),
+        _mark_infinite(naive, unknown),
         counts,
         freedom,
         unidentifiable,
         few,
         records.counts,
         within,
-        *_of_levels(optimum, whole, bread),
+        *_respond_to_levels(optimum, whole, bread),
         by_record * wide,
     )
 
@@ -117,7 +117,7 @@ def record_groups(problem: Problem) -> dict[str, list[int]]:
     return groups
 
 
-def _of_levels(optimum: Optimum, parts: list[Reduced], bread: Array) -> tuple[Array, Array]:
+def _respond_to_levels(optimum: Optimum, parts: list[Reduced], bread: Array) -> tuple[Array, Array]:
     """``by_level`` and ``absorbed`` of `Uncertainty`."""
     problem = optimum.problem
     static = problem.composition.static
@@ -130,7 +130,7 @@ def _of_levels(optimum: Optimum, parts: list[Reduced], bread: Array) -> tuple[Ar
     if (
         "gain" in problem.common
     ):  # the records' own gains have taken their part: the mean level at an input is the fit's
-        return _of_mean_levels(problem, b)
+        return _respond_to_mean_levels(problem, b)
     by_record = np.stack([record.information.sum(axis=0) @ b for record in parts])
     by_level = by_record @ bread
     # what a record's level looks like in its own residual: the projection of the coefficients' change on its force
@@ -138,8 +138,8 @@ def _of_levels(optimum: Optimum, parts: list[Reduced], bread: Array) -> tuple[Ar
     return by_level, by_record @ by_level.T / weight[:, None]
 
 
-def _of_mean_levels(problem: Problem, b: Array) -> tuple[Array, Array]:
-    """As `_of_levels` where every record has a gain of its own, so that the fit is at the mean level of each input's
+def _respond_to_mean_levels(problem: Problem, b: Array) -> tuple[Array, Array]:
+    """As `_respond_to_levels` where every record has a gain of its own, so that the fit is at the mean level of each input's
     records."""
     groups = list(record_groups(problem).values())
     levels = np.array([round(float(np.mean([np.mean(problem.pieces[k].u) for k in pieces])), 6) for pieces in groups])
@@ -166,7 +166,7 @@ class Reduced:
     raw: Array
 
 
-def _by_record(problem: Problem, reduced: list[Reduced]) -> list[Reduced]:
+def _join_pieces(problem: Problem, reduced: list[Reduced]) -> list[Reduced]:
     """The pieces of a record that was cut as one: they share its gain and its temperature, as its cycles do."""
     groups = [[reduced[k] for k in pieces] for pieces in record_groups(problem).values()]
     return [
@@ -180,7 +180,7 @@ def _by_record(problem: Problem, reduced: list[Reduced]) -> list[Reduced]:
     ]
 
 
-def _variance(optimum: Optimum, samples: int) -> float:
+def _estimate_variance(optimum: Optimum, samples: int) -> float:
     """Of a loss that is not squares: the mean square of its first derivative over the mean of its second."""
     problem, first, second = optimum.problem, 0.0, 0.0
     for piece, residual in zip(problem.pieces, optimum.residuals, strict=True):
@@ -192,17 +192,17 @@ def _variance(optimum: Optimum, samples: int) -> float:
     return first / max(second, TINY) * total / max(samples - problem.size, 1)
 
 
-def _reduced(problem: Problem, sums: Array, second: Array, held: tuple[int, ...]) -> Reduced:
+def _eliminate_nuisances(problem: Problem, sums: Array, second: Array, held: tuple[int, ...]) -> Reduced:
     L = problem.locals
     whole = second.sum(axis=0)
-    taken = np.vstack((-_taken(whole[:L, :L], whole[:L, L:-1]), np.eye(problem.size)))
+    taken = np.vstack((-_solve_nuisances(whole[:L, :L], whole[:L, L:-1]), np.eye(problem.size)))
     taken[:, list(held)] = 0.0
     raw = np.diag(whole)[L:-1]
     squares = float(np.sum(sums[:, -1, -1]))
     return Reduced(sums[:, :-1, -1] @ taken, taken.T @ second[:, :-1, :-1] @ taken, squares, raw)
 
 
-def _above_rounding(reduced: list[Reduced], size: int) -> Array:
+def _sum_information(reduced: list[Reduced], size: int) -> Array:
     """The information of all records; none where the nuisances took all of a derivative but its rounding."""
     information = sum((record.information.sum(axis=0) for record in reduced), np.zeros((size, size)))
     lost = np.diag(information) <= SAME * sum((record.raw for record in reduced), np.zeros(size))
@@ -210,7 +210,7 @@ def _above_rounding(reduced: list[Reduced], size: int) -> Array:
     return np.asarray(information)
 
 
-def _taken(of_nuisances: Array, across: Array) -> Array:
+def _solve_nuisances(of_nuisances: Array, across: Array) -> Array:
     """The nuisances' change with each coefficient: least squares on what the record determines of them."""
     # Newtons beside factors: scaled to ones on the diagonal, or the largest unit would decide what is rounding
     d = np.sqrt(np.diag(of_nuisances))
@@ -221,7 +221,7 @@ def _taken(of_nuisances: Array, across: Array) -> Array:
     return np.asarray(scale[:, None] * (vectors @ (weights[:, None] * (vectors.T @ (scale[:, None] * across)))))
 
 
-def _inverse(information: Array, held: tuple[int, ...]) -> tuple[Array, tuple[int, ...]]:
+def _invert(information: Array, held: tuple[int, ...]) -> tuple[Array, tuple[int, ...]]:
     """The inverse on what is determined, and the coefficients that take part in a direction that is not."""
     scale = np.sqrt(np.diag(information))
     free = scale > 1e-12 * max(float(scale.max(initial=0.0)), 1e-300)
@@ -248,7 +248,7 @@ class Clusters:
     freedom: Array
 
 
-def _clusters(parts: list[Reduced], information: Array) -> Clusters:
+def _count_clusters(parts: list[Reduced], information: Array) -> Clusters:
     scores = np.concatenate([part.scores for part in parts])
     diagonals = np.concatenate([np.diagonal(part.information, axis1=1, axis2=2) for part in parts])
     total = np.diag(information)
@@ -276,7 +276,7 @@ def freedom_by_gains(A: Array, bread: Array, linear: Array, instead: Array) -> A
     return np.where(seen, np.maximum(trace**2 / np.where(seen, square, 1.0), 0.5), instead)
 
 
-def _with_infinite(covariance: Array, unidentifiable: tuple[int, ...]) -> Array:
+def _mark_infinite(covariance: Array, unidentifiable: tuple[int, ...]) -> Array:
     out = covariance.copy()
     for k in unidentifiable:
         out[k, :] = out[:, k] = 0.0

@@ -126,12 +126,12 @@ def drawn_forces(
     return *force_draws(damper, path, draws, seed, session, allow_extrapolation, averaging), session
 
 
-def _interval(draws: Array, measured: float, tails: tuple[float, float]) -> Interval:
+def _make_interval(draws: Array, measured: float, tails: tuple[float, float]) -> Interval:
     low, high = np.quantile(draws, tails)
     return Interval(float(low), float(high), measured)
 
 
-def _white(residual: Array, seed: int, draws: int) -> Array:
+def _draw_white_noise(residual: Array, seed: int, draws: int) -> Array:
     """White noise (draws, n) as large as that of a residual (n,): the median tells it without false samples."""
     second = residual[1:-1] - 0.5 * (residual[:-2] + residual[2:])  # of white noise it has 1.5 times the variance
     size = 1.4826 * float(np.median(np.abs(second))) / np.sqrt(1.5)
@@ -207,7 +207,9 @@ def prediction_band(
     seen = (low[inside] <= measured[inside]) & (measured[inside] <= high[inside])
     spread = np.mean(np.abs(measured[inside] - 0.5 * sum(np.quantile(measured[inside], (0.01, 0.99)))))
     peaks = 0.5 * np.ptp(forces[:, inside], axis=1)
-    rough = forces[:, inside] + _white(measured[inside] - np.median(forces[:, inside], axis=0), seed, len(forces))
+    rough = forces[:, inside] + _draw_white_noise(
+        measured[inside] - np.median(forces[:, inside], axis=0), seed, len(forces)
+    )
     # the largest of many noisy samples lies above the force's own peak: by how much, noise of this size on the draws tells
     from_noise = float(np.median(0.5 * np.ptp(rough, axis=1) - peaks))
     energy = None
@@ -215,7 +217,7 @@ def prediction_band(
         part, count = span
         x = record.displacement[part]
         work = [loop_work(force[part], x) / count for force in (*(forces + noise), measured)]
-        energy = _interval(np.array(work[:-1]), float(work[-1]), tails)
+        energy = _make_interval(np.array(work[:-1]), float(work[-1]), tails)
     return Band(
         level=level,
         origin=combined([damper.origin, record.origin]),
@@ -226,7 +228,7 @@ def prediction_band(
         high=high,
         holds=float(np.mean(seen)),
         width=float(0.5 * np.mean(high[inside] - low[inside]) / spread),
-        peak=_interval(peaks, 0.5 * float(np.ptp(measured[inside])) - from_noise, tails),
+        peak=_make_interval(peaks, 0.5 * float(np.ptp(measured[inside])) - from_noise, tails),
         energy=energy,
         session=session,
         window=where,

@@ -212,14 +212,14 @@ def compare(
             f"{record.name}: the force is constant at {measured[0]:g} N in the window; nothing to compare with"
         )
     nrmse = float(np.sqrt(np.mean(error**2))) / spread
-    level, relevelled = _relevelled(record, np.asarray(force, dtype=float), where, centre)
+    level, relevelled = _relevel(record, np.asarray(force, dtype=float), where, centre)
     return Score(
         l1=float(np.sum(np.abs(error)) / np.sum(np.abs(centred))),
         nrmse=nrmse,
         r2=1.0 - nrmse**2,
         pointwise=float(np.mean(np.abs(error[seen]) / np.abs(centred[seen]))),
         peak_force=float(np.ptp(model) / np.ptp(measured) - 1.0),
-        energy=_energy_error(record, np.asarray(force, dtype=float), where),
+        energy=_compare_energy(record, np.asarray(force, dtype=float), where),
         offset=offset,
         window=where,
         level=level,
@@ -236,7 +236,7 @@ def relevelling_part(record: Record, where: Window) -> slice:
     return slice(where.first, where.first + max(int(RELEVEL_SHARE * count), 1))
 
 
-def _relevelled(record: Record, force: Array, where: Window, centre: Centre) -> tuple[float, float]:
+def _relevel(record: Record, force: Array, where: Window, centre: Centre) -> tuple[float, float]:
     """The level by the first cycles and the L1 ratio of the rest with it, NaN where one of the two holds next to nothing."""
     part = relevelling_part(record, where)
     rest = slice(part.stop, where.last + 1)
@@ -253,7 +253,7 @@ def _relevelled(record: Record, force: Array, where: Window, centre: Centre) -> 
     return level, float(np.sum(np.abs(error - np.mean(error))) / max(np.sum(np.abs(centred)), 1e-300))
 
 
-def _energy_error(record: Record, force: Array, where: Window) -> float:
+def _compare_energy(record: Record, force: Array, where: Window) -> float:
     whole = whole_cycles(record, where)
     if whole is None:
         return float("nan")

@@ -160,20 +160,22 @@ def validation_jobs(
         check_bandwidth(listed, options.bandwidth)
     inputs = {r.name: float(r.input_value or 0.0) for r in listed}
     unit, origin = listed[0].input or "", combined(r.origin for r in listed)
-    jobs: list[Callable[[], Fold]] = [partial(_fold_by_one_thread, model, task, not_scored, options) for task in tasks]
+    jobs: list[Callable[[], Fold]] = [
+        partial(_run_fold_on_one_thread, model, task, not_scored, options) for task in tasks
+    ]
     return jobs, lambda done: Validation(split, tuple(done), inputs, unit, not_scored, origin)
 
 
-def _fold_by_one_thread(*arguments: Any) -> Fold:
+def _run_fold_on_one_thread(*arguments: Any) -> Fold:
     with one_thread():  # the scores too
-        return _fold(*arguments)
+        return _run_fold(*arguments)
 
 
-def _fold(
+def _run_fold(
     model: str | Composition | Damper, task: FoldTask, not_scored: Mapping[str, str], options: FitOptions
 ) -> Fold:
     fit_result = fit_model(model, list(task.fitted), options)
-    names = tuple(_named(r, task) for r in task.fitted)
+    names = tuple(_name_fitted(r, task) for r in task.fitted)
     skipped = tuple(t.record.name for t in task.predicted if t.record.name in not_scored)
     scores: dict[str, Score] = {}
     outside: dict[str, str] = {}
@@ -186,7 +188,7 @@ def _fold(
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", DampyrWarning)
             try:
-                scores[target.record.name] = _predicted(fit_result.damper, target, options.settling)
+                scores[target.record.name] = _predict(fit_result.damper, target, options.settling)
             except InputError as problem:  # a law that leaves its allowed values beyond the fitted inputs
                 return Fold(names, {}, False, str(problem), outside, work=work)
         if caught:
@@ -194,13 +196,13 @@ def _fold(
     return Fold(names, scores, fit_result.converged, fit_result.reason, outside, skipped, work)
 
 
-def _named(record: Record, task: FoldTask) -> str:
+def _name_fitted(record: Record, task: FoldTask) -> str:
     """What was fitted, in words: a name, and until when where the rest of the record is predicted."""
     again = any(t.record.name == record.name for t in task.predicted)
     return f"{record.name} until {record.time[-1]:.4g} s" if again else record.name
 
 
-def _predicted(damper: Damper, target: Target, settling: float) -> Score:
+def _predict(damper: Damper, target: Target, settling: float) -> Score:
     low, high = damper.range
     record, u = target.record, target.record.input_value
     window = None

@@ -124,7 +124,7 @@ def piece(record: Record, bandwidth: float | None) -> Piece:
         u=u_of_fit,
         weight=np.array([1.0 / spread]),
         spread=spread,
-        cycle=_cycle_numbers(record)[window],
+        cycle=_number_cycles(record)[window],
         unit=record.input,
         temperature=math.nan if record.temperature is None else float(np.mean(record.temperature)),
         average=reach,
@@ -158,7 +158,7 @@ def weighted(pieces: list[Piece], weighting: str) -> list[Piece]:
     return [replace(piece, weight=piece.weight * np.sqrt(mean / piece.count)) for piece in pieces]
 
 
-def _cycle_numbers(record: Record) -> NDArray[np.int64]:
+def _number_cycles(record: Record) -> NDArray[np.int64]:
     """Which cycle each sample belongs to; what comes before and after joins the nearest."""
     starts = np.array([i0 for i0, _ in cycles(record)], dtype=int)
     if starts.size == 0:

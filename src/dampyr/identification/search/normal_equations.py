@@ -56,21 +56,21 @@ def products(problem: Problem, point: SearchPoint, by_cluster: bool = False) -> 
 
     One group, or one per cluster of the record's samples. The residual is measured less model.
     """
-    return [_products_of_record(problem, point, r, by_cluster) for r in range(len(problem.pieces))]
+    return [_sum_record(problem, point, r, by_cluster) for r in range(len(problem.pieces))]
 
 
-def _products_of_record(problem: Problem, point: SearchPoint, r: int, by_cluster: bool) -> Array:
+def _sum_record(problem: Problem, point: SearchPoint, r: int, by_cluster: bool) -> Array:
     piece, u = problem.pieces[r], input_at(problem, point, r)
     values, gain = values_at(problem, point, r, u), point.nuisance(problem, r, "gain")
     states, force = point.states(problem, r), piece.force - point.nuisance(problem, r, "offset")
     lags = has_lag(problem)
     plan = summation_plan(problem, bases(problem.columns, u, piece.temperature)) if lags else problem.plans[r]
-    factor, matrix = _with_gain_and_temperature(problem, point, r, plan, values, gain)
+    factor, matrix = _scale_plan(problem, point, r, plan, values, gain)
     ends = piece.ends if by_cluster else np.array([piece.t.size])
     remembers = values.ndim > 1 and bool(problem.composition.delay is not None or len(states) or lags)
     if remembers or piece.average is not None:
-        by_lag = _derivative_by_lag(problem, point, r) if lags else None
-        sums = _products_of_stored(problem, piece, values, states, force, plan.source, factor, gain, ends, by_lag)
+        by_lag = _differentiate_by_lag(problem, point, r) if lags else None
+        sums = _sum_stored(problem, piece, values, states, force, plan.source, factor, gain, ends, by_lag)
     else:
         path = (piece.t, piece.x, piece.v, problem.accelerations[r])
         sums = products_along(
@@ -79,7 +79,7 @@ def _products_of_record(problem: Problem, point: SearchPoint, r: int, by_cluster
     return np.asarray(matrix.T @ sums @ matrix)
 
 
-def _derivative_by_lag(problem: Problem, point: SearchPoint, r: int) -> Array:
+def _differentiate_by_lag(problem: Problem, point: SearchPoint, r: int) -> Array:
     """The derivative (n,) of the force of the parts by the lag, by a difference."""
     piece, sides = problem.pieces[r], []
     for more in (LAG_STEP, 0.0):
@@ -88,7 +88,7 @@ def _derivative_by_lag(problem: Problem, point: SearchPoint, r: int) -> Array:
     return np.asarray((sides[0] - sides[1]) / LAG_STEP)
 
 
-def _with_gain_and_temperature(
+def _scale_plan(
     problem: Problem, point: SearchPoint, r: int, plan: SummationPlan, values: Array, gain: float
 ) -> tuple[Array, Array]:
     """The factors and the matrix of a plan with what changes from point to point: gain, temperature."""
@@ -101,12 +101,14 @@ def _with_gain_and_temperature(
         is_viscous = np.where(plan.parameter >= 0, problem.is_viscous[plan.parameter], False)
         factor = factor * np.where(is_viscous, warmth, 1.0)
         matrix = matrix.copy()
-        by_temperature = np.where(is_viscous, _by_temperature(problem, point, plan, values, warmth), 0.0)
+        by_temperature = np.where(is_viscous, _differentiate_by_temperature(problem, point, plan, values, warmth), 0.0)
         matrix[:-1, problem.common.index("temperature")] = by_temperature
     return np.ascontiguousarray(factor), matrix
 
 
-def _by_temperature(problem: Problem, point: SearchPoint, plan: SummationPlan, values: Array, warmth: float) -> Array:
+def _differentiate_by_temperature(
+    problem: Problem, point: SearchPoint, plan: SummationPlan, values: Array, warmth: float
+) -> Array:
     """What multiplies each column so that their sum is the derivative by the logarithm of the viscosity's factor."""
     if not problem.varying:
         return np.where(plan.parameter >= 0, values[plan.parameter], 0.0) / warmth
@@ -115,7 +117,7 @@ def _by_temperature(problem: Problem, point: SearchPoint, plan: SummationPlan, v
     return np.asarray(theta + fixed)
 
 
-def _products_of_stored(
+def _sum_stored(
     problem: Problem,
     piece: Piece,
     values: Array,

@@ -57,8 +57,8 @@ class Optimum:
         """
         if self.part_of is not None:
             whole, block = self.part_of
-            return _of_block(whole.cluster_sums, block, self.problem)
-        return _by_cluster(self.problem, self.point)
+            return _select_block(whole.cluster_sums, block, self.problem)
+        return _sum_by_cluster(self.problem, self.point)
 
     @cached_property
     def curvature_sums(self) -> list[Array]:
@@ -67,9 +67,9 @@ class Optimum:
             return self.cluster_sums
         if self.part_of is not None:
             whole, block = self.part_of
-            return _of_block(whole.curvature_sums, block, self.problem)
+            return _select_block(whole.curvature_sums, block, self.problem)
         pieces = [p if p.second_weight is None else replace(p, weight=p.second_weight) for p in self.problem.pieces]
-        return _by_cluster(replace(self.problem, pieces=pieces), self.point)
+        return _sum_by_cluster(replace(self.problem, pieces=pieces), self.point)
 
     @property
     def is_robust(self) -> bool:
@@ -134,7 +134,7 @@ class Optimum:
         return list(range(self.problem.size)) if self.part_of is None else self.part_of[1].coefficients
 
 
-def _by_cluster(problem: Problem, point: SearchPoint) -> list[Array]:
+def _sum_by_cluster(problem: Problem, point: SearchPoint) -> list[Array]:
     cluster_sums = products(problem, point, by_cluster=True)
     first = with_priors(problem, point, np.stack([sums[0] for sums in cluster_sums]))
     for sums, changed in zip(cluster_sums, first, strict=True):
@@ -142,7 +142,7 @@ def _by_cluster(problem: Problem, point: SearchPoint) -> list[Array]:
     return cluster_sums
 
 
-def _of_block(sums: list[Array], block: Block, problem: Problem) -> list[Array]:
+def _select_block(sums: list[Array], block: Block, problem: Problem) -> list[Array]:
     """The sums of the block's records, over its coefficients only: those of the other blocks have no effect on them."""
     L, last = problem.locals, sums[0].shape[1] - 1
     places = np.array([*range(L), *(L + place for place in block.coefficients), last])

@@ -92,7 +92,7 @@ def search(
         converged=not failed,
         reason=reported.reason + (where if failed and len(outcomes) > 1 else ""),
         iterations=max(outcome.iterations for _, outcome in outcomes),
-        at_limit=_at_limit(problem, end),
+        at_limit=_list_at_limit(problem, end),
     )
 
 
@@ -201,7 +201,9 @@ def levenberg_marquardt(
             break
     else:
         reason = f"did not converge: {max_iterations} steps were not enough"
-    return Outcome(Optimum(problem, point), equations.cost, converged, reason, iteration, _at_limit(problem, point))
+    return Outcome(
+        Optimum(problem, point), equations.cost, converged, reason, iteration, _list_at_limit(problem, point)
+    )
 
 
 def more_damping(equations: NormalEquations, step: SearchStep, damping: float) -> float:
@@ -261,7 +263,7 @@ def update_secant_hessian(curvature: Array | None, old: NormalEquations, new: No
     return np.asarray(curvature + update / along - float(step @ rest) * np.outer(change, change) / along**2)
 
 
-def _at_limit(problem: Problem, point: SearchPoint) -> tuple[int, ...]:
+def _list_at_limit(problem: Problem, point: SearchPoint) -> tuple[int, ...]:
     low, high = problem.limits
     near = (point.theta <= low + 2e-9) | (point.theta >= high)
     return tuple(int(k) for k in np.flatnonzero(near & ~np.isnan(low)))
