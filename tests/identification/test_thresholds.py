@@ -7,7 +7,7 @@ from tests.identification.test_fit import campaign
 
 from dampyr.errors import InputError
 from dampyr.identification import fit, identifiability
-from dampyr.identification.fits.motion_coverage import beyond_the_fitted
+from dampyr.identification.fits.motion_coverage import list_motions_beyond
 from dampyr.identification.thresholds import FitThresholds
 from dampyr.models import Damper
 
@@ -59,8 +59,8 @@ def test_pairs_that_trade_against_each_other_follow_the_thresholds():
 def test_a_planned_motion_is_extrapolated_by_the_thresholds():
     fitted = [sine(DAHL, 1.0, "large", 0.01, 1.0)]
     planned = [sine(DAHL, 1.0, "small", 0.007, 1.0)]
-    assert "small" in beyond_the_fitted(fitted, planned)
-    assert beyond_the_fitted(fitted, planned, FitThresholds(outside_margin=0.5)) == {}
+    assert "small" in list_motions_beyond(fitted, planned)
+    assert list_motions_beyond(fitted, planned, FitThresholds(outside_margin=0.5)) == {}
 
 
 def test_a_threshold_outside_of_its_range_is_refused():

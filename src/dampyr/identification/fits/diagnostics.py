@@ -135,8 +135,8 @@ def _describe_memory(residuals: Residuals) -> str:
     factor = np.sqrt(residuals.samples / residuals.effective)
     return (
         f"residuals are correlated over {residuals.correlation_time:.2g} s: {_format_count(residuals.samples)} samples, "
-        f"effective sample size {_format_count(residuals.effective)} at most, which alone makes naive errors {factor:.2g} times "
-        "too small"
+        f"effective sample size {_format_count(residuals.effective)} at most, which alone makes naive errors {factor:.2g} "
+        "times too small"
     )
 
 
@@ -289,7 +289,7 @@ def _note_parameters(outcome: Outcome, uncertainty: Uncertainty, labels: list[st
     return notes
 
 
-def no_interval(count: int) -> str:
+def explain_no_interval(count: int) -> str:
     """Why a number that only ``count`` records determine has no interval."""
     return f"between-record variance is not estimated from {counted(count, 'record')}"
 
@@ -305,7 +305,7 @@ def _note_few_records(
         labels_of_count = [label for label in labels if within.get(label) == count]
         errors = "the errors" if len(labels_of_count) == len(labels) else f"the errors of {', '.join(labels_of_count)}"
         notes.append(
-            f"{no_interval(count)}: {errors} hold within these records only and give no 95 % interval; record "
+            f"{explain_no_interval(count)}: {errors} hold within these records only and give no 95 % interval; record "
             f"{MIN_INTERVAL_RECORDS} or more {where}"
         )
     few = min((int(uncertainty.counts[labels.index(label)]) for label in within), default=least)
@@ -389,7 +389,7 @@ def _note_smoothing(problem: Problem) -> list[str]:
     return notes
 
 
-def trouble_of(outcome: Outcome) -> str:
+def explain_trouble(outcome: Outcome) -> str:
     """Why the numbers are no damper although the search has ended; empty where they are one."""
     problem = outcome.optimum.problem
     positive = np.concatenate([np.full(c.size, c.quantity.linear and c.quantity.low == 0) for c in problem.columns])

@@ -12,12 +12,12 @@ from dampyr.argument_kinds import RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.identification.fits.fit_options import BUDGET, FitOptions
 from dampyr.identification.fits.least_squares import check_records_and_model, fit_model
-from dampyr.identification.fits.motion_coverage import beyond_the_fitted
+from dampyr.identification.fits.motion_coverage import list_motions_beyond
 from dampyr.identification.fits.result import Fit
 from dampyr.identification.model_choice.leaderboard import Leaderboard, leaderboard
-from dampyr.identification.model_choice.screening import of_model
+from dampyr.identification.model_choice.screening import hold_pairs
 from dampyr.identification.scoring.score import Score, score
-from dampyr.identification.scoring.scoring_window import scorable
+from dampyr.identification.scoring.scoring_window import list_unscorable
 from dampyr.identification.scoring.splits import split_tasks
 from dampyr.identification.scoring.validation import Validation, cross_validate
 from dampyr.models import Composition, Damper
@@ -102,7 +102,7 @@ def fit(
     fitted = [record for record in nominal if record.role != "validation"]
     others = [record for record in nominal if record.role == "validation"]
     check_records(fitted, others, model, chosen)
-    beyond = beyond_the_fitted(fitted, others, chosen.thresholds)
+    beyond = list_motions_beyond(fitted, others, chosen.thresholds)
     tell = progress or (lambda stage, done: None)
     board = None
     if model is None:
@@ -110,7 +110,7 @@ def fit(
             print(_announce_search(fitted, chosen), file=sys.stderr)
         board = leaderboard(fitted, chosen, executor, progress)
         model, chosen = board.winner.model, replace(chosen, bandwidth=board.bandwidth, models=())
-    chosen = of_model(chosen, model)
+    chosen = hold_pairs(chosen, model)
     result = board.winner.fit if board else None
     if result is None:
         tell("identifying", 0.0)
@@ -139,7 +139,7 @@ def check_records(
     if not options.mixed_origins:
         check_one_kind(fitted)
     if options.predict or model is None:
-        scorable(fitted, options.settling)
+        list_unscorable(fitted, options.settling)
     for split in options.predict:
         split_tasks(fitted, split, options.folds, options.seed)
     if options.bandwidth is not None:

@@ -16,7 +16,7 @@ from dampyr.errors import InputError
 from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.result import Fit, build_fit
 from dampyr.identification.search.fit_data import piece, weighted, with_common_levels
-from dampyr.identification.search.initial_guess import begin, best_of
+from dampyr.identification.search.initial_guess import begin, search_several_starts
 from dampyr.identification.search.parametrisation import columns, held_twins
 from dampyr.identification.search.problem import Problem, checked_nuisances
 from dampyr.identification.search.robust import iteratively_reweighted
@@ -48,7 +48,9 @@ def fit_model(
     problem = prepared(model, listed, options)
     starts = options.starts
     with one_thread():
-        point, agreed = (begin(problem, work), 1) if starts == 1 else best_of(problem, starts, options.seed, work)
+        point, agreed = (
+            (begin(problem, work), 1) if starts == 1 else search_several_starts(problem, starts, options.seed, work)
+        )
         outcome = search(problem, point, progress, max_iterations=options.steps, work=work)
         if options.loss != "squares":
             outcome = iteratively_reweighted(outcome, options.loss, progress, work)

@@ -40,7 +40,7 @@ def reversals(record: Record) -> Strokes:
     return Strokes(stroke, stroke / duration, duration)
 
 
-def beyond_the_fitted(
+def list_motions_beyond(
     fitted: Sequence[Record], planned: Sequence[Record], thresholds: FitThresholds | None = None
 ) -> dict[str, str]:
     """The planned motions that are smaller or slower than the fitted records for more than a tenth of their time

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from dampyr.errors import FindingWarning, InputError
 from dampyr.findings import Finding, Findings, handed_on, worst_first
 from dampyr.identification.fits.data_sheet import SHEETS, contradictions
-from dampyr.identification.fits.diagnostics import no_interval, notes, residual_findings, trouble_of
+from dampyr.identification.fits.diagnostics import explain_no_interval, explain_trouble, notes, residual_findings
 from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.fit_verdict import FitVerdict, fit_verdict
 from dampyr.identification.fits.residuals import Residuals, Trace, analyse, motion
-from dampyr.identification.parameter_uncertainty.levels import Levels, levels_and_error
+from dampyr.identification.parameter_uncertainty.levels import Levels, estimate_levels
 from dampyr.identification.parameter_uncertainty.uncertainty import Uncertainty, uncertainty
 from dampyr.identification.scoring.score import Score, compare
 from dampyr.identification.scoring.scoring_window import SETTLING, too_short
@@ -198,7 +198,7 @@ class Fit(Shown):
 
     def why_no_interval(self, label: str) -> str:
         """Why a number has no interval, in words; empty where it has one."""
-        return no_interval(self.within_records[label]) if label in self.within_records else ""
+        return explain_no_interval(self.within_records[label]) if label in self.within_records else ""
 
     def save(self, path: str | Path) -> Path:
         """Write the card of the fitted damper, as `Damper.save`; :class:`~dampyr.errors.InputError` where there is none."""
@@ -277,9 +277,9 @@ def build_fit(
     damper, trouble = _make_damper(optimum, uncertainties, records, options.bandwidth, tuple(within))
     levels = None
     if damper is not None and all(np.all(np.isfinite(force)) for force in optimum.forces):
-        levels, error = levels_and_error(optimum, uncertainties, records, options.session_prior)
+        levels, error = estimate_levels(optimum, uncertainties, records, options.session_prior)
         damper = replace(damper, prediction_error=error)
-    trouble = trouble or trouble_of(outcome)
+    trouble = trouble or explain_trouble(outcome)
     states = list(problem.composition.states)
     of_starts = [f"{starts[1]} of {starts[0]} starts ended in the same optimum"] if starts[0] > 1 else []
     sheets = {record.provenance.get("data_sheet", "") for record in records} & set(SHEETS)

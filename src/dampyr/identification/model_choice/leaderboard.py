@@ -49,15 +49,15 @@ from dampyr.identification.model_choice.screening import (
     CUT,
     PAIRS,
     Screened,
-    chosen_bandwidth,
-    held_in,
+    choose_bandwidth,
+    choose_splits,
+    list_held,
     screen_all,
     screening_set,
-    splits_of,
     validation_error,
 )
 from dampyr.identification.scoring.score import score
-from dampyr.identification.scoring.scoring_window import scorable, too_short
+from dampyr.identification.scoring.scoring_window import list_unscorable, too_short
 from dampyr.identification.scoring.splits import split_tasks
 from dampyr.identification.scoring.validation import Fold, Validation, validation_jobs
 from dampyr.identification.search.work import OUT_OF_WORK
@@ -220,7 +220,7 @@ def leaderboard(
         raise InputError(f"{unknown[0]}: its voltage is not known; read it with voltage= (or current=)")
     whole = listed
     listed, pieces = enough_records(whole, options.settling)
-    scorable(listed, options.settling)
+    list_unscorable(listed, options.settling)
     begun = time.perf_counter()
     deadline = math.inf if options.seconds is None else time.time() + options.seconds
     budget = BUDGET if options.budget is None else options.budget
@@ -233,7 +233,7 @@ def leaderboard(
     in_trials = replace(of_fits, budget=TRIAL_SHARE * budget)
     spent = 0.0
     if bandwidth is None:
-        bandwidth, spent = chosen_bandwidth(
+        bandwidth, spent = choose_bandwidth(
             listed, in_trials, executor, lambda done: report("choosing the velocity", done)
         )
     small = screening_set(listed, bandwidth)  # with its velocity, so that no trial derives it from thinned samples
@@ -341,7 +341,7 @@ def _judge(
     The fits are to the ``whole`` records, of which ``records`` may be pieces. ``remaining`` is counted work, s, of which the
     fits have equal shares, twice over as most end before. Finalists that ``deadline`` cuts, of ``time.time``, are left out.
     """
-    splits = splits_of(records)
+    splits = choose_splits(records)
     options = replace(options, folds=PARTS, steps=FINAL_STEPS)
     count = len(models) * (1 + sum(len(split_tasks(records, split, PARTS, options.seed)) for split in splits))
     share = 2.0 * max(remaining, 0.0) / max(count, 1)
@@ -349,7 +349,7 @@ def _judge(
     jobs: list[tuple[str, Callable[[], Any]]] = []
     planned = []
     for model in models:
-        of_model = replace(options, fixed=held_in(model) | dict(options.fixed))
+        of_model = replace(options, fixed=list_held(model) | dict(options.fixed))
         parts = [validation_jobs(records, model, split, of_model) for split in splits]
         jobs += [(model, job) for folds, _ in parts for job in folds]
         jobs.append((model, partial(_fit_timed, model, whole, of_model)))

@@ -70,7 +70,7 @@ class Screened(Shown):
         return min(self.trials, key=lambda trial: trial.error)
 
 
-def chosen_bandwidth(
+def choose_bandwidth(
     records: list[Record],
     options: FitOptions,
     executor: Executor | None = None,
@@ -180,15 +180,15 @@ def _select_contenders(going: list[str], trials: dict[str, list[Trial]], ends: d
     return remaining
 
 
-def of_model(options: FitOptions, model: str | Composition | Damper) -> FitOptions:
+def hold_pairs(options: FitOptions, model: str | Composition | Damper) -> FitOptions:
     """The options, with what a pair of parts within ``model`` holds unless one of them names it."""
     laws = options.laws if isinstance(options.laws, Mapping) else {}
     named = {*options.fixed, *laws, *options.tied, *options.tied.values()}
-    held = {name: value for name, value in held_in(model).items() if name not in named}
+    held = {name: value for name, value in list_held(model).items() if name not in named}
     return replace(options, fixed=held | dict(options.fixed)) if held else options
 
 
-def held_in(model: str | Composition | Damper) -> dict[str, float]:
+def list_held(model: str | Composition | Damper) -> dict[str, float]:
     """The parameters that a pair within ``model`` holds, in SI units."""
     composition = compose(model) if isinstance(model, str) else model
     parts = set((composition.composition if isinstance(composition, Damper) else composition).names)
@@ -202,7 +202,7 @@ def trial(model: str, small: list[Record], options: FitOptions) -> Trial:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DampyrWarning)  # of a model that may never be chosen
-            validations = validations_of(model, small, replace(options, folds=2, steps=STEPS))
+            validations = validate_model(model, small, replace(options, folds=2, steps=STEPS))
         reasons = [reason for validation in validations for reason in validation.failed.values()]
         folds = [fold for validation in validations for fold in validation.folds]
         reasons += [fold.reason for fold in folds if OUT_OF_WORK in fold.reason or OUT_OF_TIME in fold.reason]
@@ -212,13 +212,13 @@ def trial(model: str, small: list[Record], options: FitOptions) -> Trial:
         return Trial(model, float("inf"), time.perf_counter() - begun, str(problem))
 
 
-def validations_of(model: str, records: list[Record], options: FitOptions) -> list[Validation]:
-    """The validations of one model by `splits_of` the records."""
-    options = replace(options, fixed=held_in(model))
-    return [cross_validate(records, model, split, options) for split in splits_of(records)]
+def validate_model(model: str, records: list[Record], options: FitOptions) -> list[Validation]:
+    """The validations of one model by `choose_splits` the records."""
+    options = replace(options, fixed=list_held(model))
+    return [cross_validate(records, model, split, options) for split in choose_splits(records)]
 
 
-def splits_of(records: Sequence[Record]) -> list[str]:
+def choose_splits(records: Sequence[Record]) -> list[str]:
     """The splits that a model is ranked by: by record, and by input where there are three or more."""
     return ["record"] + ["input"] * (len({record.input_value for record in records}) > 2)
 

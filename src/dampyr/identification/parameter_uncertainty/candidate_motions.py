@@ -62,7 +62,7 @@ class CandidateMotion:
         return f"a {self.kind} of {size}, {f},"
 
 
-def envelope_of(pieces: Sequence[Piece]) -> MotionReach:
+def measure_reach(pieces: Sequence[Piece]) -> MotionReach:
     """What several records reach together."""
     speed = max(float(np.quantile(np.abs(piece.v), PEAK)) for piece in pieces)
     acceleration = max(float(np.quantile(np.abs(np.gradient(piece.v, piece.t)), PEAK)) for piece in pieces)

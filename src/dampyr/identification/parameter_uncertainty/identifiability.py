@@ -28,7 +28,7 @@ from dampyr.identification.parameter_uncertainty.candidate_motions import (
     PEAK,
     CandidateMotion,
     candidate_motions,
-    envelope_of,
+    measure_reach,
 )
 from dampyr.identification.parameter_uncertainty.profile_likelihood import scaled_inverse
 from dampyr.identification.parameter_uncertainty.uncertainty import MIN_RECORDS, uncertainty
@@ -328,7 +328,7 @@ def _list_motions_and_inputs(problem: Problem, beyond: float) -> list[tuple[Cand
     if len(inputs) > INPUTS_TRIED:
         inputs = [inputs[k] for k in np.unique(np.linspace(0, len(inputs) - 1, INPUTS_TRIED).round().astype(int))]
     exact = {round(float(np.mean(piece.u)), 6): piece.u for piece in problem.pieces if not np.ndim(piece.u)}
-    motions = list(candidate_motions(envelope_of(problem.pieces), beyond))
+    motions = list(candidate_motions(measure_reach(problem.pieces), beyond))
     return [(tried, float(exact.get(u, u))) for u in inputs for tried in motions]
 
 

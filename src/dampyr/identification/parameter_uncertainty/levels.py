@@ -99,7 +99,7 @@ class Levels(Shown):
         return math.hypot(quantile_of_error * error, quantile_of_sessions * moved)
 
 
-def levels_and_error(
+def estimate_levels(
     optimum: Optimum, uncertainty: Uncertainty, records: Sequence[Record], session_prior: float = PRIOR_SESSION
 ) -> tuple[Levels, PredictionError]:
     """The levels of the fitted records, and the prediction error that goes into the card."""

@@ -31,7 +31,7 @@ from dampyr.findings import Finding, Findings, handed_on, worst_first
 from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.least_squares import check_records_and_model, fit_model
 from dampyr.identification.fits.result import Fit
-from dampyr.identification.model_choice.screening import of_model
+from dampyr.identification.model_choice.screening import hold_pairs
 from dampyr.identification.parameter_uncertainty.profile_likelihood import variance_ratios
 from dampyr.identification.parameter_uncertainty.random_effects import MIN_GROUPS, RandomEffects, random_effects
 from dampyr.identification.search.problem import to_coordinates, to_values
@@ -326,7 +326,7 @@ def fit_specimens(
     fits, left_out = dict[str, Fit](), dict[str, str]()
     for k, (name, own_records) in enumerate(groups.items()):
         tell(f"fitting {name}", k / len(groups))
-        specimen_fit = fit_model(model, own_records, of_model(chosen, model))
+        specimen_fit = fit_model(model, own_records, hold_pairs(chosen, model))
         if specimen_fit.damper is None or not specimen_fit.converged:
             left_out[name] = (
                 f"its search {specimen_fit.reason}" if specimen_fit.damper is not None else specimen_fit.reason

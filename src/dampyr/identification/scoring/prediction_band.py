@@ -99,7 +99,7 @@ def why_no_band(damper: Damper) -> str:
     return ""
 
 
-def drawn_forces(
+def draw_forces(
     damper: Damper, record: Record, draws: int = DRAWS, seed: int = 0, allow_extrapolation: bool = False
 ) -> tuple[Array, Array, str | None]:
     """Forces (draws, n) in N of the damper along a record, without its offset, the white noise (draws, n) that is measured
@@ -197,7 +197,7 @@ def prediction_band(
     )
     check_level(level, "band")
     where = scoring_window(record, settling, window)
-    forces, noise, session = drawn_forces(damper, record, draws, seed, allow_extrapolation)
+    forces, noise, session = draw_forces(damper, record, draws, seed, allow_extrapolation)
     inside = where.slice
     measured = record.force
     # the offset is the record's own, as in a score: each draw has the measured mean

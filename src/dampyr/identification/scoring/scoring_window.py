@@ -78,7 +78,7 @@ def too_short(record: Record, settling: float = SETTLING) -> str:
     )
 
 
-def scorable(records: Sequence[Record], settling: float = SETTLING) -> dict[str, str]:
+def list_unscorable(records: Sequence[Record], settling: float = SETTLING) -> dict[str, str]:
     """The records that cannot be scored, and why; :class:`~dampyr.errors.InputError` where none can."""
     reasons = {record.name: reason for record in records if (reason := too_short(record, settling))}
     if reasons and len(reasons) == len(records):

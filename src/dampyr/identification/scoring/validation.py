@@ -18,7 +18,7 @@ from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.least_squares import check_records_and_model, fit_model, one_thread
 from dampyr.identification.scoring.score import Score, score
-from dampyr.identification.scoring.scoring_window import scorable
+from dampyr.identification.scoring.scoring_window import list_unscorable
 from dampyr.identification.scoring.splits import FoldTask, Target, split_tasks
 from dampyr.models import Composition, Damper
 from dampyr.origin import NOT_STATED, Origin, check_one_kind, combined
@@ -154,7 +154,7 @@ def validation_jobs(
     options, listed = options or FitOptions(), list(records)
     if not options.mixed_origins:
         check_one_kind(listed)
-    not_scored = scorable(listed, options.settling)
+    not_scored = list_unscorable(listed, options.settling)
     tasks = split_tasks(listed, split, options.folds, options.seed)
     if options.bandwidth is not None:
         check_bandwidth(listed, options.bandwidth)

@@ -76,7 +76,7 @@ def _make_neutral(problem: Problem) -> SearchPoint:
     return SearchPoint(theta, local)
 
 
-def best_of(problem: Problem, starts: int, seed: int, work: Work) -> tuple[SearchPoint, int]:
+def search_several_starts(problem: Problem, starts: int, seed: int, work: Work) -> tuple[SearchPoint, int]:
     """The best of several starts, and how many ended in the same optimum (in the block where fewest did).
 
     Each independent block has its own starts: from the parts' proposals, the best first, then from random points

@@ -346,10 +346,10 @@ def with_curvature(H: Array, curvature: Array) -> Array:
 
 def linearise(problem: Problem, point: SearchPoint) -> NormalEquations:
     """The normal equations around ``point``."""
-    return of_sums(problem, point, with_priors(problem, point, np.concatenate(products(problem, point))))
+    return equations_from_sums(problem, point, with_priors(problem, point, np.concatenate(products(problem, point))))
 
 
-def of_sums(problem: Problem, point: SearchPoint, sums: Array) -> NormalEquations:
+def equations_from_sums(problem: Problem, point: SearchPoint, sums: Array) -> NormalEquations:
     """The normal equations of the sums of products (M, K, K) of each record around ``point``, which are changed in place."""
     below, above = np.empty((2, problem.size))
     compile_cached(to_search_coordinates)(sums, point.theta, problem.is_logarithmic, *problem.limits, below, above)

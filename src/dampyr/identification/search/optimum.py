@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.identification.search.normal_equations import (
     NormalEquations,
+    equations_from_sums,
     modelled_force,
-    of_sums,
     products,
     with_priors,
 )
@@ -79,7 +79,7 @@ class Optimum:
     @cached_property
     def equations(self) -> NormalEquations:
         """The normal equations around the optimum, in the coordinates of the search; ``reduced`` is without the nuisances."""
-        return of_sums(self.problem, self.point, np.stack([sums.sum(axis=0) for sums in self.cluster_sums]))
+        return equations_from_sums(self.problem, self.point, np.stack([sums.sum(axis=0) for sums in self.cluster_sums]))
 
     @property
     def information(self) -> Array:
