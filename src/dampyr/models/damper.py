@@ -354,7 +354,7 @@ class Damper(Shown):
         if not np.all(np.isfinite(values)):
             raise InputError(f"the {INPUTS[self.input]} holds a value that is not finite")
         low, high = self.range
-        slack = 1e-9 * max(abs(low), abs(high), 1.0)
+        slack = 1e-9 * max(abs(low), abs(high), 1.0)  # a file has an input to 15 digits, arithmetic to a few less
         worst = values.max() if values.max() > high + slack else values.min()
         if low - slack <= worst <= high + slack or not self.needs_input:
             return values

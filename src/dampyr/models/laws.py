@@ -140,7 +140,9 @@ class Polynomial:
 
     def extremes(self) -> tuple[float, float]:
         turning = np.polynomial.Polynomial(self.coefficients).deriv().roots()
-        real = turning[np.abs(np.imag(turning)) < 1e-12].real
+        real = turning[
+            np.abs(np.imag(turning)) < 1e-12
+        ].real  # a double root comes out as a pair with a rounding between
         at = np.concatenate(([self.low, self.high], real[(real > self.low) & (real < self.high)]))
         values = self(at)
         return float(values.min()), float(values.max())

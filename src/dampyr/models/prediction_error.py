@@ -313,6 +313,7 @@ def _move_law(law: Any, change: Array, low: float, high: float) -> Array:
     before = np.array(law.coefficients)
     if not isinstance(law, Polynomial):
         return _move_inside(before, change, low, high)
+    # by its values at points that crowd at the ends, where a polynomial is bounded by them and its powers are well conditioned
     width = (law.high - law.low) or 1.0
     points = law.low + 0.5 * width * (1.0 - np.cos(np.linspace(0.0, math.pi, before.size)))
     powers = np.vander(points, increasing=True)
@@ -366,6 +367,7 @@ def draws_of(
             level = spread * rng.standard_normal()
         else:
             level = error.session_levels[fitted] + error.session_errors[fitted] * rng.standard_normal()
+        # each spread is itself known from few records or sessions, hence Student's t for each by itself
         level += error.record_sd * _draw_t_factor(rng, error.record_freedom) * rng.standard_normal()
         yield Draw(drawn, math.exp(level))
 
@@ -390,7 +392,9 @@ def residual_draw(basis: Array, dt: float, shape: ShapeError, rng: np.random.Gen
     """A residual (n,) over the standard deviation of the force, and its white noise (n,) besides, along the motion of a
     `phase_basis` with ``dt`` s a sample."""
     n = len(basis)
-    wide = math.sqrt(1.0 + 1.0 / max(shape.records, 1))
+    wide = math.sqrt(
+        1.0 + 1.0 / max(shape.records, 1)
+    )  # the mean over so few records is itself off by 1/n of their spread
     coefficients = np.array(shape.shape_mean) + wide * np.array(shape.shape_sd) * rng.standard_normal(2 * HARMONICS)
     out, white = basis @ coefficients, shape.white * rng.standard_normal(n)
     if shape.noise > 0.0:
@@ -398,7 +402,9 @@ def residual_draw(basis: Array, dt: float, shape: ShapeError, rng: np.random.Gen
 
         keep = math.exp(-dt / shape.noise_time) if shape.noise_time > 0.0 else 0.0
         drive = shape.noise * math.sqrt(1.0 - keep**2) * rng.standard_normal(n)
-        drive[0] = shape.noise * rng.standard_normal()
+        drive[0] = (
+            shape.noise * rng.standard_normal()
+        )  # as large from the first sample on, or the record would begin calm
         out = out + lfilter([1.0], [1.0, -keep], drive)
     return np.asarray(out), white
 

@@ -40,6 +40,7 @@ def sampling_error(
     speed = _smallest_speed(composition, values)
     if speed is None:
         return 0.0, 0.0
+    # where the velocity changes its sign within a sample it has passed every small speed, however fast both ends are
     near = np.where(v[:-1] * v[1:] < 0.0, 0.0, np.minimum(np.abs(v[:-1]), np.abs(v[1:]))) < REACH * speed
     count = np.clip(np.ceil(STEPS_PER_SPEED * np.abs(np.diff(v)) / speed), 1, MAX_STEPS).astype(int)
     count[~near] = 1

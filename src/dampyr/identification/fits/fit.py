@@ -16,7 +16,7 @@ from dampyr.identification.fits.motion_coverage import list_motions_beyond
 from dampyr.identification.fits.result import Fit
 from dampyr.identification.model_choice.leaderboard import Leaderboard, leaderboard
 from dampyr.identification.model_choice.screening import hold_pairs
-from dampyr.identification.scoring.score import Score, score
+from dampyr.identification.scoring.score import score_or_reason
 from dampyr.identification.scoring.scoring_window import list_unscorable
 from dampyr.identification.scoring.splits import split_tasks
 from dampyr.identification.scoring.validation import Validation, cross_validate
@@ -116,11 +116,12 @@ def fit(
         tell("identifying", 0.0)
         result = fit_model(model, fitted, chosen, lambda step, _: tell("identifying", step / (step + HALF_WAY)))
         tell("identifying", 1.0)
+    damper = result.damper
     return replace(
         result,
         leaderboard=board,
         validations=_validate_splits(fitted, model, chosen, board, tell),
-        predicted=_predict(result.damper, others, chosen.settling) if others else {},
+        predicted={} if damper is None else {r.name: score_or_reason(damper, r, chosen.settling) for r in others},
         validation_records=tuple(others),
         beyond=beyond,
     )
@@ -174,16 +175,3 @@ def _validate_splits(
 
             validations.append(cross_validate(records, model, split, options, share))
     return tuple(validations)
-
-
-def _predict(damper: Damper | None, records: Sequence[Record], settling: float) -> dict[str, Score | str]:
-    """How well the damper predicts validation records, or why it cannot."""
-    scores: dict[str, Score | str] = {}
-    for record in records:
-        if damper is None:
-            break
-        try:
-            scores[record.name] = score(damper, record, settling)
-        except InputError as problem:
-            scores[record.name] = str(problem)
-    return scores

@@ -64,9 +64,40 @@ SIDES = ("out", "in", *(f"{way}, {branch}" for way in ("out", "in") for branch i
 
 @dataclass(frozen=True, repr=False)
 class Trace(Shown):
-    """One record as it is analysed: arrays (n,) in s, m, m/s, N, N; its mean input in V or A.
+    """One record as it is analysed.
 
-    ``stroke`` is peak to peak in m, ``frequency`` in Hz or NaN where there is no whole cycle.
+    Parameters
+    ----------
+    name
+        of the record; no two traces of an analysis have the same.
+    time, displacement, velocity
+        (n,) in s, m and m/s, of 8 samples or more.
+    force
+        (n,) N, measured.
+    residual
+        (n,) N, measured less modelled.
+    input_value
+        its mean input in V or A.
+    stroke
+        peak to peak, m.
+    frequency
+        Hz, NaN where there is no whole cycle.
+
+    Raises
+    ------
+    InputError
+        channels of different lengths or too short, or a residual that is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> t = np.linspace(0.0, 10.0, 2001)
+    >>> noise = np.random.default_rng(0).normal(0.0, 3.0, t.size)
+    >>> x, v, force = np.sin(6.0 * t), 6.0 * np.cos(6.0 * t), 100.0 * np.cos(6.0 * t)
+    >>> trace = dp.identification.Trace("one", t, x, v, force, noise, 1.0, 2.0, 6.0 / (2.0 * np.pi))
+    >>> dp.identification.analyse([trace]).misfits
+    ()
     """
 
     name: str
@@ -214,7 +245,7 @@ def motion(record: Record) -> tuple[float, float]:
 
 
 def analyse(traces: Sequence[Trace], unit: str = "V", thresholds: FitThresholds | None = None) -> Residuals:
-    """The analysis of any residuals, judged by ``thresholds``.
+    """The analysis of any residuals, with ``unit`` of the inputs ("V" or "A"), judged by ``thresholds``.
 
     Raises :class:`~dampyr.errors.InputError` without traces, or for values not finite.
     """

@@ -24,7 +24,7 @@ from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.least_squares import fit_model
 from dampyr.identification.limit_cycle_methods.limit_cycle import LimitCycle, limit_cycle
 from dampyr.identification.limit_cycle_methods.plastic_region import plastic_region
-from dampyr.identification.scoring.score import Score, score
+from dampyr.identification.scoring.score import Score, score, score_or_reason
 from dampyr.models import Damper
 from dampyr.origin import Origin, combined
 from dampyr.records import Record, cycles, nominal_inputs, with_velocity
@@ -169,10 +169,5 @@ def _compare_record(record: Record, method: str, options: FitOptions) -> MethodR
         by_method = str(problem)
     fit = fit_model("dahl", record, options)
     least = {name.partition(".")[2].partition(" @")[0]: value for name, value in fit.parameters.items()}
-    by_least_squares: Score | str = fit.reason
-    if fit.damper is not None:
-        try:
-            by_least_squares = score(fit.damper, record)
-        except InputError as problem:
-            by_least_squares = str(problem)
+    by_least_squares = fit.reason if fit.damper is None else score_or_reason(fit.damper, record)
     return MethodResult(record.name, record.input_value, numbers, by_method, least, by_least_squares)

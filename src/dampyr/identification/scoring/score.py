@@ -146,6 +146,14 @@ def score(
     return replace(plain, band=predictive_band)
 
 
+def score_or_reason(damper: Damper, record: Record, settling: float = SETTLING) -> Score | str:
+    """The score of a record, or why it has none."""
+    try:
+        return score(damper, record, settling)
+    except InputError as problem:
+        return str(problem)
+
+
 def prediction(damper: Damper, record: Record, allow_extrapolation: bool = False) -> Array:
     """The force in N, shape (n,), that ``damper`` predicts along ``record``, with the velocity it was calibrated with, at
     the record's mean temperature where its laws depend on that. What the noise of a varying input reaches beyond the damper's

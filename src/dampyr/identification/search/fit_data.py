@@ -109,7 +109,7 @@ def piece(record: Record, bandwidth: float | None) -> Piece:
     u = record.voltage if record.input == "V" else record.current
     assert u is not None
     assert record.input is not None
-    varies = np.ndim(u) > 0 and float(np.ptp(u)) > 1e-9
+    varies = np.ndim(u) > 0 and float(np.ptp(u)) > 1e-9  # else a channel that only repeats one number, to rounding
     u_of_fit: Array | float = np.asarray(u)[window] if varies else float(np.mean(u))
     commanded = commanded_input(np.asarray(u_of_fit)) if varies else None
     if commanded is not None:

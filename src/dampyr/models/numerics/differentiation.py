@@ -110,6 +110,7 @@ def _fit(time: Array, values: Array, at: NDArray[np.int64], width: float, reach:
     for start in range(0, len(at), AT_ONCE):
         centres = at[start : start + AT_ONCE]
         window = np.clip(centres - reach, 0, n - size)[:, None] + np.arange(size)[None, :]
+        # of differences from the middle sample: a large offset would cost the digits of a small slope
         weights = _weigh(time[window] - time[centres][:, None], width, order)
         out[start : start + AT_ONCE] = np.sum(weights * (values[window] - values[centres][:, None]), axis=1)
     return out
