@@ -73,7 +73,7 @@ class Peak(Shown):
     def gradient(self, plan: CoefficientLayout) -> tuple[Array, float]:
         """The derivatives (G,) of the peak's logarithm by the relative coefficients, and the peak."""
 
-        def of(theta: Array) -> float:
+        def compute_peak(theta: Array) -> float:
             damper = plan.damper(theta)
             return self.value(damper.without("lag") if "lag" in damper.composition.names else damper)
 
@@ -83,11 +83,11 @@ class Peak(Shown):
             for sign in (1.0, -1.0):
                 theta = plan.theta.copy()
                 theta[k] *= 1.0 + sign * STEP
-                sides.append(math.log(of(theta)))
+                sides.append(math.log(compute_peak(theta)))
             out[k] = (sides[0] - sides[1]) / (
                 2.0 * STEP
             )  # central: a peak is computed to 1e-3, one side would show that
-        return out, of(plan.theta)
+        return out, compute_peak(plan.theta)
 
 
 def is_named(label: str, name: str) -> bool:

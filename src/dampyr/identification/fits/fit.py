@@ -170,8 +170,8 @@ def _validate_splits(
     for split in options.predict:
         if all(validation.split != split for validation in validations):
 
-            def share(done: float, split: str = split) -> None:
+            def report(done: float, split: str = split) -> None:
                 tell(f"predicting by {split}", done)
 
-            validations.append(cross_validate(records, model, split, options, share))
+            validations.append(cross_validate(records, model, split, options, report))
     return tuple(validations)

@@ -259,11 +259,11 @@ def analyse(traces: Sequence[Trace], unit: str = "V", thresholds: FitThresholds 
     for trace in sorted(traces, key=lambda trace: trace.input_value):
         inputs.setdefault(round(trace.input_value, 9), []).append(trace)
 
-    def of(at_input: Sequence[Trace], u: float | None) -> ResidualGroup:
+    def make_group(at_input: Sequence[Trace], u: float | None) -> ResidualGroup:
         return group(at_input, sum(by_name[trace.name].effective for trace in at_input), u)
 
-    groups = tuple(of(at_input, u) for u, at_input in inputs.items())
-    return Residuals(unit, tuple(by_name.values()), of(traces, None), groups, thresholds=limits)
+    groups = tuple(make_group(at_input, u) for u, at_input in inputs.items())
+    return Residuals(unit, tuple(by_name.values()), make_group(traces, None), groups, thresholds=limits)
 
 
 def autocorrelation(residual: ArrayLike) -> Array:

@@ -177,10 +177,10 @@ def sample_posterior(
         held |= {labels[block.places[k]]: float(target.start.theta[k]) for k in target.at_limit}
         if target.size:
 
-            def share(done: float, number: int = number) -> None:
+            def report(done: float, number: int = number) -> None:
                 tell("sampling", (number + done) / len(blocks))
 
-            sampled.append(_run_chain(target, lengths, steps, seed + number, share))
+            sampled.append(_run_chain(target, lengths, steps, seed + number, report))
     tell("sampling", 1.0)
     if not sampled:
         raise InputError("every number of this fit stands at a limit, so there is nothing to sample")

@@ -102,14 +102,14 @@ def _maximise_likelihood(y: Array, v: Array) -> float:
     if top == 0.0:
         return 0.0
 
-    def at(root: float) -> float:
+    def evaluate(root: float) -> float:
         return float(_minus_log_likelihood(y, v, np.array([root**2]))[0])
 
     roots = np.linspace(0.0, math.sqrt(top), GRID)
     best = int(np.argmin(_minus_log_likelihood(y, v, roots**2)))
     span = roots[max(best - 1, 0)], roots[min(best + 1, GRID - 1)]
-    end = minimize_scalar(at, bounds=span, method="bounded")
-    return float(end.x) ** 2 if end.fun < at(0.0) else 0.0
+    end = minimize_scalar(evaluate, bounds=span, method="bounded")
+    return float(end.x) ** 2 if end.fun < evaluate(0.0) else 0.0
 
 
 def _invert_q(y: Array, v: Array, wanted: float) -> float:
@@ -143,11 +143,11 @@ def _predict_new_group(y: Array, v: Array, level: float) -> tuple[float, float]:
         np.sqrt(variance + 1.0 / np.sum(1.0 / (variance[:, None] + v), axis=1)),
     )
 
-    def end(wanted: float) -> float:
+    def locate_end(wanted: float) -> float:
         reach = np.array([-1.0, 1.0]) * 1.01 * float(norm.ppf(0.5 + 0.5 * level)) * spread[:, None] + middle[:, None]
         return float(brentq(lambda x: share @ norm.cdf((x - middle) / spread) - wanted, reach.min(), reach.max()))
 
-    return end(0.5 - 0.5 * level), end(0.5 + 0.5 * level)
+    return locate_end(0.5 - 0.5 * level), locate_end(0.5 + 0.5 * level)
 
 
 def _weigh_means(y: Array, v: Array, variances: Array) -> Array:
