@@ -198,9 +198,11 @@ def test_the_spread_of_balanced_levels_is_that_of_the_analysis_of_variance() -> 
     within = float(np.sum((groups - groups.mean(axis=1, keepdims=True)) ** 2) / (sessions * (each - 1)))
     between = float(each * np.sum(groups.mean(axis=1) ** 2) / (sessions - 1))
     spread = _estimate_spread(y, shown, members, True, PRIOR_SESSION)
-    assert spread.reml == pytest.approx(math.sqrt((between - within) / each), rel=0.05)  # the grid's step is 9 %
-    assert spread.record == pytest.approx(math.sqrt(within), rel=0.05)
-    assert spread.session == pytest.approx(spread.reml, rel=0.15)
+    assert spread.session_reml == pytest.approx(
+        math.sqrt((between - within) / each), rel=0.05
+    )  # the grid's step is 9 %
+    assert spread.record_sd == pytest.approx(math.sqrt(within), rel=0.05)
+    assert spread.session_sd == pytest.approx(spread.session_reml, rel=0.15)
     assert 6.0 < spread.session_freedom < 16.0
 
 

@@ -206,9 +206,7 @@ class _Loop:
             return
         if self.folder.is_dir() and any(self.folder.iterdir()):
             raise InputError(f"{self.folder} is not empty and holds no plan; choose another folder")
-        self.first = self._next(
-            self.evidence, self._left([])
-        )  # refuses what cannot be planned before there is a folder
+        self.first = self._propose(self.evidence, [])  # refuses what cannot be planned before there is a folder
         self.folder.mkdir(parents=True, exist_ok=True)
         write_whole(path, json.dumps(self.identity, indent=2) + "\n")
 
@@ -220,18 +218,15 @@ class _Loop:
             return o.tests
         return None if o.aimed or o.duration is not None else BY_DEFAULT
 
-    def _left(self, rounds: list[Round]) -> tuple[int, float]:
-        """How many tests, and how many s of them, the next round may have."""
-        done = sum(len(performed.tests) for performed in rounds)
-        number = self.per_round if self.max_tests is None else min(self.per_round, self.max_tests - done)
-        used = sum(performed.duration for performed in rounds)
-        return number, np.inf if self.options.duration is None else self.options.duration - used
-
-    def _next(self, evidence: Damper | Fit, left: tuple[int, float]) -> Proposal:
-        duration = None if np.isinf(left[1]) else left[1]
-        return propose(
-            evidence, self.rig.settings, replace(self.options, tests=left[0], duration=duration), self.progress
-        )
+    def _propose(self, evidence: Damper | Fit, rounds: list[Round]) -> Proposal:
+        """The next round, with the tests and the s of them that are left."""
+        number, duration = self.per_round, self.options.duration
+        if self.max_tests is not None:
+            number = min(number, self.max_tests - sum(len(performed.tests) for performed in rounds))
+        if duration is not None:
+            duration -= sum(performed.duration for performed in rounds)
+        options = replace(self.options, tests=number, duration=duration)
+        return propose(evidence, self.rig.settings, options, self.progress)
 
     def run(self) -> Planned:
         """All rounds."""
@@ -241,8 +236,8 @@ class _Loop:
             number = len(rounds) + 1
             folder = self.folder / f"round-{number:02d}"
             if not (folder / CAMPAIGN).is_file():
-                reason, reached = self._verdict(evidence, rounds)
-                proposal = None if reason else self._proposal(evidence, rounds)
+                reason, reached = self._decide(evidence, rounds)
+                proposal = None if reason else self._propose_unless_out_of_time(evidence, rounds)
                 if proposal is None:
                     reason = reason or "what is left of the duration is too short for another test"
                 elif rounds and self._gains_little(proposal):
@@ -251,23 +246,23 @@ class _Loop:
                     if not isinstance(evidence, Fit):
                         raise InputError(f"nothing was performed: {reason}")
                     return Planned(self.folder, tuple(rounds), evidence, reached, reason, self.options.aim)
-                self._write(folder, proposal)
+                self._write_round(folder, proposal)
             perform(folder / CAMPAIGN, self.rig, folder, self.watcher, self.control)
-            evidence = self._fit(number)
-            rounds.append(self._round(number, folder, evidence))
+            evidence = self._fit_all(number)
+            rounds.append(self._record_round(number, folder, evidence))
 
-    def _proposal(self, evidence: Damper | Fit, rounds: list[Round]) -> Proposal | None:
+    def _propose_unless_out_of_time(self, evidence: Damper | Fit, rounds: list[Round]) -> Proposal | None:
         """The next round; None where no candidate fits into what is left of the duration."""
         if not rounds and self.first is not None:
             return self.first
         try:
-            return self._next(evidence, self._left(rounds))
+            return self._propose(evidence, rounds)
         except InputError as problem:
             if self.options.duration is not None and str(problem).startswith("duration ="):
                 return None
             raise
 
-    def _write(self, folder: Path, proposal: Proposal) -> None:
+    def _write_round(self, folder: Path, proposal: Proposal) -> None:
         """The promise first: a round with a campaign has it."""
         folder.mkdir(exist_ok=True)
         promise = {
@@ -278,7 +273,7 @@ class _Loop:
         write_whole(folder / EXPECTED, json.dumps(plain(promise), indent=2) + "\n")
         write_whole(folder / CAMPAIGN, proposal.text)
 
-    def _fit(self, last: int) -> Fit:
+    def _fit_all(self, last: int) -> Fit:
         """The fit to the records that were known and those of all rounds so far."""
         records = list(self.evidence.records) if isinstance(self.evidence, Fit) else []
         for number in range(1, last + 1):
@@ -287,7 +282,7 @@ class _Loop:
                 records.append(record.replace(note=f"named {name} among the rounds of a plan", name=name))
         return fitted(records, self.options, self.progress)
 
-    def _round(self, number: int, folder: Path, evidence: Fit) -> Round:
+    def _record_round(self, number: int, folder: Path, evidence: Fit) -> Round:
         promise = json.loads((folder / EXPECTED).read_text("utf-8"))
         spans = evidence.intervals()
         achieved = {}
@@ -297,12 +292,12 @@ class _Loop:
                 achieved[label] = float(half / abs(value))
         promised = {label: np.inf if half is None else float(half) for label, half in promise["half_width"].items()}
         tests = tuple(test.name for test in read(folder / CAMPAIGN).tests)
-        peak = self._peak_half(evidence)
+        peak = self._measure_peak(evidence)
         return Round(
             number, folder, tests, float(promise["duration_s"]), promised, achieved, promise["peak_half_width"], peak
         )
 
-    def _peak_half(self, evidence: Fit) -> float | None:
+    def _measure_peak(self, evidence: Fit) -> float | None:
         """The half width of the peak's 95 % interval over the peak, by the covariance of the fit."""
         if self.options.peak is None or evidence.damper is None:
             return None
@@ -312,11 +307,11 @@ class _Loop:
         goal, _ = peak_goal(plan, self.options.peak)
         return peak_half_of_fit(evidence, plan, goal)[0]
 
-    def _verdict(self, evidence: Damper | Fit, rounds: list[Round]) -> tuple[str, bool]:
+    def _decide(self, evidence: Damper | Fit, rounds: list[Round]) -> tuple[str, bool]:
         """Why no further round is performed, empty where one is; and whether the targets are met."""
         if isinstance(evidence, Fit) and evidence.damper is None:
             return f"the fit gives no damper to plan from: {evidence.reason}", False
-        if self._reached(evidence, rounds):
+        if self._is_reached(evidence, rounds):
             return "the targets are reached", True
         done = sum(len(performed.tests) for performed in rounds)
         if self.max_tests is not None and done >= self.max_tests:
@@ -326,11 +321,11 @@ class _Loop:
             return f"the {self.options.duration:g} s of tests are used", False
         return "", False
 
-    def _reached(self, evidence: Damper | Fit, rounds: list[Round]) -> bool:
+    def _is_reached(self, evidence: Damper | Fit, rounds: list[Round]) -> bool:
         if not isinstance(evidence, Fit) or not self.options.aimed:
             return False
         if self.options.peak_target is not None:
-            half = rounds[-1].peak_achieved if rounds else self._peak_half(evidence)
+            half = rounds[-1].peak_achieved if rounds else self._measure_peak(evidence)
             return half is not None and half <= self.options.peak_target
         spans = evidence.intervals()
         for name, target in self.options.targets.items():

@@ -93,6 +93,21 @@ def profile(fit: Fit, label: str, level: float = 0.95, points: int = 21) -> Prof
     ------
     InputError
         an unknown label, a level outside 0 to 1, fewer than 5 points, or where no coefficient of the same records has an error.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> damper, rng = dp.studies.raminelli_2020.damper(), np.random.default_rng(0)
+    >>> t, records = np.linspace(0.0, 4.0, 801), []
+    >>> for f in (0.7, 1.0, 1.3, 1.6):
+    ...     x = 0.008 * np.sin(2 * np.pi * f * t)
+    ...     force = damper.force(t, x, voltage=1.98) + rng.normal(0.0, 5.0, t.size)
+    ...     records.append(dp.records.Record(t, x, force, voltage=1.98, name=f"{f} Hz"))
+    >>> fit = dp.identification.fit(records, "dahl")
+    >>> curve = dp.identification.profile(fit, "dahl.kw")
+    >>> curve.closed, curve.interval[0] < fit.parameters["dahl.kw"] < curve.interval[1]
+    ((True, True), True)
     """
     from scipy.stats import t
 

@@ -311,9 +311,9 @@ def fit_specimens(
     by_specimen = records if isinstance(records, Mapping) else group_by_specimen(records)
     # inputs that agree between specimens but for noise count as one, so all records are looked at together
     nominal = iter(nominal_inputs([record for own_records in by_specimen.values() for record in own_records]))
-    groups = {name: [next(nominal) for _ in own_records] for name, own_records in by_specimen.items()}
     groups = {
-        name: [record for record in own_records if record.role != "validation"] for name, own_records in groups.items()
+        name: [record for record in (next(nominal) for _ in own_records) if record.role != "validation"]
+        for name, own_records in by_specimen.items()
     }
     if len(groups) < MIN_GROUPS:
         raise InputError(
