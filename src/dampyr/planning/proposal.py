@@ -55,22 +55,24 @@ TINY_GAIN = 0.005  # by which an interval would be wider without a test: below i
 class PlanOptions(Options):
     """Options of `propose` and `plan_and_perform`; ``peak`` is that of a structure, for the goal "peak"."""
 
-    model: Annotated[str | None, "What is fitted, such as dahl; records need it"] = None
+    model: Annotated[str | None, "Model that is fitted, such as dahl; records need one"] = None
     laws: Annotated[
         str | Mapping[str, str] | None,
         Terminal("--law", "[NAME=]KIND"),
         "How parameters follow the input, as of identify, such as dahl.rho=constant",
     ] = None
-    fixed: Annotated[Mapping[str, float], Terminal("--fix", "NAME=VALUE"), "Parameters that are held, in SI units"] = (
-        field(default_factory=dict)
-    )
+    fixed: Annotated[
+        Mapping[str, float], Terminal("--fix", "NAME=VALUE"), "Parameters that are held at a value, in SI units"
+    ] = field(default_factory=dict)
     bandwidth: Annotated[
         float | None,
         Quantity("Hz", low=0, open_low=True),
         "Bandwidth of the velocity that is derived from the displacement",
     ] = None
     tests: Annotated[
-        int | None, Quantity("", low=1, high=MAX_TESTS), "How many at most; 6 without it, 12 if performed"
+        int | None,
+        Quantity("", low=1, high=MAX_TESTS),
+        "Largest number of tests; 6 without it, 12 where they are performed",
     ] = None
     duration: Annotated[float | None, Quantity("s", low=0, open_low=True), "How long the tests may take together"] = (
         None
@@ -85,7 +87,7 @@ class PlanOptions(Options):
     goal: Annotated[
         str,
         Choices({"parameters": "those of the damper", "peak": "the peak of a structure in an earthquake"}),
-        "What is to be known well",
+        "What the tests are to determine well",
     ] = "parameters"
     peak_target: Annotated[
         float | None,
@@ -97,7 +99,7 @@ class PlanOptions(Options):
         tuple[float, ...] | None,
         Quantity("V"),
         Terminal("--at"),
-        "Voltages to test at; else those of the records or card",
+        "Voltages to test at; without them those of the records or of the card",
     ] = None
     kinds: Annotated[tuple[str, ...], Choices(KINDS), Terminal("--kind"), "Kinds of step to choose from"] = KINDS
     seconds: Annotated[float, Quantity("s", low=0, open_low=True), "Time of steady motion in each test"] = SECONDS

@@ -82,8 +82,12 @@ class AcceptOptions(Options):
         ShownIn("%"),
         "Half the width of the band, as a share of what the reference gives",
     ] = 0.15
-    force_slack: Annotated[float, Quantity("N", low=0), "And this much more of each force"] = 0.0
-    energy_slack: Annotated[float, Quantity("J", low=0), "And this much more of each energy"] = 0.0
+    force_slack: Annotated[
+        float, Quantity("N", low=0), "Force that is added to half the width of the band of each force"
+    ] = 0.0
+    energy_slack: Annotated[
+        float, Quantity("J", low=0), "Energy that is added to half the width of the band of each energy"
+    ] = 0.0
     quantities: Annotated[
         tuple[str, ...],
         Choices(QUANTITIES),
@@ -96,7 +100,7 @@ class AcceptOptions(Options):
         Quantity("N"),
         "Zero of the load cell, which is taken from every measured force; without it its mean over whole cycles is",
     ] = None
-    allow_extrapolation: Annotated[bool, "Judge beyond what a card was calibrated on, too"] = False
+    allow_extrapolation: Annotated[bool, "Judge motions and inputs beyond what the card was calibrated on, too"] = False
     relevel: Annotated[
         int,
         Quantity("", low=0),

@@ -68,9 +68,9 @@ class FitOptions(Options):
         "How parameters follow the input, all or by name: constant, interpolation (as without it), polynomial:DEGREE; "
         "with +temperature also the mean temperature of the records",
     ] = None
-    fixed: Annotated[Mapping[str, float], Terminal("--fix", "NAME=VALUE"), "Parameters that are held, in SI units"] = (
-        field(default_factory=dict)
-    )
+    fixed: Annotated[
+        Mapping[str, float], Terminal("--fix", "NAME=VALUE"), "Parameters that are held at a value, in SI units"
+    ] = field(default_factory=dict)
     tied: Annotated[
         Mapping[str, str],
         Terminal("--tie", "NAME=OTHER"),
@@ -82,7 +82,7 @@ class FitOptions(Options):
         "Bandwidth of the velocity that is derived from the displacement; without it the recorded velocity where there is one",
     ] = None
     loss: Annotated[str, LOSSES, "What is minimised; huber and l1 are robust against outliers"] = "squares"
-    weighting: Annotated[str, WEIGHTINGS, "What counts the same in a fit"] = "records"
+    weighting: Annotated[str, WEIGHTINGS, "Whether every record or every sample counts the same in a fit"] = "records"
     nuisances: Annotated[
         tuple[str, ...],
         NUISANCES,

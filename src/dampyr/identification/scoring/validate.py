@@ -33,7 +33,7 @@ class ScoreOptions(Options):
     """Options of `validate`."""
 
     settling: Annotated[float, Quantity("s", low=0), "Time after the motion starts that is not scored"] = SETTLING
-    allow_extrapolation: Annotated[bool, "Also inputs that the card was not calibrated on"] = False
+    allow_extrapolation: Annotated[bool, "Predict at inputs that the card was not calibrated on, too"] = False
     band: Annotated[
         float | None,
         Quantity("", low=0, high=1, open_low=True),
