@@ -9,7 +9,7 @@ from tests.identification.test_profile_likelihood import DAMPER, noisy_records
 
 import dampyr as dp
 from dampyr.identification import Fit, Inseparable, fit, identifiability
-from dampyr.identification.parameter_uncertainty.candidate_motions import MotionReach, candidate_motions, envelope_of
+from dampyr.identification.parameter_uncertainty.candidate_motions import MotionReach, candidate_motions, measure_reach
 from dampyr.identification.search.fit_data import piece
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
@@ -148,7 +148,7 @@ def test_candidates_stay_inside_the_envelope() -> None:
 
 
 def test_the_envelope_is_that_of_the_records() -> None:
-    one = envelope_of([piece(sine(DAMPER, 0.0, amplitude=0.01, frequency=1.0), None)])
+    one = measure_reach([piece(sine(DAMPER, 0.0, amplitude=0.01, frequency=1.0), None)])
     assert one.amplitude == pytest.approx(0.01, rel=0.02)
     assert one.speed == pytest.approx(2 * np.pi * 0.01, rel=0.1)
 

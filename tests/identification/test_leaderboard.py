@@ -326,13 +326,13 @@ def test_of_models_that_the_records_cannot_part_the_one_with_the_fewest_numbers_
 
 
 def test_a_finalist_that_may_stand_in_a_building_is_always_among_them() -> None:
-    from dampyr.identification.model_choice.leaderboard import _finalists
+    from dampyr.identification.model_choice.leaderboard import _select_finalists
     from dampyr.identification.model_choice.screening import Screened
 
     errors = {"sigmoid": 0.05, "hysteretic_biviscous": 0.06, "dahl": 0.09, "bouc_wen": 0.10}
     screened = [Screened(model, (Trial(model, error, 1.0),)) for model, error in errors.items()]
-    assert _finalists(screened, 2) == ["sigmoid", "hysteretic_biviscous", "dahl"]
-    assert _finalists(screened, 3) == ["sigmoid", "hysteretic_biviscous", "dahl"]
+    assert _select_finalists(screened, 2) == ["sigmoid", "hysteretic_biviscous", "dahl"]
+    assert _select_finalists(screened, 3) == ["sigmoid", "hysteretic_biviscous", "dahl"]
 
 
 def test_the_standard_error_is_that_of_a_mean_over_inputs_of_means_over_records() -> None:

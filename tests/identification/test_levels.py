@@ -12,7 +12,7 @@ from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
 from dampyr.identification import Fit, ScoreOptions, fit, prediction_band, score, validate
-from dampyr.identification.parameter_uncertainty.levels import PRIOR_SESSION, _spread
+from dampyr.identification.parameter_uncertainty.levels import PRIOR_SESSION, _estimate_spread
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record, read_campaign
 from dampyr.show.descriptions import description_of
@@ -197,10 +197,12 @@ def test_the_spread_of_balanced_levels_is_that_of_the_analysis_of_variance() -> 
     groups = y.reshape(sessions, each)
     within = float(np.sum((groups - groups.mean(axis=1, keepdims=True)) ** 2) / (sessions * (each - 1)))
     between = float(each * np.sum(groups.mean(axis=1) ** 2) / (sessions - 1))
-    spread = _spread(y, shown, members, True, PRIOR_SESSION)
-    assert spread.reml == pytest.approx(math.sqrt((between - within) / each), rel=0.05)  # the grid's step is 9 %
-    assert spread.record == pytest.approx(math.sqrt(within), rel=0.05)
-    assert spread.session == pytest.approx(spread.reml, rel=0.15)
+    spread = _estimate_spread(y, shown, members, True, PRIOR_SESSION)
+    assert spread.session_reml == pytest.approx(
+        math.sqrt((between - within) / each), rel=0.05
+    )  # the grid's step is 9 %
+    assert spread.record_sd == pytest.approx(math.sqrt(within), rel=0.05)
+    assert spread.session_sd == pytest.approx(spread.session_reml, rel=0.15)
     assert 6.0 < spread.session_freedom < 16.0
 
 

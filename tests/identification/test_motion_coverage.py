@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dampyr.identification.fits.motion_coverage import beyond_the_fitted, reversals
+from dampyr.identification.fits.motion_coverage import list_motions_beyond, reversals
 from dampyr.records import Record, read_campaign
 
 DT = 0.002
@@ -28,14 +28,14 @@ def test_strokes_and_speeds_of_a_sine_are_those_of_its_definition() -> None:
 def test_a_motion_of_two_parts_is_told_by_the_share_of_the_small_one() -> None:
     fitted = [moving(sine(stroke, 1.0), f"{stroke}") for stroke in (0.010, 0.020)]
     planned = moving(np.concatenate([sine(0.012, 1.0, 6.0), sine(0.002, 1.0, 4.0)]), "quake")
-    note = beyond_the_fitted(fitted, [planned])["quake"]
+    note = list_motions_beyond(fitted, [planned])["quake"]
     assert note.startswith("quake moves for 4")  # 40 % of the time, to half a cycle
     assert "smaller than all that was fitted (10 mm)" in note
     assert "record sines of about 2 mm peak to peak at 4 mm/s mean speed too" in note
 
 
 def test_what_is_as_slow_but_not_small_is_told_too() -> None:
-    note = beyond_the_fitted([moving(sine(0.01, 2.0))], [moving(sine(0.02, 0.1, 40.0), "slow")])["slow"]
+    note = list_motions_beyond([moving(sine(0.01, 2.0))], [moving(sine(0.02, 0.1, 40.0), "slow")])["slow"]
     assert "for 0 % of its time in reversals smaller" in note
     assert "for 100 % slower (40 mm/s)" in note
 
@@ -43,11 +43,11 @@ def test_what_is_as_slow_but_not_small_is_told_too() -> None:
 def test_motions_like_the_fitted_ones_and_records_at_rest_are_not_told() -> None:
     fitted = [moving(sine(0.010, 1.0))]
     at_rest = moving(np.zeros(500), "rest").replace(note="with a force", force=np.linspace(0.0, 1.0, 500))
-    assert beyond_the_fitted(fitted, [moving(sine(0.011, 1.1)), moving(sine(0.03, 0.5)), at_rest]) == {}
-    assert beyond_the_fitted([at_rest], fitted) == {}
+    assert list_motions_beyond(fitted, [moving(sine(0.011, 1.1)), moving(sine(0.03, 0.5)), at_rest]) == {}
+    assert list_motions_beyond([at_rest], fitted) == {}
 
 
 def test_the_validation_run_of_the_campaign_is_like_its_sines(campaign_folder) -> None:
     everything = read_campaign(campaign_folder, role=None)
     fitted = [r for r in everything if r.role == "fit"]
-    assert beyond_the_fitted(fitted, [r for r in everything if r.role != "fit"]) == {}
+    assert list_motions_beyond(fitted, [r for r in everything if r.role != "fit"]) == {}

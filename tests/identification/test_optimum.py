@@ -9,6 +9,7 @@ import pytest
 from tests.identification.synthetic import sine
 from tests.identification.test_fit import VOLTS, campaign
 
+from dampyr.errors import InputError
 from dampyr.identification import Fit, fit, identifiability, profile
 from dampyr.identification.search import normal_equations as equations
 from dampyr.identification.search import optimum
@@ -137,7 +138,8 @@ def test_the_law_matrix_takes_the_fitted_numbers_to_the_coefficients_of_the_damp
     fitted = fit(campaign(Damper("dahl", DAHL), noise=5.0), "dahl", laws=laws, fixed={"dahl.rho": 2500.0})
     assert fitted.damper is not None
     np.testing.assert_allclose(fitted.optimum.law_coefficients(fitted.optimum.point.theta), fitted.damper.coefficients)
-    stronger = fitted.optimum.admissible_damper(fitted.damper, 1.1 * fitted.optimum.point.theta)
-    assert stronger is not None
+    theta = fitted.optimum.point.theta
+    (stronger,) = fitted.optimum.draw_dampers(1, fitted.damper, lambda: 1.1 * theta, "")
     assert stronger.all_laws["dahl.kw"](2.0) == pytest.approx(1.1 * float(fitted.damper.all_laws["dahl.kw"](2.0)))
-    assert fitted.optimum.admissible_damper(fitted.damper, -fitted.optimum.point.theta) is None
+    with pytest.raises(InputError, match="only 0 of 100 draws were admissible; they are negative"):
+        fitted.optimum.draw_dampers(1, fitted.damper, lambda: -theta, "; they are negative")

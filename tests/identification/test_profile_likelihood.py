@@ -135,7 +135,7 @@ def test_as_dict_is_plain(linear: Fit) -> None:
 
 
 def test_wrong_calls_say_what_is_wrong(linear: Fit) -> None:
-    with pytest.raises(InputError, match=r"'dahl\.rho' is no number of this fit; choose from dahl\.kx"):
+    with pytest.raises(InputError, match=r"'dahl\.rho' is not a number of this fit; choose from dahl\.kx"):
         profile(linear, "dahl.rho")
     with pytest.raises(InputError, match=r"level = 1\.5"):
         profile(linear, "dahl.kx", level=1.5)

@@ -7,7 +7,7 @@ from tests.identification.synthetic import sine
 from dampyr.errors import InputError
 from dampyr.identification import score
 from dampyr.identification.scoring.score import compare
-from dampyr.identification.scoring.scoring_window import scorable, scoring_window
+from dampyr.identification.scoring.scoring_window import list_unscorable, scoring_window
 from dampyr.models import Constant, Damper
 from dampyr.records import Record, motion_start
 
@@ -104,6 +104,6 @@ def test_a_record_that_is_too_short_is_refused_with_its_numbers() -> None:
     with pytest.raises(InputError, match=r"its motion lasts 2\.19 s .* give a settling of at most 1\.6 s"):
         score(DAHL, record)
     assert score(DAHL, record, settling=1.0).l1 < 1e-9
-    assert scorable([record, sine(DAHL, 0.0, "long")]).keys() == {"test"}
+    assert list_unscorable([record, sine(DAHL, 0.0, "long")]).keys() == {"test"}
     with pytest.raises(InputError, match="no record is long enough to be scored; test: its motion"):
-        scorable([record])
+        list_unscorable([record])

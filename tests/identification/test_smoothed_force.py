@@ -229,13 +229,13 @@ def test_ordinary_records_take_the_compiled_sums(monkeypatch: pytest.MonkeyPatch
     from dampyr.identification.search import normal_equations
 
     stored = []
-    original = normal_equations._products_of_stored
+    original = normal_equations._sum_stored
 
     def counting(problem: object, one: object, *rest: object) -> object:
         stored.append(one.name)  # type: ignore[attr-defined]
         return original(problem, one, *rest)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(normal_equations, "_products_of_stored", counting)
+    monkeypatch.setattr(normal_equations, "_sum_stored", counting)
     plain, other, *_ = records(1.0)
     problem = prepared("dahl", [plain, smoothed(other)], FitOptions(laws="constant"))
     with warnings.catch_warnings():

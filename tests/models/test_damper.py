@@ -263,7 +263,7 @@ def test_without_takes_a_part_and_its_errors_away() -> None:
     less = full.without("delay")
     assert less.parts == ("dahl", "spring")
     np.testing.assert_array_equal(np.diag(less.covariance), [1.0, 2.0, 3.0, 5.0])
-    with pytest.raises(InputError, match="no part"):
+    with pytest.raises(InputError, match="not a part"):
         full.without("offset")
 
 

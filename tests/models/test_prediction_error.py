@@ -21,7 +21,6 @@ from dampyr.models.prediction_error import (
     PredictionError,
     ShapeError,
     force_power,
-    level_direction,
     moved,
     phase_basis,
     residual_draw,
@@ -36,6 +35,18 @@ LAWS = {
     "dahl.kw": Interpolation((0.0, 2.0), (50.0, 300.0)),
     "dahl.rho": Constant(4000.0, 0.0, 2.0),
 }
+
+
+def level_direction(one: Damper) -> np.ndarray:
+    """The change (m,) of a damper's coefficients with the logarithm of its level; the static offset has none."""
+    static = one.composition.static
+    powers = [
+        0 if k in static else force_power(quantity.unit)
+        for k, quantity in enumerate(one.composition.quantities.values())
+    ]
+    return np.concatenate(
+        [power * np.array(law.coefficients) for power, law in zip(powers, one.all_laws.values(), strict=True)]
+    )
 
 
 def damper(**changes: object) -> Damper:
@@ -225,7 +236,9 @@ def test_the_band_of_a_path_is_about_the_force_and_narrower_for_a_fitted_session
     assert half == pytest.approx(0.17, abs=0.03)
     near, far = one.band(t, x, voltage=1.0, session="one", seed=3)
     assert 0.5 * np.median((far - near)[large] / np.abs(force[large])) == pytest.approx(1.645 * 0.03, rel=0.25)
-    with pytest.raises(InputError, match="'three' is no session that the damper was fitted on; choose from one, two"):
+    with pytest.raises(
+        InputError, match="'three' is not a session that the damper was fitted on; choose from one, two"
+    ):
         one.band(t, x, voltage=1.0, session="three")
     with pytest.raises(InputError, match="level = 90 is not allowed"):
         one.band(t, x, voltage=1.0, level=90.0)

@@ -46,7 +46,7 @@ def test_voltages_come_from_the_card() -> None:
     ("change", "words"),
     [
         ({"voltages": (0.0, 4.0)}, r"voltage = 4 V is outside of 0 to 3.212 V"),
-        ({"voltages": ()}, "0 voltages are no design"),
+        ({"voltages": ()}, "0 voltages are not allowed"),
         ({"kinds": ("friction",)}, "kinds names 'friction'; choose among sine, voltage_steps, sweep, random"),
         ({"kinds": ()}, "kinds is empty"),
         ({"seconds": 1.0}, "seconds = 1 is not allowed"),

@@ -44,7 +44,7 @@ def test_the_force_is_not_looked_at() -> None:
 
 def test_what_is_no_choice_is_refused() -> None:
     records = line(3)
-    with pytest.raises(InputError, match="n = 6 of 6 records is no choice; give 1 to 5"):
+    with pytest.raises(InputError, match="n = 6 of 6 records is not a choice; give 1 to 5"):
         choose_records(records, 6)
     unknown = [*records[:-1], records[-1].replace(note="without its voltage", voltage=None)]
     with pytest.raises(InputError, match="its input is not known or varies"):

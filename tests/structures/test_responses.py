@@ -79,7 +79,7 @@ def test_draws_are_of_the_dampers_before_their_parts_are_left_out() -> None:
         ({"voltage": [1.0, 9.0]}, "9 V is outside the calibrated range"),
         ({"voltage": np.array([0.0, 1.0])}, "several, to compare them, in a list"),
         ({"current": [1.0]}, "takes a voltage"),
-        ({"voltage": 1.0, "without": "spring"}, "'spring' is no part of dahl"),
+        ({"voltage": 1.0, "without": "spring"}, "'spring' is not a part of dahl"),
         ({"voltage": 1.0, "braces": 1e5}, "did you mean 'brace'"),
     ],
 )

@@ -36,11 +36,11 @@ def write(damper: Any, path: Path) -> Path:
         head += f"# The level between measurement sessions is not known: {error.session_source}.\n"
     if damper.composition.not_for_buildings:
         head += f"# {damper.composition.not_for_buildings}.\n"
-    write_whole(path, head + tomli_w.dumps(_tables(damper)))
+    write_whole(path, head + tomli_w.dumps(_to_tables(damper)))
     return path
 
 
-def _tables(damper: Any) -> dict[str, Any]:
+def _to_tables(damper: Any) -> dict[str, Any]:
     head: dict[str, Any] = {"parts": list(damper.parts), "input": damper.input, "origin": damper.origin.kind}
     if damper.bandwidth is not None:
         head["velocity_bandwidth_Hz"] = damper.bandwidth
@@ -81,13 +81,13 @@ def read(path: Path, make: Callable[..., Damper]) -> Damper:
     if tables.get("schema") != SCHEMA:
         raise FileError(path, f"schema {tables.get('schema')!r} is not supported; this dampyr reads schema {SCHEMA}")
     try:
-        return make(**_fields(tables))
+        return make(**_from_tables(tables))
     except (InputError, KeyError, TypeError, ValueError, AttributeError) as problem:
         text = f"it lacks {problem.args[0]!r}" if isinstance(problem, KeyError) else str(problem)
         raise FileError(path, f"{text}; see docs/reference/card.md") from None
 
 
-def _fields(tables: dict[str, Any]) -> dict[str, Any]:
+def _from_tables(tables: dict[str, Any]) -> dict[str, Any]:
     head = tables["damper"]
     laws = {}
     for name, table in tables["laws"].items():
@@ -97,7 +97,7 @@ def _fields(tables: dict[str, Any]) -> dict[str, Any]:
             raise InputError(f"law {name}: {problem}") from None
     covariance_table = tables.get("covariance", {})
     covariance, within = covariance_table.get("matrix"), covariance_table.get("within_records_only", [])
-    if not (isinstance(within, list) and all(isinstance(one, str) for one in within)):
+    if not (isinstance(within, list) and all(isinstance(label, str) for label in within)):
         raise InputError(
             f"covariance.within_records_only = {within!r} is not allowed; give a list of names, or leave it out"
         )
@@ -118,12 +118,12 @@ def _fields(tables: dict[str, Any]) -> dict[str, Any]:
         "bandwidth": head.get("velocity_bandwidth_Hz"),
         "provenance": tables.get("provenance", {}),
         "within_records": tuple(within),
-        "findings": _findings(tables.get("findings", [])),
-        "origin": _origin(tables),
+        "findings": _read_findings(tables.get("findings", [])),
+        "origin": _read_origin(tables),
     }
 
 
-def _origin(tables: dict[str, Any]) -> Origin:
+def _read_origin(tables: dict[str, Any]) -> Origin:
     """Kind and what else is stated; a card of dampyr up to 0.3.0 has the version among its provenance, and no files."""
     stated = tables.get("origin", {})
     if not isinstance(stated, dict):
@@ -137,7 +137,7 @@ def _origin(tables: dict[str, Any]) -> Origin:
     return replace(Origin.from_dict(lists | {"kind": kind}), sources=sources)
 
 
-def _findings(tables: Any) -> tuple[Finding, ...]:
+def _read_findings(tables: Any) -> tuple[Finding, ...]:
     try:
         return worst_first(map(Finding.from_dict, tables))
     except (TypeError, KeyError, AttributeError):

@@ -22,12 +22,15 @@ from dampyr.models.part import part_name
 from dampyr.models.prediction_error import (
     PredictionError,
     at_level,
+    check_level,
     draws_of,
+    force_draws,
     moved,
     square_root,
     with_session_prior,
 )
 from dampyr.origin import NOT_STATED, Origin, as_origin
+from dampyr.phrases import listing
 from dampyr.shown import Shown
 from dampyr.units import in_si
 
@@ -45,38 +48,50 @@ ROWS = 11  # inputs of a table over the calibrated range: each tenth of it
 class Damper(Shown):
     """A damper, made of one or more parts.
 
-    ``parts``
+    Parameters
+    ----------
+    parts
         such as ``"dahl + spring"`` or ``("dahl", "spring")``: names of ``dampyr.models.parts``. Also part objects, as `at`
         returns them: ``[Dahl(kx=800.0, kw=50.0, rho=900.0), Spring(k0=200.0)]``; their numbers are constant laws.
-    ``laws``
+    laws
         one law per parameter that no part object has, by its name (``"kx"``, or ``"dahl.kx"`` where several parts have one of
         that name), in SI units over the input; a number means a constant. A damper of numbers alone holds at every input and
         needs none.
-    ``input``
+    input
         ``"V"``: the voltage at the coil, or ``"A"``: its current.
-    ``ranges``
+    ranges
         what the calibration covered: ``displacement`` (m, peak), ``velocity`` (m/s, peak), ``frequency`` (Hz) -> (low, high).
-    ``covariance``
+    covariance
         of the laws' coefficients in their order, shape (m, m), or None where it is unknown.
-    ``within_records``
+    within_records
         the fitted numbers, such as ``"dahl.kx @ 1.98 V"``, whose variance holds within the fitted records only: each was
         determined by one or two records, so the variance between records is not in the covariance.
-    ``bandwidth``
+    bandwidth
         of the derivative that gives the velocity where none is passed, in Hz; None: plain central differences.
-    ``provenance``
+    provenance
         where the numbers come from, for people.
-    ``prediction_error``
+    prediction_error
         how far a measured force may be from the predicted one (`dampyr.models.prediction_error`): the levels of sessions and
         records and the residual; None where that was not estimated.
-    ``findings``
+    findings
         what a person should look at, the worst first: the verdict on the fit, faults of its records. What is made of the damper
         repeats those that are wrong or in doubt (`dampyr.findings.handed_on`).
-    ``origin``
+    origin
         of what it was identified from (`dampyr.origin`): "measured" only where every record was; "not stated" where nothing
         says it.
 
-    A law that misses a limit of its parameter by rounding alone, 1e-7 of its largest term, is put on that limit. Raises
-    :class:`~dampyr.errors.InputError` where a law is missing or leaves the allowed values inside its range.
+    Raises
+    ------
+    InputError
+        a law is missing, or leaves the allowed values inside its range. A law that misses a limit of its parameter by rounding
+        alone, 1e-7 of its largest term, is put on that limit.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> damper = dp.models.Damper("dahl + offset", {"kx": 900.0, "kw": 250.0, "rho": 9000.0, "f0": 120.0})
+    >>> damper.needs_input, damper.at(0.0)[1]
+    (False, Offset(f0=120.0))
     """
 
     parts: str | Sequence[Any]
@@ -93,9 +108,9 @@ class Damper(Shown):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "origin", as_origin(self.origin))
-        names, constants = _names_and_constants(self.parts)
+        names, constants = _separate_constants(self.parts)
         composition = compose(names)
-        named = {_full_name(name, composition): law for name, law in self.laws.items()}
+        named = {_complete_name(name, composition): law for name, law in self.laws.items()}
         if len(named) < len(self.laws):
             raise InputError(f"a parameter is given twice among {', '.join(self.laws)}; give each once")
         twice = sorted(set(constants) & set(named))
@@ -106,9 +121,9 @@ class Damper(Shown):
         object.__setattr__(self, "composition", composition)
         self._check_names()
         units = {name: quantity.unit or "dimensionless" for name, quantity in composition.quantities.items()}
-        given = {name: in_si(self.laws[name], units[name], name) for name in composition.parameters}
-        object.__setattr__(self, "laws", given)
-        laws = {name: self._law(law) for name, law in given.items()}
+        in_si_units = {name: in_si(self.laws[name], units[name], name) for name in composition.parameters}
+        object.__setattr__(self, "laws", in_si_units)
+        laws = {name: self._law(law) for name, law in in_si_units.items()}
         object.__setattr__(self, "laws", laws)
         for name, quantity in composition.quantities.items():
             low, high = laws[name].extremes()
@@ -176,17 +191,16 @@ class Damper(Shown):
 
     def to_dataframe(self, inputs: ArrayLike | None = None) -> Any:
         """The parameters as a ``pandas.DataFrame`` in SI units: one row an input, by default tenths of the calibrated range."""
-        at = self._inputs_of_a_table() if inputs is None else np.atleast_1d(np.asarray(inputs, dtype=float))
+        if inputs is None:
+            low, high = self.range
+            inputs = np.linspace(low, high, ROWS) if low < high else low
+        at = np.atleast_1d(np.asarray(inputs, dtype=float))
         quantities = self.composition.quantities
         columns = {
             column_name(name, quantities[name].unit): values
             for name, values in zip(self.laws, self.at_mean_temperature.values(at).T, strict=True)
         }
         return data_frame(columns, at.tolist(), column_name(INPUTS[self.input], self.input))
-
-    def _inputs_of_a_table(self) -> Array:
-        low, high = self.range
-        return np.linspace(low, high, ROWS) if low < high else np.array([low])
 
     @property
     def all_laws(self) -> dict[str, Law]:
@@ -238,31 +252,31 @@ class Damper(Shown):
         """
         if self.temperatures is None:
             return self
-        (low, high), given = self.temperatures, float(temperature)
-        if not np.isfinite(given):
-            raise InputError(f"a temperature of {given:g} °C is not allowed; it must be finite")
-        if not low - SAME_TEMPERATURE <= given <= high + SAME_TEMPERATURE:
-            text = f"{given:g} °C is outside the calibrated temperatures {low:.4g} to {high:.4g} °C"
+        (low, high), degrees = self.temperatures, float(temperature)
+        if not np.isfinite(degrees):
+            raise InputError(f"a temperature of {degrees:g} °C is not allowed; it must be finite")
+        if not low - SAME_TEMPERATURE <= degrees <= high + SAME_TEMPERATURE:
+            text = f"{degrees:g} °C is outside the calibrated temperatures {low:.4g} to {high:.4g} °C"
             if not allow_extrapolation:
                 raise RangeError(f"{text}; stay inside them, or pass allow_extrapolation=True")
             warnings.warn(f"{text}: extrapolated", ExtrapolationWarning, stacklevel=3)
         laws: dict[str, Law] = {}
         mixed = []
         for name, law in self.all_laws.items():
-            one = np.eye(len(law.coefficients))
+            mixing = np.eye(len(law.coefficients))
             if isinstance(law, WithTemperature):
-                laws[name], s = law.at_temperature(given), law.share(given)
-                half = len(one) // 2
-                one = np.hstack([(1.0 - s) * np.eye(half), s * np.eye(half)])
+                laws[name], s = law.at_temperature(degrees), law.share(degrees)
+                half = len(mixing) // 2
+                mixing = np.hstack([(1.0 - s) * np.eye(half), s * np.eye(half)])
             else:
                 laws[name] = law
-            mixed.append(one)
+            mixed.append(mixing)
         covariance, error = None, self.prediction_error
         if self.covariance is not None:
-            covariance = _mixed(self.covariance, mixed)
+            covariance = mapped_covariance(block_diagonal(mixed), self.covariance)
         if error is not None:
             error = error.mapped(block_diagonal(mixed))
-        provenance = dict(self.provenance) | {"temperature": f"{given:g} °C"}
+        provenance = dict(self.provenance) | {"temperature": f"{degrees:g} °C"}
         return replace(self, laws=laws, covariance=covariance, provenance=provenance, prediction_error=error)
 
     @property
@@ -274,7 +288,7 @@ class Damper(Shown):
         """The damper less some of its parts, such as ``"delay"`` where the delay belongs to the rig and not to the damper."""
         unknown = [name for name in names if name not in self.composition.names]
         if unknown:
-            raise InputError(f"{unknown[0]!r} is no part of {self.composition}")
+            raise InputError(f"{unknown[0]!r} is not a part of {self.composition}")
         laws = {key: law for key, law in self.all_laws.items() if key.partition(".")[0] not in names}
         sizes = [len(law.coefficients) for law in self.all_laws.values()]
         retained = np.repeat([key in laws for key in self.all_laws], sizes)
@@ -283,7 +297,7 @@ class Damper(Shown):
             parts=tuple(name for name in self.composition.names if name not in names),
             laws=laws,
             covariance=None if self.covariance is None else self.covariance[np.ix_(retained, retained)],
-            within_records=tuple(one for one in self.within_records if one.partition(".")[0] not in names),
+            within_records=tuple(label for label in self.within_records if label.partition(".")[0] not in names),
             prediction_error=self._with_columns(np.flatnonzero(retained)),
         )
 
@@ -340,7 +354,7 @@ class Damper(Shown):
         if not np.all(np.isfinite(values)):
             raise InputError(f"the {INPUTS[self.input]} holds a value that is not finite")
         low, high = self.range
-        slack = 1e-9 * max(abs(low), abs(high), 1.0)
+        slack = 1e-9 * max(abs(low), abs(high), 1.0)  # a file has an input to 15 digits, arithmetic to a few less
         worst = values.max() if values.max() > high + slack else values.min()
         if low - slack <= worst <= high + slack or not self.needs_input:
             return values
@@ -366,7 +380,7 @@ class Damper(Shown):
             if values.min() < quantity.low or values.max() > quantity.high:
                 values[...] = quantity.without_rounding(values, float(np.abs(values).max()))
             for extreme in (values.min(), values.max()):
-                quantity.check(f"{name} at {_span(inputs)} {self.input}", float(extreme))
+                quantity.check(f"{name} at {_format_span(inputs)} {self.input}", float(extreme))
         if not static:
             table[..., list(self.composition.static)] = 0.0
         return table
@@ -398,15 +412,15 @@ class Damper(Shown):
 
         One that needs no input takes either, and 0 where none is given.
         """
-        given, other = (voltage, current) if self.input == "V" else (current, voltage)
+        wanted, other = (voltage, current) if self.input == "V" else (current, voltage)
         if not self.needs_input:
-            return next((each for each in (given, other) if each is not None), 0.0)
+            return next((value for value in (wanted, other) if value is not None), 0.0)
         word = INPUTS[self.input]
         if other is not None:
             raise InputError(f"this damper was calibrated over {word} in {self.input}; pass {word}=, not the other")
-        if given is None:
+        if wanted is None:
             raise InputError(f"this damper needs its {word}; pass {word}= in {self.input}")
-        return given
+        return wanted
 
     def force(
         self,
@@ -419,15 +433,39 @@ class Damper(Shown):
         allow_extrapolation: bool = False,
         temperature: float | None = None,
     ) -> Array:
-        """The force in N, shape (n,), along a path.
+        """The force in N, shape (n,), along a path; quantities and labelled arrays are converted from their units
+        (`dampyr.units.in_si`).
 
-        ``t`` (n,) s rising, ``x`` (n,) m, ``velocity`` (n,) m/s or None for the derivative of x (see ``bandwidth``),
-        ``voltage`` a number or (n,) V, ``state0`` the hysteretic states at the start (0: no memory). Quantities and labelled
-        arrays are converted from their units (`dampyr.units.in_si`). Between samples the path is straight. ``temperature`` in
-        degC is that of a damper whose laws depend on it (see `at_temperature`). A motion beyond the calibrated displacement or
-        velocity gives one warning that names the limit; beyond 20 times either (1 m and 10 m/s where a card over an input
-        states none) it is a :class:`~dampyr.errors.RangeError` that asks about the unit, unless ``allow_extrapolation``.
-        Samples too far apart for a part's friction (`dampyr.models.sampling_error`) give a warning that says by how much.
+        Parameters
+        ----------
+        t
+            (n,) s, rising.
+        x
+            (n,) m; between samples the path is straight.
+        voltage, current
+            the input of the damper, a number or (n,) in V or A: the one that it was calibrated over.
+        velocity
+            (n,) m/s; by default the derivative of x with the damper's ``bandwidth``.
+        state0
+            the hysteretic states at the start; by default 0, no memory.
+        allow_extrapolation
+            also at an input outside the calibrated range, with a warning.
+        temperature
+            degC, of a damper whose laws depend on it (see `at_temperature`).
+
+        Returns
+        -------
+        array
+            (n,) N. A motion beyond the calibrated displacement or velocity gives one warning that names the limit; samples too
+            far apart for a part's friction (`dampyr.models.sampling_error`) give one that says by how much.
+
+        Raises
+        ------
+        RangeError
+            an input outside the calibrated range, or a motion beyond 20 times the calibrated one (1 m and 10 m/s where a card
+            over an input states none): is the path in mm?
+        InputError
+            an input that is missing, or not the damper's; channels of different lengths or that are not finite.
 
         Examples
         --------
@@ -440,7 +478,7 @@ class Damper(Shown):
         >>> force.shape, round(float(force.max()))
         ((801,), 510)
         """
-        time, displacement = _path(t, x)
+        time, displacement = _check_path(t, x)
         speed = self._velocity(time, displacement, velocity)
         if not allow_extrapolation:
             self._check_units(displacement, speed)
@@ -462,21 +500,25 @@ class Damper(Shown):
         """`force` along a motion that was computed, such as that of a building: however far it is beyond the calibrated
         displacement or velocity, it gives a warning and asks nothing about units.
         """
+        from dampyr.models.input_lag import lagged
         from dampyr.models.path_integration import along, delayed
         from dampyr.models.sampling_error import sampling_words
 
         if temperature is not None and self.temperatures is not None:
             fixed = self.at_temperature(temperature, allow_extrapolation)
             return fixed.force_of_motion(t, x, voltage, current, velocity, state0, allow_extrapolation)
-        t, x = _path(t, x)
+        t, x = _check_path(t, x)
         u = self._input_along(self.pick_input(voltage, current), t)
         v = self._velocity(t, x, velocity)
         self._warn_outside(x, v)
-        values = self.values(self._behind(t, u), allow_extrapolation=allow_extrapolation)
+        lag = self.composition.lag
+        if lag is not None:  # its time constant is a constant, so any input gives it
+            u = np.asarray(lagged(t, u, float(list(self.all_laws.values())[lag](float(np.mean(u))))))
+        values = self.values(u, allow_extrapolation=allow_extrapolation)
         start = self._state0(state0)
         undelayed = along(self.composition, t, x, v, values, start)
-        if words := sampling_words(self.composition, t, x, v, values, start):
-            warnings.warn(words, DampyrWarning, stacklevel=3)
+        if text := sampling_words(self.composition, t, x, v, values, start):
+            warnings.warn(text, DampyrWarning, stacklevel=3)
         k = self.composition.delay
         return undelayed if k is None else delayed(t, undelayed, np.asarray(values[..., k]))
 
@@ -496,31 +538,41 @@ class Damper(Shown):
     ) -> tuple[Array, Array]:
         """The limits (n,) in N between which a measured force along a path is expected with the probability ``level``.
 
-        The path as in `force`. It holds for a record of another measurement session, or of a fitted one by its name
-        (``session``), with the offset that the damper has; `dampyr.identification.prediction_band` compares a record
-        with it. Raises
-        :class:`~dampyr.errors.InputError` where the damper has no `prediction_error`.
-        """
-        from dampyr.models.prediction_error import force_draws
+        `dampyr.identification.prediction_band` compares a record with it.
 
-        if not 0.0 < level < 1.0:
-            raise InputError(f"level = {level:g} is not allowed; it must lie between 0 and 1, such as 0.9 for 90 %")
+        Parameters
+        ----------
+        t, x, voltage, current, velocity, temperature
+            the path, as in `force`.
+        level
+            share of the measured force that lies between the limits, between 0 and 1.
+        session
+            a fitted measurement session by its name; by default the band holds for a record of another session.
+        draws, seed
+            how many draws the limits are quantiles of, and their seed.
+        allow_extrapolation
+            also at an input outside the calibrated range, with a warning.
+
+        Returns
+        -------
+        two arrays
+            (n,) N, with the offset that the damper has.
+
+        Raises
+        ------
+        InputError
+            the damper has no `prediction_error`, or was not fitted on that session.
+        """
+        check_level(level)
         if temperature is not None and self.temperatures is not None:
             fixed = self.at_temperature(temperature, allow_extrapolation)
             return fixed.band(t, x, voltage, current, velocity, level, session, draws, seed, allow_extrapolation)
-        time, displacement = _path(t, x)
+        time, displacement = _check_path(t, x)
         speed = self._velocity(time, displacement, velocity)
         path = {"t": time, "x": displacement, "voltage": voltage, "current": current, "velocity": speed}
         forces, noise = force_draws(self, path, draws, seed, session, allow_extrapolation)
         low, high = np.quantile(forces + noise, (0.5 * (1.0 - level), 0.5 * (1.0 + level)), axis=0)
         return low, high
-
-    def _behind(self, t: Array, u: Array) -> ArrayLike:
-        """The input behind its command, where the damper has a lag."""
-        from dampyr.models.input_lag import lagged
-
-        k = self.composition.lag
-        return u if k is None else lagged(t, u, float(list(self.all_laws.values())[k](float(np.mean(u)))))
 
     def _input_along(self, u: ArrayLike, t: Array) -> Array:
         values = np.asarray(in_si(u, self.input, INPUTS[self.input]), dtype=float)
@@ -598,7 +650,7 @@ class Damper(Shown):
         covariance = self.finite_covariance()
         if self.within_records:
             warnings.warn(
-                f"the draws of {_shortened(self.within_records)} hold within the fitted records only: between-record variance "
+                f"the draws of {listing(self.within_records, 3)} hold within the fitted records only: between-record variance "
                 "is not estimated from fewer than three records; record three or more at each input",
                 DampyrWarning,
                 stacklevel=2,
@@ -607,7 +659,7 @@ class Damper(Shown):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DampyrWarning)  # of doubtful values the damper itself has warned
             if levels and self.prediction_error is not None:
-                return [each.damper.at_level(each.level) for each in draws_of(self, self.prediction_error, n, rng)]
+                return [draw.damper.at_level(draw.level) for draw in draws_of(self, self.prediction_error, n, rng)]
             root = square_root(covariance)
             return [moved(self, root @ rng.standard_normal(len(root))) for _ in range(n)]
 
@@ -648,7 +700,7 @@ class Damper(Shown):
         return card.read(Path(path), cls)
 
 
-def _full_name(name: str, composition: Composition) -> str:
+def _complete_name(name: str, composition: Composition) -> str:
     """The name of a parameter with its part; a name that is not one of the composition's stays as it is."""
     full = [parameter for parameter in composition.parameters if parameter.partition(".")[2] == name]
     if len(full) > 1:
@@ -656,16 +708,18 @@ def _full_name(name: str, composition: Composition) -> str:
     return full[0] if full else name
 
 
-def _names_and_constants(parts: Any) -> tuple[str | list[str], dict[str, float]]:
+def _separate_constants(parts: Any) -> tuple[str | list[str], dict[str, float]]:
     """The names of parts that are given as text, as objects or as both, and the parameters of the objects."""
     if isinstance(parts, str):
         return parts, {}
     names, constants = [], {}
-    for each in parts if isinstance(parts, Iterable) else [parts]:
-        name = each if isinstance(each, str) else part_name(each)
+    for part in parts if isinstance(parts, Iterable) else [parts]:
+        name = part if isinstance(part, str) else part_name(part)
         names.append(name)
-        if not isinstance(each, str):
-            constants.update({f"{name}.{one.name}": float(getattr(each, one.name)) for one in fields(each)})
+        if not isinstance(part, str):
+            constants.update(
+                {f"{name}.{parameter.name}": float(getattr(part, parameter.name)) for parameter in fields(part)}
+            )
     return names, constants
 
 
@@ -676,9 +730,8 @@ def block_diagonal(blocks: list[Array]) -> Array:
     return np.asarray(block_diag(*blocks))
 
 
-def _mixed(covariance: Array, mixed: list[Array]) -> Array:
-    """The covariance of coefficients that are mixed block by block; infinite where one of them was."""
-    T = block_diagonal(mixed)
+def mapped_covariance(T: Array, covariance: Array) -> Array:
+    """The covariance of coefficients that ``T`` makes of others; infinite where one of those was."""
     finite = np.where(np.isfinite(covariance), covariance, 0.0)
     out = T @ finite @ T.T
     for k in np.flatnonzero(~np.isfinite(np.diag(covariance))):
@@ -687,11 +740,7 @@ def _mixed(covariance: Array, mixed: list[Array]) -> Array:
     return np.asarray(0.5 * (out + out.T))
 
 
-def _shortened(labels: tuple[str, ...]) -> str:
-    return ", ".join(labels[:3]) + (f" and {len(labels) - 3} more" if len(labels) > 3 else "")
-
-
-def _path(t: ArrayLike, x: ArrayLike) -> tuple[Array, Array]:
+def _check_path(t: ArrayLike, x: ArrayLike) -> tuple[Array, Array]:
     time = np.ascontiguousarray(in_si(t, "s", "t"), dtype=float)
     displacement = np.ascontiguousarray(in_si(x, "m", "x"), dtype=float)
     if time.ndim != 1 or time.shape != displacement.shape or time.size < 2:
@@ -704,5 +753,5 @@ def _path(t: ArrayLike, x: ArrayLike) -> tuple[Array, Array]:
     return time, displacement
 
 
-def _span(u: Array) -> str:
+def _format_span(u: Array) -> str:
     return f"{u.min():g}" if u.min() == u.max() else f"{u.min():g} to {u.max():g}"

@@ -64,12 +64,12 @@ class Law(Protocol):
         ...
 
 
-def _checked_range(low: float, high: float) -> None:
+def _check_range(low: float, high: float) -> None:
     if not (np.isfinite(low) and np.isfinite(high) and low <= high):
         raise InputError(f"the range {low:g} to {high:g} of a law is not a range; give finite low <= high")
 
 
-def _checked_numbers(what: str, numbers: ArrayLike) -> tuple[float, ...]:
+def _check_numbers(what: str, numbers: ArrayLike) -> tuple[float, ...]:
     values = np.atleast_1d(np.asarray(numbers, dtype=float))
     if values.ndim != 1 or values.size == 0 or not np.all(np.isfinite(values)):
         raise InputError(f"the {what} of a law must be a list of finite numbers, not {numbers!r}")
@@ -87,8 +87,8 @@ class Constant:
 
     def __post_init__(self) -> None:
         if not self.is_everywhere:
-            _checked_range(self.low, self.high)
-        _checked_numbers("value", self.value)
+            _check_range(self.low, self.high)
+        _check_numbers("value", self.value)
 
     @property
     def is_everywhere(self) -> bool:
@@ -103,7 +103,7 @@ class Constant:
         return self.value + 0.0 * np.asarray(u, dtype=float)
 
     def with_coefficients(self, coefficients: ArrayLike) -> Self:
-        return replace(self, value=_checked_numbers("value", coefficients)[0])
+        return replace(self, value=_check_numbers("value", coefficients)[0])
 
     def shifted(self, amount: float) -> Self:
         return replace(self, value=self.value + amount)
@@ -126,21 +126,23 @@ class Polynomial:
     kind = "polynomial"
 
     def __post_init__(self) -> None:
-        _checked_range(self.low, self.high)
-        object.__setattr__(self, "coefficients", _checked_numbers("coefficients", self.coefficients))
+        _check_range(self.low, self.high)
+        object.__setattr__(self, "coefficients", _check_numbers("coefficients", self.coefficients))
 
     def __call__(self, u: ArrayLike) -> Any:
         return np.polynomial.polynomial.polyval(np.asarray(u, dtype=float), np.array(self.coefficients))
 
     def with_coefficients(self, coefficients: ArrayLike) -> Self:
-        return replace(self, coefficients=_checked_numbers("coefficients", coefficients))
+        return replace(self, coefficients=_check_numbers("coefficients", coefficients))
 
     def shifted(self, amount: float) -> Self:
         return replace(self, coefficients=(self.coefficients[0] + amount, *self.coefficients[1:]))
 
     def extremes(self) -> tuple[float, float]:
         turning = np.polynomial.Polynomial(self.coefficients).deriv().roots()
-        real = turning[np.abs(np.imag(turning)) < 1e-12].real
+        real = turning[
+            np.abs(np.imag(turning)) < 1e-12
+        ].real  # a double root comes out as a pair with a rounding between
         at = np.concatenate(([self.low, self.high], real[(real > self.low) & (real < self.high)]))
         values = self(at)
         return float(values.min()), float(values.max())
@@ -161,8 +163,8 @@ class Interpolation:
     kind = "interpolation"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "knots", _checked_numbers("knots", self.knots))
-        object.__setattr__(self, "values", _checked_numbers("values", self.values))
+        object.__setattr__(self, "knots", _check_numbers("knots", self.knots))
+        object.__setattr__(self, "values", _check_numbers("values", self.values))
         if len(self.knots) != len(self.values) or len(self.knots) < 2:
             raise InputError(
                 f"a law by interpolation needs two or more knots and as many values, not {len(self.knots)} knots "
@@ -206,7 +208,7 @@ class Interpolation:
         return np.minimum(np.maximum(curve, ends.min(axis=0)), ends.max(axis=0))  # which rounding alone could leave
 
     def with_coefficients(self, coefficients: ArrayLike) -> Self:
-        return replace(self, values=_checked_numbers("values", coefficients))
+        return replace(self, values=_check_numbers("values", coefficients))
 
     def shifted(self, amount: float) -> Self:
         return replace(self, values=tuple(value + amount for value in self.values))
@@ -234,7 +236,7 @@ class WithTemperature:
     kind = "temperature"
 
     def __post_init__(self) -> None:
-        low, high = _checked_numbers("temperatures", self.temperatures)
+        low, high = _check_numbers("temperatures", self.temperatures)
         if not low < high:
             raise InputError(f"the temperatures {low:g} and {high:g} °C of a law must rise")
         same = type(self.cold) is type(self.warm) and getattr(self.cold, "knots", ()) == getattr(self.warm, "knots", ())
@@ -274,7 +276,7 @@ class WithTemperature:
         )
 
     def with_coefficients(self, coefficients: ArrayLike) -> Self:
-        numbers, half = _checked_numbers("coefficients", coefficients), len(self.cold.coefficients)
+        numbers, half = _check_numbers("coefficients", coefficients), len(self.cold.coefficients)
         return replace(
             self, cold=self.cold.with_coefficients(numbers[:half]), warm=self.warm.with_coefficients(numbers[half:])
         )
@@ -326,7 +328,7 @@ def onto_limits(law: Law, quantity: Quantity) -> Law:
     What is farther beyond comes back as it is.
     """
     if isinstance(law, WithTemperature):
-        cold, warm = (onto_limits(each, quantity) for each in (law.cold, law.warm))
+        cold, warm = (onto_limits(side, quantity) for side in (law.cold, law.warm))
         return law if cold is law.cold and warm is law.warm else replace(law, cold=cold, warm=warm)
     numbers = np.array(law.coefficients)
     if isinstance(law, Polynomial):

@@ -52,6 +52,12 @@ CLEARANCE = 1e-12
 HALVINGS = 50  # of a polynomial's change: the last is its rounding
 
 
+def check_level(level: float, name: str = "level") -> None:
+    """:class:`~dampyr.errors.InputError` unless ``level`` is a share between 0 and 1."""
+    if not 0.0 < level < 1.0:
+        raise InputError(f"{name} = {level:g} is not allowed; it must lie between 0 and 1, such as 0.9 for 90 %")
+
+
 @dataclass(frozen=True)
 class ShapeError:
     """The residual of the records at one input, over the standard deviation of the predicted force.
@@ -145,32 +151,32 @@ class PredictionError:
 
     def mapped(self, matrix: Array) -> PredictionError:
         """The same for a damper whose coefficients are ``matrix`` (k, m) times these."""
-        given = {one.name: getattr(self, one.name) for one in fields(self)}
+        values = {item.name: getattr(self, item.name) for item in fields(self)}
         within = None if self.within_sessions is None else matrix @ self.within_sessions @ matrix.T
-        return PredictionError(**(given | {"directions": self.directions @ matrix.T, "within_sessions": within}))
+        return PredictionError(**(values | {"directions": self.directions @ matrix.T, "within_sessions": within}))
 
     def shape_at(self, u: float) -> ShapeError:
         """The residual at the input that is nearest to ``u``."""
-        return min(self.shapes, key=lambda one: abs(one.input - u))
+        return min(self.shapes, key=lambda shape: abs(shape.input - u))
 
     def card(self) -> dict[str, Any]:
         """The table of a card."""
-        table = {one.name: getattr(self, one.name) for one in fields(self) if getattr(self, one.name) is not None}
+        table = {item.name: getattr(self, item.name) for item in fields(self) if getattr(self, item.name) is not None}
         if self.within_sessions is not None:
             table["within_sessions"] = self.within_sessions.tolist()
         table["directions"] = self.directions.tolist()
         for name in ("sessions", "session_levels", "session_errors"):
             table[name] = list(table[name])
         table["shapes"] = [
-            {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(one).items()}
-            for one in self.shapes
+            {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(item).items()}
+            for item in self.shapes
         ]
         return table
 
 
 def from_card(table: Mapping[str, Any], coefficients: int) -> PredictionError:
     """The prediction error of a card's table; :class:`~dampyr.errors.InputError` names what is wrong with it."""
-    allowed = [one.name for one in fields(PredictionError)]
+    allowed = [item.name for item in fields(PredictionError)]
     for name in table:
         if name not in allowed:
             raise InputError(f"prediction_error has {name!r}, which is unknown; it holds {', '.join(allowed)}")
@@ -178,16 +184,16 @@ def from_card(table: Mapping[str, Any], coefficients: int) -> PredictionError:
     if missing:
         raise InputError(f"prediction_error lacks {missing[0]!r}; add it, or leave the table out")
     try:
-        shapes = tuple(ShapeError(**one) for one in table["shapes"])
+        shapes = tuple(ShapeError(**item) for item in table["shapes"])
         directions = np.array(table["directions"]) if table["sessions"] else np.zeros((0, coefficients))
-        made = PredictionError(**(dict(table) | {"shapes": shapes, "directions": directions}))
+        error = PredictionError(**(dict(table) | {"shapes": shapes, "directions": directions}))
     except (TypeError, ValueError) as problem:
         raise InputError(f"prediction_error: {problem}") from None
-    if made.directions.shape[1] != coefficients:
+    if error.directions.shape[1] != coefficients:
         raise InputError(
-            f"prediction_error.directions has {made.directions.shape[1]} columns; the laws have {coefficients} coefficients"
+            f"prediction_error.directions has {error.directions.shape[1]} columns; the laws have {coefficients} coefficients"
         )
-    return made
+    return error
 
 
 def spread_words(session_sd: float, estimated: bool) -> str:
@@ -266,22 +272,14 @@ def force_power(unit: str) -> int:
     )
 
 
-def level_direction(damper: Any) -> Array:
-    """The change (m,) of the damper's coefficients with the logarithm of its level; the static offset has none."""
-    return np.concatenate(
-        [
-            power * np.array(law.coefficients)
-            for power, law in zip(_powers(damper), damper.all_laws.values(), strict=True)
-        ]
-    )
-
-
 def at_level(damper: Any, level: float) -> Any:
     """The damper with ``level`` times the dynamic force."""
     if not (math.isfinite(level) and level > 0.0):
         raise InputError(f"level = {level:g} is not allowed; it must be greater than 0, 1 being the fitted one")
+    quantities, static = damper.composition.quantities.values(), damper.composition.static
+    powers = [0 if k in static else force_power(quantity.unit) for k, quantity in enumerate(quantities)]
     sizes = [len(law.coefficients) for law in damper.all_laws.values()]
-    return damper.with_coefficients(damper.coefficients * np.repeat([level**power for power in _powers(damper)], sizes))
+    return damper.with_coefficients(damper.coefficients * np.repeat([level**power for power in powers], sizes))
 
 
 def square_root(covariance: Array) -> Array:
@@ -300,27 +298,28 @@ def moved(damper: Any, change: Array) -> Any:
     return damper.with_coefficients(
         np.concatenate(
             [
-                _law_moved(law, part, quantity.low, quantity.high)
+                _move_law(law, part, quantity.low, quantity.high)
                 for law, part, quantity in zip(laws, np.split(change, ends), quantities, strict=True)
             ]
         )
     )
 
 
-def _law_moved(law: Any, change: Array, low: float, high: float) -> Array:
+def _move_law(law: Any, change: Array, low: float, high: float) -> Array:
     """The coefficients of a law after their change, its values between ``low`` and ``high``."""
     if isinstance(law, WithTemperature):
         halves = zip((law.cold, law.warm), np.split(change, 2), strict=True)
-        return np.concatenate([_law_moved(one, part, low, high) for one, part in halves])
+        return np.concatenate([_move_law(half, part, low, high) for half, part in halves])
     before = np.array(law.coefficients)
     if not isinstance(law, Polynomial):
-        return _inside(before, change, low, high)
+        return _move_inside(before, change, low, high)
+    # by its values at points that crowd at the ends, where a polynomial is bounded by them and its powers are well conditioned
     width = (law.high - law.low) or 1.0
     points = law.low + 0.5 * width * (1.0 - np.cos(np.linspace(0.0, math.pi, before.size)))
     powers = np.vander(points, increasing=True)
     values, change = powers @ before, powers @ change
     clear = CLEARANCE * float(np.abs([values, change]).max())
-    step = np.linalg.solve(powers, _inside(values, change, low + clear, high - clear) - values)
+    step = np.linalg.solve(powers, _move_inside(values, change, low + clear, high - clear) - values)
     for _ in range(HALVINGS):
         smallest, largest = law.with_coefficients(before + step).extremes()
         if low < smallest and largest <= high:
@@ -329,7 +328,7 @@ def _law_moved(law: Any, change: Array, low: float, high: float) -> Array:
     return before  # it stands at its limit where the change would take it beyond
 
 
-def _inside(values: Array, change: Array, low: float, high: float) -> Array:
+def _move_inside(values: Array, change: Array, low: float, high: float) -> Array:
     """The values after their change towards a limit, by what is left to it: the difference would lose the digits of that."""
     limit = np.where(change < 0.0, low, high)
     distance = np.abs(limit - values)
@@ -338,14 +337,6 @@ def _inside(values: Array, change: Array, low: float, high: float) -> Array:
         h = np.hypot(1.0, r)
         left = np.where(distance > 0.0, distance / (h * (h + r)), 0.0)
         return np.where(np.isinf(distance), values + change, np.where(change < 0.0, limit + left, limit - left))
-
-
-def _powers(damper: Any) -> list[int]:
-    static = damper.composition.static
-    return [
-        0 if k in static else force_power(quantity.unit)
-        for k, quantity in enumerate(damper.composition.quantities.values())
-    ]
 
 
 @dataclass(frozen=True)
@@ -367,8 +358,8 @@ def draws_of(
     root = square_root(covariance if error.within_sessions is None else error.within_sessions)
     fitted = None if session is None else error.sessions.index(session)
     for _ in range(n):
-        spread = error.session_sd * _t_factor(rng, error.session_freedom)
-        change = _t_factor(rng, error.freedom) * root @ rng.standard_normal(len(root))
+        spread = error.session_sd * _draw_t_factor(rng, error.session_freedom)
+        change = _draw_t_factor(rng, error.freedom) * root @ rng.standard_normal(len(root))
         if fitted is None:
             change = change + spread * rng.standard_normal(len(error.sessions)) @ error.directions
         drawn = moved(damper, change)
@@ -376,11 +367,12 @@ def draws_of(
             level = spread * rng.standard_normal()
         else:
             level = error.session_levels[fitted] + error.session_errors[fitted] * rng.standard_normal()
-        level += error.record_sd * _t_factor(rng, error.record_freedom) * rng.standard_normal()
+        # each spread is itself known from few records or sessions, hence Student's t for each by itself
+        level += error.record_sd * _draw_t_factor(rng, error.record_freedom) * rng.standard_normal()
         yield Draw(drawn, math.exp(level))
 
 
-def _t_factor(rng: np.random.Generator, freedom: float) -> float:
+def _draw_t_factor(rng: np.random.Generator, freedom: float) -> float:
     """What makes a normal number one of Student's t."""
     return math.sqrt(freedom / rng.chisquare(freedom)) if math.isfinite(freedom) else 1.0
 
@@ -389,7 +381,7 @@ def phase_basis(t: Array, x: Array, v: Array) -> Array:
     """The functions (n, 10) of the shape error along a motion; a straight line through the displacement is taken off."""
     line = np.polynomial.polynomial.polyfit(t - t[0], x, 1)
     away = x - line[0] - line[1] * (t - t[0])
-    scaled = [one / max(float(np.quantile(np.abs(one), AMPLITUDE_QUANTILE)), 1e-300) for one in (away, v)]
+    scaled = [trace / max(float(np.quantile(np.abs(trace), AMPLITUDE_QUANTILE)), 1e-300) for trace in (away, v)]
     radius, phase = np.hypot(*scaled), np.arctan2(scaled[1], scaled[0])
     steps = np.outer(phase, np.arange(1, HARMONICS + 1))
     waves = np.stack((np.cos(steps), np.sin(steps)), axis=-1).reshape(t.size, -1)
@@ -400,7 +392,9 @@ def residual_draw(basis: Array, dt: float, shape: ShapeError, rng: np.random.Gen
     """A residual (n,) over the standard deviation of the force, and its white noise (n,) besides, along the motion of a
     `phase_basis` with ``dt`` s a sample."""
     n = len(basis)
-    wide = math.sqrt(1.0 + 1.0 / max(shape.records, 1))
+    wide = math.sqrt(
+        1.0 + 1.0 / max(shape.records, 1)
+    )  # the mean over so few records is itself off by 1/n of their spread
     coefficients = np.array(shape.shape_mean) + wide * np.array(shape.shape_sd) * rng.standard_normal(2 * HARMONICS)
     out, white = basis @ coefficients, shape.white * rng.standard_normal(n)
     if shape.noise > 0.0:
@@ -408,7 +402,9 @@ def residual_draw(basis: Array, dt: float, shape: ShapeError, rng: np.random.Gen
 
         keep = math.exp(-dt / shape.noise_time) if shape.noise_time > 0.0 else 0.0
         drive = shape.noise * math.sqrt(1.0 - keep**2) * rng.standard_normal(n)
-        drive[0] = shape.noise * rng.standard_normal()
+        drive[0] = (
+            shape.noise * rng.standard_normal()
+        )  # as large from the first sample on, or the record would begin calm
         out = out + lfilter([1.0], [1.0, -keep], drive)
     return np.asarray(out), white
 
@@ -435,7 +431,7 @@ def force_draws(
         )
     if session is not None and session not in error.sessions:
         raise InputError(
-            f"{session!r} is no session that the damper was fitted on; choose from {', '.join(error.sessions)}"
+            f"{session!r} is not a session that the damper was fitted on; choose from {', '.join(error.sessions)}"
         )
     t, u = path["t"], damper.pick_input(path["voltage"], path["current"])
     rng = np.random.default_rng(seed)
@@ -443,8 +439,8 @@ def force_draws(
     shape, forces, noise = error.shape_at(float(np.mean(u))), np.empty((n, len(t))), np.empty((n, len(t)))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)  # the prediction itself warns of what is outside
-        for k, one in enumerate(draws_of(damper, error, n, rng, session)):
-            force = one.level * one.damper.force(**path, allow_extrapolation=allow_extrapolation)
+        for k, draw in enumerate(draws_of(damper, error, n, rng, session)):
+            force = draw.level * draw.damper.force(**path, allow_extrapolation=allow_extrapolation)
             force = force if averaging is None else averaging(force)
             residual, white = residual_draw(basis, dt, shape, rng)
             size = float(np.std(force))

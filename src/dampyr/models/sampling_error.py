@@ -37,9 +37,10 @@ def sampling_error(
     """
     from dampyr.models.path_integration import along
 
-    speed = _least_speed(composition, values)
+    speed = _smallest_speed(composition, values)
     if speed is None:
         return 0.0, 0.0
+    # where the velocity changes its sign within a sample it has passed every small speed, however fast both ends are
     near = np.where(v[:-1] * v[1:] < 0.0, 0.0, np.minimum(np.abs(v[:-1]), np.abs(v[1:]))) < REACH * speed
     count = np.clip(np.ceil(STEPS_PER_SPEED * np.abs(np.diff(v)) / speed), 1, MAX_STEPS).astype(int)
     count[~near] = 1
@@ -48,7 +49,7 @@ def sampling_error(
     ends = np.cumsum(count)
     k = np.repeat(np.arange(count.size), count)  # the sample before each finer one
     s = (np.arange(ends[-1]) - (ends - count)[k] + 1.0) / count[k]
-    dt, dx, dv = (np.diff(each)[k] for each in (t, x, v))
+    dt, dx, dv = (np.diff(channel)[k] for channel in (t, x, v))
     fine = (t[k] + s * dt, x[k] + s * dx - 0.5 * dt * s * (1.0 - s) * dv, v[k] + s * dv)
     time, place, rate = (np.concatenate([whole[:1], part]) for whole, part in zip((t, x, v), fine, strict=True))
     rows = values if values.ndim == 1 else values[np.concatenate([[0], k + 1])]
@@ -66,7 +67,7 @@ def sampling_words(
     share, once = sampling_error(composition, t, x, v, values, state0)
     if share <= TOLERABLE and once <= TOLERABLE_ONCE:
         return ""
-    speed, rate = 1e3 * (_least_speed(composition, values) or 0.0), (t.size - 1) / (t[-1] - t[0])
+    speed, rate = 1e3 * (_smallest_speed(composition, values) or 0.0), (t.size - 1) / (t[-1] - t[0])
     return (
         f"the velocity crosses {speed:.3g} mm/s within a sample at {rate:.4g} samples a second, within which this friction "
         f"falls: that alone makes the force wrong by {100 * share:.2g} % of its spread in the mean, "
@@ -74,7 +75,7 @@ def sampling_words(
     )
 
 
-def _least_speed(composition: Composition, values: Array) -> float | None:
+def _smallest_speed(composition: Composition, values: Array) -> float | None:
     """The smallest of the speeds that the parts name, over all inputs."""
     names = [f"{part.name}.{part.speed}" for part in composition.parts if part.speed]
     columns = [list(composition.parameters).index(name) for name in names]

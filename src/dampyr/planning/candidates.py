@@ -60,16 +60,16 @@ class Candidate:
     def table(self) -> dict[str, Any]:
         """The ``[[step]]`` of a campaign file: what differs from the kind's defaults, numbers with their units."""
         table: dict[str, Any] = {"kind": self.kind}
-        for each in fields(self.step):
-            value = getattr(self.step, each.name)
-            if value != each.default:
-                table[each.name] = _written(self.step, each.name, value)
+        for setting in fields(self.step):
+            value = getattr(self.step, setting.name)
+            if value != setting.default:
+                table[setting.name] = _write_value(self.step, setting.name, value)
         return table
 
 
-def _written(step: Any, name: str, value: Any) -> Any:
+def _write_value(step: Any, name: str, value: Any) -> Any:
     if isinstance(value, tuple):
-        return [_written(step, name, one) for one in value]
+        return [_write_value(step, name, item) for item in value]
     if isinstance(value, bool | int | str):
         return value
     unit = quantity_of(step, name).unit
@@ -112,7 +112,7 @@ def voltages_of(damper: Damper, rig: RigSettings, wanted: Sequence[float] | None
         knots = {u for law in damper.all_laws.values() if isinstance(law, Interpolation) for u in law.knots}
         chosen = sorted(u for u in knots if low <= u <= high) or np.unique(np.linspace(low, high, LEVELS)).tolist()
     if not 0 < len(chosen) <= MAX_LEVELS:
-        raise InputError(f"{len(chosen)} voltages are no design; give 1 to {MAX_LEVELS} of them")
+        raise InputError(f"{len(chosen)} voltages are not allowed; give 1 to {MAX_LEVELS} of them")
     return tuple(chosen)
 
 
@@ -137,128 +137,137 @@ def envelope(
         raise InputError(f"seconds = {seconds:g} is not allowed; give {SHORTEST:g} to 600 s of steady motion")
     levels = voltages_of(damper, rig, voltages)
     frequencies = np.array([round(float(f), 3) for f in np.geomspace(LOWEST, HIGHEST, FREQUENCIES)])
-    limits, made, rounds = {}, [], len(levels) + 2
+    limits, candidates, rounds = {}, [], len(levels) + 2
     for k, u in enumerate(levels):
-        limits[u] = np.array([_largest_sine(f, u, rig, damper) for f in frequencies])
+        limits[u] = np.array([_limit_sine(f, u, rig, damper) for f in frequencies])
         progress((k + 1) / rounds)
         if "sine" in kinds:
-            made += _shares(frequencies, limits[u], rig, partial(_sine, u=u, seconds=seconds))
+            candidates += _take_shares(frequencies, limits[u], rig, partial(_make_sine, u=u, seconds=seconds))
     if "voltage_steps" in kinds and len(levels) > 1:
-        steps = partial(_voltage_steps, levels=levels, seconds=seconds)
-        made += _shares(frequencies, limits[max(levels)], rig, steps)
+        steps = partial(_make_voltage_steps, levels=levels, seconds=seconds)
+        candidates += _take_shares(frequencies, limits[max(levels)], rig, steps)
     progress((rounds - 1) / rounds)
     for u in levels:
         if "sweep" in kinds:
-            made += _bands(
-                rig, damper, [_sweep(start, stop, u, seconds, rig) for start, stop in ((0.3, 1.5), (0.8, 4.0))]
+            candidates += _fit_bands(
+                rig, damper, [_make_sweep(start, stop, u, seconds, rig) for start, stop in ((0.3, 1.5), (0.8, 4.0))]
             )
         if "random" in kinds:
-            made += _bands(rig, damper, [_random(0.2, top, u, seconds, s, rig) for top in (1.5, 4.0) for s in SEEDS])
-    passed = tuple(each for each in made if not _refused(each.step, rig, damper))
+            candidates += _fit_bands(
+                rig, damper, [_make_random(0.2, top, u, seconds, s, rig) for top in (1.5, 4.0) for s in SEEDS]
+            )
+    dampers = _list_dampers(rig, damper)
+    passed = tuple(c for c in candidates if not any(violations_of(c.step, rig, checked) for checked in dampers))
     progress(1.0)
     if not passed:
         raise InputError(
-            f"the rig {rig.name!r} can do none of {len(made)} candidate tests with this damper at {min(levels):.4g} to "
-            f"{max(levels):.4g} V: with at least {1e3 * _least(rig):.3g} mm none is within its limits; lower the voltages, or "
-            "check actuator and limits in the rig's file"
+            f"the rig {rig.name!r} can do none of {len(candidates)} candidate tests with this damper at {min(levels):.4g} to "
+            f"{max(levels):.4g} V: with at least {1e3 * _smallest_amplitude(rig):.3g} mm none is within its limits; "
+            "lower the voltages, or check actuator and limits in the rig's file"
         )
     return RigEnvelope(passed, frequencies, limits, levels)
 
 
-def _least(rig: RigSettings) -> float:
+def _smallest_amplitude(rig: RigSettings) -> float:
     return LEAST * rig.encoder.count
 
 
-def _far(rig: RigSettings) -> float:
+def _largest_amplitude_of_rig(rig: RigSettings) -> float:
     """The farthest amplitude that the stroke allows, m."""
     return max(round(rig.travel - STROKE_MARGIN, 9), 1e-6)
 
 
-def _largest_sine(frequency: float, voltage: float, rig: RigSettings, damper: Damper) -> float:
+def _limit_sine(frequency: float, voltage: float, rig: RigSettings, damper: Damper) -> float:
     """The largest amplitude [m] of a short sine there; 0 where none passes."""
-    step = kind("sine")(amplitude=_far(rig), frequency=float(frequency), voltage=voltage, cycles=2, rest_before=0.0)
-    return _largest_amplitude(step, rig, damper) or 0.0
+    step = kind("sine")(
+        amplitude=_largest_amplitude_of_rig(rig), frequency=float(frequency), voltage=voltage, cycles=2, rest_before=0.0
+    )
+    return _limit_amplitude(step, rig, damper) or 0.0
 
 
-def _checked_with(rig: RigSettings, damper: Damper) -> tuple[Damper | None, ...]:
+def _list_dampers(rig: RigSettings, damper: Damper) -> tuple[Damper | None, ...]:
     """What a step is checked with: the damper, and where the rig's file names no card, what a campaign is checked with then."""
     return (damper,) if rig.specimen.card else (damper, specimen(rig))
 
 
-def _refused(step: Any, rig: RigSettings, damper: Damper) -> bool:
-    """Whether the check before motion would refuse a step."""
-    return any(violations_of(step, rig, one) for one in _checked_with(rig, damper))
-
-
-def _largest_amplitude(step: Any, rig: RigSettings, damper: Damper) -> float | None:
+def _limit_amplitude(step: Any, rig: RigSettings, damper: Damper) -> float | None:
     """The largest amplitude [m] that passes, at most the step's own; None where none does."""
     a: float | None = float(step.amplitude)
-    for one in _checked_with(rig, damper):
-        if a is not None and violations_of(replace(step, amplitude=a), rig, one):
-            a = largest(replace(step, amplitude=a), "amplitude", rig, one)
+    for checked in _list_dampers(rig, damper):
+        if a is not None and violations_of(replace(step, amplitude=a), rig, checked):
+            a = largest(replace(step, amplitude=a), "amplitude", rig, checked)
     return a
 
 
-def _shares(
-    frequencies: Array, limits: Array, rig: RigSettings, made: Callable[[float, float], Candidate]
+def _take_shares(
+    frequencies: Array, limits: Array, rig: RigSettings, candidate_of: Callable[[float, float], Candidate]
 ) -> list[Candidate]:
     """Candidates at each frequency with shares of the largest amplitude there, to three digits, rounded down."""
     candidates = []
     for f, limit in zip(frequencies, limits, strict=True):
         for share in SHARES:
-            a = _three_digits(share * limit)
-            if a >= _least(rig):
-                candidates.append(made(float(f), a))
+            a = _round_down(share * limit)
+            if a >= _smallest_amplitude(rig):
+                candidates.append(candidate_of(float(f), a))
     return candidates
 
 
-def _three_digits(value: float) -> float:
+def _round_down(value: float) -> float:
     if value <= 0.0:
         return 0.0
     unit = 10.0 ** (math.floor(math.log10(value)) - 2)
     return round_trip(math.floor(value / unit + 2e-3) * unit)
 
 
-def _sine(f: float, a: float, u: float, seconds: float) -> Candidate:
+def _make_sine(f: float, a: float, u: float, seconds: float) -> Candidate:
     step = kind("sine")(amplitude=a, frequency=f, voltage=u, cycles=max(1, round(seconds * f)), rest_before=1.0)
-    return _placed("sine", step, f, a)
+    return _place("sine", step, f, a)
 
 
-def _voltage_steps(f: float, a: float, levels: tuple[float, ...], seconds: float) -> Candidate:
+def _make_voltage_steps(f: float, a: float, levels: tuple[float, ...], seconds: float) -> Candidate:
     """Up through all levels and down again, each for whole cycles and as long as all others.
 
     From the highest level straight to 0 V the current would pass all levels between, and what the model of its lag misses there
     would be the largest error of the record.
     """
     hold = max(1, round(seconds * f / len(levels) / 2)) / f
-    both = (*levels, *levels[::-1])
-    step = kind("voltage_steps")(amplitude=a, frequency=f, voltages=both, hold=round(hold, 3), rest_before=1.0)
-    return _placed("voltage_steps", step, f, a)
+    up_and_down = (*levels, *levels[::-1])
+    step = kind("voltage_steps")(amplitude=a, frequency=f, voltages=up_and_down, hold=round(hold, 3), rest_before=1.0)
+    return _place("voltage_steps", step, f, a)
 
 
-def _sweep(start: float, stop: float, u: float, seconds: float, rig: RigSettings) -> Candidate:
-    step = kind("sweep")(amplitude=_far(rig), start=start, stop=stop, duration=seconds, voltage=u, rest_before=1.0)
-    return _placed("sweep", step, math.sqrt(start * stop), _far(rig))
+def _make_sweep(start: float, stop: float, u: float, seconds: float, rig: RigSettings) -> Candidate:
+    step = kind("sweep")(
+        amplitude=_largest_amplitude_of_rig(rig), start=start, stop=stop, duration=seconds, voltage=u, rest_before=1.0
+    )
+    return _place("sweep", step, math.sqrt(start * stop), _largest_amplitude_of_rig(rig))
 
 
-def _random(low: float, high: float, u: float, seconds: float, seed: int, rig: RigSettings) -> Candidate:
+def _make_random(low: float, high: float, u: float, seconds: float, seed: int, rig: RigSettings) -> Candidate:
     taper = min(2.0, 0.25 * seconds)
     step = kind("random")(
-        amplitude=_far(rig), low=low, high=high, duration=seconds, voltage=u, seed=seed, taper=taper, rest_before=1.0
+        amplitude=_largest_amplitude_of_rig(rig),
+        low=low,
+        high=high,
+        duration=seconds,
+        voltage=u,
+        seed=seed,
+        taper=taper,
+        rest_before=1.0,
     )
-    return _placed("random", step, math.sqrt(low * high), _far(rig))
+    return _place("random", step, math.sqrt(low * high), _largest_amplitude_of_rig(rig))
 
 
-def _placed(name: str, step: Any, frequency: float, amplitude: float) -> Candidate:
+def _place(name: str, step: Any, frequency: float, amplitude: float) -> Candidate:
     return Candidate(name, step, frequency, amplitude, step.drive(RigSettings()).duration)
 
 
-def _bands(rig: RigSettings, damper: Damper, wanted: list[Candidate]) -> list[Candidate]:
+def _fit_bands(rig: RigSettings, damper: Damper, wanted: list[Candidate]) -> list[Candidate]:
     """Tests over a band of frequencies with the largest amplitude that passes, where that is enough."""
     candidates = []
-    for each in wanted:
-        a = _largest_amplitude(each.step, rig, damper)
-        if a is not None and a >= _least(rig):
-            a = _three_digits(MARGIN * a)
-            candidates.append(replace(each, step=replace(each.step, amplitude=a), amplitude=a))
+    for candidate in wanted:
+        a = _limit_amplitude(candidate.step, rig, damper)
+        if a is not None and a >= _smallest_amplitude(rig):
+            a = _round_down(MARGIN * a)
+            candidates.append(replace(candidate, step=replace(candidate.step, amplitude=a), amplitude=a))
     return candidates

@@ -63,6 +63,7 @@ class PeakGoal:
 
         c = np.where(np.isfinite(self.gradient), self.gradient, 0.0)
         parts = np.abs(c) * np.sqrt(np.maximum(np.diag(covariance), 0.0))
+        # the coefficients that matter most to the peak lend it their degrees of freedom
         mean = float(parts @ freedom / max(parts.sum(), 1e-300))
         variance = max(float(c @ covariance @ c), 0.0)
         return float(stdtrit(max(mean, 1.0), 0.975) * np.sqrt(variance))
@@ -106,12 +107,11 @@ def best_tests(
     goal: Criterion,
     durations: Sequence[float],
     time: float = np.inf,
-    again: int = 1,
     enough: float = -np.inf,
     progress: Callable[[float], None] = lambda done: None,
 ) -> list[int]:
-    """The places of the chosen candidates, at most ``number`` of them and ``time`` s together, each at most ``again`` times:
-    tests of one motion share what the model misses there, and the spread between records would not show it.
+    """The places of the chosen candidates, at most ``number`` of them and ``time`` s together, each at most once: tests of one
+    motion share what the model misses there, and the spread between records would not show it.
 
     Fewer where the criterion falls to ``enough`` with them.
     """
@@ -120,7 +120,7 @@ def best_tests(
 
     def allowed(others: list[int]) -> list[int]:
         left = time - lengths[others].sum()
-        return [k for k in range(lengths.size) if others.count(k) < again and lengths[k] <= left + 1e-9]
+        return [k for k in range(lengths.size) if k not in others and lengths[k] <= left + 1e-9]
 
     while len(chosen) < number:
         options = allowed(chosen)

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification import Fit
-from dampyr.identification.parameter_uncertainty.uncertainty import MIN_RECORDS
+from dampyr.identification.parameter_uncertainty.uncertainty import MIN_RECORDS, freedom_by_gains
 from dampyr.identification.search.fit_data import Piece, piece
 from dampyr.identification.search.normal_equations import modelled_force
 from dampyr.identification.search.parametrisation import Column, columns, held_twins
@@ -130,20 +130,16 @@ class CoefficientLayout:
         near = 1e-6 * np.abs(self.theta)
         return (np.abs(self.theta) < 1e-12) | (self.theta <= low + near) | (self.theta >= high - near)
 
-    def problem(self, one: Piece) -> Problem:
+    def problem(self, piece: Piece) -> Problem:
         """The problem of a single record."""
-        nuisances = checked_nuisances(self.composition, [one], ("offset", "state"))
-        return Problem(self.composition, self.columns, [one], nuisances)
+        nuisances = checked_nuisances(self.composition, [piece], ("offset", "state"))
+        return Problem(self.composition, self.columns, [piece], nuisances)
 
     def damper(self, theta: Array) -> Damper:
         """The damper of other coefficients; :class:`~dampyr.errors.InputError` where they make none."""
         knots = [u for c in self.columns for u in c.knots]
-        free = iter(np.split(theta, np.cumsum([c.size for c in self.columns])[:-1]))
-        values = {c.name: (c, one) for c, one in zip(self.columns, free, strict=True)}
-        laws = {}
-        for name, (column, one) in values.items():
-            owner, theirs = values[column.tied] if column.tied else (column, one)
-            laws[name] = owner.law(theirs, min(knots), max(knots))
+        by_column = np.split(theta, np.cumsum([c.size for c in self.columns])[:-1])
+        laws = {c.name: c.law(part, min(knots), max(knots)) for c, part in zip(self.columns, by_column, strict=True)}
         return Damper(self.composition.names, laws, input=self.unit)
 
 
@@ -152,7 +148,6 @@ def layout(
     inputs: Sequence[Array | float],
     laws: str | Mapping[str, str] | None = None,
     fixed: Mapping[str, float] | None = None,
-    tied: Mapping[str, str] | None = None,
 ) -> CoefficientLayout:
     """The coefficients of a fit to records with these ``inputs`` (numbers, or arrays where they vary), by the laws of a fit.
 
@@ -160,12 +155,12 @@ def layout(
     """
     if damper.temperatures is not None:
         raise InputError("laws of the temperature are not planned for; give a card at one temperature")
-    held = held_twins(damper.composition, laws, fixed, tied) | dict(fixed or {})
-    made = columns(damper.composition, list(inputs), laws, held, tied)
-    theta = [np.asarray(damper.all_laws[c.name](np.array(c.knots)), dtype=float) for c in made if c.size]
+    held = held_twins(damper.composition, laws, fixed, None) | dict(fixed or {})
+    law_columns = columns(damper.composition, list(inputs), laws, held)
+    theta = [np.asarray(damper.all_laws[c.name](np.array(c.knots)), dtype=float) for c in law_columns if c.size]
     if not theta:
         raise InputError("every parameter is fixed; leave at least one free")
-    return CoefficientLayout(damper.composition, made, np.concatenate(theta), damper.input)
+    return CoefficientLayout(damper.composition, law_columns, np.concatenate(theta), damper.input)
 
 
 def expected_record(drive: Drive, damper: Damper, rig: RigSettings, name: str) -> Record:
@@ -178,21 +173,23 @@ def expected_record(drive: Drive, damper: Damper, rig: RigSettings, name: str) -
     path = CubicSpline(points, drive.displacement)
     x, v = path(t), path(t, 1)
     u = drive.voltage[np.minimum((t / drive.period + 1e-9).astype(int), drive.n - 1)]
-    given: float | Array = u if np.ptp(u) else float(u[0])
+    voltage: float | Array = u if np.ptp(u) else float(u[0])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)  # of motions beyond the card's: the check before motion says it
-        force = damper.force_of_motion(t, x, voltage=given, velocity=v)
-    return Record(time=t, displacement=x, force=force, velocity=v, voltage=given, name=name)
+        force = damper.force_of_motion(t, x, voltage=voltage, velocity=v)
+    return Record(time=t, displacement=x, force=force, velocity=v, voltage=voltage, name=name)
 
 
 def expected_information(plan: CoefficientLayout, record: Record, spread: ModelDeviation) -> Information:
     """What a test would tell whose record would be ``record``: its own force serves to weigh it only."""
-    one = piece(record, None)
-    problem = plan.problem(one)
+    fitted_piece = piece(record, None)
+    problem = plan.problem(fitted_piece)
     point = SearchPoint(plan.theta, np.zeros((1, problem.locals)))
-    J = _eliminated(plan, problem, point)
-    sizes = _by_level(one, one.force)[one.comparable]
-    noise = _noise(J, spread, float(np.median(np.diff(one.t))), spread.residual(sizes) / one.spread)
+    J = _differentiate(plan, problem, point)
+    sizes = _spread_by_level(fitted_piece, fitted_piece.force)[fitted_piece.comparable]
+    noise = _weigh_noise(
+        J, spread, float(np.median(np.diff(fitted_piece.t))), spread.residual(sizes) / fitted_piece.spread
+    )
     A = J.T @ J
     return Information(record.name, A, noise, np.zeros(len(A)))
 
@@ -211,51 +208,53 @@ class _Seen:
     dt: float
 
 
-def _seen(fit: Fit, plan: CoefficientLayout) -> list[_Seen]:
+def _read_fit(fit: Fit, plan: CoefficientLayout) -> list[_Seen]:
     seen = []
-    for r, (one, record) in enumerate(zip(fit.problem.pieces, fit.records, strict=True)):
-        problem = plan.problem(one)
-        own = problem.locals
-        if own > fit.problem.locals:
+    for r, (fitted_piece, record) in enumerate(zip(fit.problem.pieces, fit.records, strict=True)):
+        problem = plan.problem(fitted_piece)
+        locals_of_plan = problem.locals
+        if locals_of_plan > fit.problem.locals:
             raise InputError(
                 "the fit was made without offsets or states of its records; fit it with them to plan from it"
             )
-        point = SearchPoint(plan.theta, fit.optimum.point.local[[r], fit.problem.locals - own :])
-        scale = one.spread * np.sqrt(one.count)
-        e = fit.optimum.residuals[r][one.comparable] / scale
-        J = _eliminated(plan, problem, point)
+        point = SearchPoint(plan.theta, fit.optimum.point.local[[r], fit.problem.locals - locals_of_plan :])
+        scale = fitted_piece.spread * np.sqrt(fitted_piece.count)
+        e = fit.optimum.residuals[r][fitted_piece.comparable] / scale
+        J = _differentiate(plan, problem, point)
         own_part = J @ (np.linalg.pinv(J.T @ J, rcond=1e-6, hermitian=True) @ (J.T @ e))
-        dt = float(np.median(np.diff(one.t)))
-        sizes = _by_level(one, fit.forces[r])[one.comparable]
-        seen.append(_Seen(record.name, J, e, (e - own_part) * scale, sizes, one.spread, dt))
+        dt = float(np.median(np.diff(fitted_piece.t)))
+        sizes = _spread_by_level(fitted_piece, fit.forces[r])[fitted_piece.comparable]
+        seen.append(_Seen(record.name, J, e, (e - own_part) * scale, sizes, fitted_piece.spread, dt))
     return seen
 
 
 def learned(fit: Fit, plan: CoefficientLayout) -> tuple[ModelDeviation, list[Information]]:
     """How the records of a fit differ from its damper and from one another, and what each of them tells."""
-    seen = _seen(fit, plan)
+    seen = _read_fit(fit, plan)
     levels = [(float(np.std(s.left[s.sizes == size])), float(size)) for s in seen for size in np.unique(s.sizes)]
-    noise, share = _sizes(*np.array(levels).T)
+    noise, share = _fit_sizes(*np.array(levels).T)
     lag = float(np.median([s.dt for s in seen]))
     standardised = [s.left / np.hypot(noise, share * s.sizes) for s in seen if abs(s.dt - lag) < 1e-3 * lag]
-    rho = _autocorrelation(standardised, lag)
+    rho = _autocorrelate(standardised, lag)
     assumed = assumed_spread(plan)
     spread = ModelDeviation(plan.names, assumed.deviations, noise, share, rho, lag, len(seen))
     records = [
-        Information(s.name, s.J.T @ s.J, _noise(s.J, spread, s.dt, spread.residual(s.sizes) / s.spread), s.J.T @ s.e)
+        Information(
+            s.name, s.J.T @ s.J, _weigh_noise(s.J, spread, s.dt, spread.residual(s.sizes) / s.spread), s.J.T @ s.e
+        )
         for s in seen
     ]
     if len(seen) >= LEARNED_FROM:
-        spread = replace(spread, deviations=_deviations(records, plan, assumed.deviations))
+        spread = replace(spread, deviations=_estimate_deviations(records, plan, assumed.deviations))
     return spread, records
 
 
-def _eliminated(plan: CoefficientLayout, problem: Problem, point: SearchPoint) -> Array:
+def _differentiate(plan: CoefficientLayout, problem: Problem, point: SearchPoint) -> Array:
     """The derivatives (n, G) of the force by the relative coefficients over spread and root of n, less the nuisances' part."""
-    one = problem.pieces[0]
+    piece = problem.pieces[0]
     high = problem.inner_limits[1]
     size = np.abs(point.theta)
-    base = modelled_force(problem, point, 0)[one.comparable]
+    base = modelled_force(problem, point, 0)[piece.comparable]
     J = np.zeros((base.size, problem.size))
     seen = ~plan.held if problem.varying else ~plan.held & np.any(problem.matrix[0] != 0.0, axis=0)
     for k in map(int, np.flatnonzero(seen)):
@@ -263,32 +262,33 @@ def _eliminated(plan: CoefficientLayout, problem: Problem, point: SearchPoint) -
         step = -step if point.theta[k] + step > high[k] else step
         theta = point.theta.copy()
         theta[k] += step
-        J[:, k] = (modelled_force(problem, SearchPoint(theta, point.local), 0)[one.comparable] - base) / step
-    J *= point.theta
+        J[:, k] = (modelled_force(problem, SearchPoint(theta, point.local), 0)[piece.comparable] - base) / step
+    J *= point.theta  # by relative changes: what a card or a law has in N and in 1/m becomes comparable
     L = np.zeros((base.size, problem.locals))
     for k in range(problem.locals):
         bottom, top = (float(limit[k]) for limit in problem.local_limits)
-        change = RELATIVE_STEP * (top - bottom if np.isfinite(top - bottom) else one.spread)
+        change = RELATIVE_STEP * (top - bottom if np.isfinite(top - bottom) else piece.spread)
         change = -change if point.local[0, k] + change > top else change
         local = point.local.copy()
         local[0, k] += change
-        L[:, k] = (modelled_force(problem, SearchPoint(point.theta, local), 0)[one.comparable] - base) / change
-    J /= one.spread * np.sqrt(base.size)
+        L[:, k] = (modelled_force(problem, SearchPoint(point.theta, local), 0)[piece.comparable] - base) / change
+    J /= piece.spread * np.sqrt(base.size)
     norms = np.linalg.norm(L, axis=0)
     L = L[:, norms > 0] / norms[norms > 0]
     if L.size:
+        # what the record's own offset and state can take up tells nothing of the damper
         J -= L @ np.linalg.lstsq(L, J, rcond=1e-7)[0]
     return J
 
 
-def _by_level(one: Piece, force: Array) -> Array:
+def _spread_by_level(piece: Piece, force: Array) -> Array:
     """The standard deviation (n,) N of the force at each sample's input: a misfit at 0 V is not that at 3 V.
 
     Inputs that a record passes for less than a twentieth of its time count as the nearest other one.
     """
-    if not np.ndim(one.u):
+    if not np.ndim(piece.u):
         return np.full(force.size, float(np.std(force)))
-    u = np.round(np.asarray(one.u), 3)
+    u = np.round(np.asarray(piece.u), 3)
     levels, counts = np.unique(u, return_counts=True)
     levels = levels[counts >= LEVEL * u.size]
     if not levels.size:
@@ -297,18 +297,19 @@ def _by_level(one: Piece, force: Array) -> Array:
     return np.array([float(np.std(force[which == k])) for k in range(levels.size)])[which]
 
 
-def _noise(J: Array, spread: ModelDeviation, dt: float, relative: Array) -> Array:
+def _weigh_noise(J: Array, spread: ModelDeviation, dt: float, relative: Array) -> Array:
     """J'CJ of noise with this standard deviation (n,) over the force's spread."""
     n = len(J)
     J = J * relative[:, None]
     rho = spread.correlation_at(dt, n)
+    # C is a Toeplitz matrix: a product with it is a convolution, of twice the length or the ends would meet
     size = 1 << (2 * n - 1).bit_length()
     ring = np.zeros(size)
     ring[: rho.size] = rho
     ring[size - rho.size + 1 :] = rho[:0:-1]
     power = np.maximum(np.fft.rfft(ring).real, 0.0)
     F = np.fft.rfft(J, size, axis=0)
-    weights = np.full(power.size, 2.0)
+    weights = np.full(power.size, 2.0)  # a real transform holds each frequency but the first and the last once for two
     weights[[0, -1]] = 1.0
     out = (F.conj().T * (weights * power)) @ F
     return np.asarray(out.real / n / size)
@@ -323,7 +324,7 @@ def assumed_spread(plan: CoefficientLayout) -> ModelDeviation:
     return ModelDeviation(plan.names, D, 0.0, RESIDUAL, np.exp(-lags / CORRELATED), lag)
 
 
-def _sizes(residuals: Array, spreads: Array) -> tuple[float, float]:
+def _fit_sizes(residuals: Array, spreads: Array) -> tuple[float, float]:
     """The constant and the proportional part of the residuals' standard deviations, neither below 0."""
     from scipy.optimize import nnls
 
@@ -332,20 +333,20 @@ def _sizes(residuals: Array, spreads: Array) -> tuple[float, float]:
     return float(np.sqrt(squares[0])), float(np.sqrt(squares[1]))
 
 
-def _autocorrelation(residuals: list[Array], lag: float) -> Array:
+def _autocorrelate(residuals: list[Array], lag: float) -> Array:
     """Of the residuals, each over its standard deviation, the mean over the records; tapered to 0 at the longest lag."""
     shortest = min(e.size for e in residuals)
     count = max(2, min(int(MEMORY / lag), shortest // 4))
     total = np.zeros(count)
-    for each in residuals:
-        e = each - each.mean()
+    for residual in residuals:
+        e = residual - residual.mean()
         size = 1 << (2 * e.size - 1).bit_length()
         c = np.fft.irfft(np.abs(np.fft.rfft(e, size)) ** 2, size)[:count]
         total += c / max(c[0], 1e-300)
     return np.asarray(total / len(residuals) * (1.0 - np.arange(count) / count))
 
 
-def _deviations(records: list[Information], plan: CoefficientLayout, first: Array) -> Array:
+def _estimate_deviations(records: list[Information], plan: CoefficientLayout, first: Array) -> Array:
     """D by expectation and maximisation over each record's score at the fit to all others.
 
     That is a record's own deviation less the error of the others' fit, whose covariance follows from the same D.
@@ -416,6 +417,7 @@ def calibration(fit: Fit, plan: CoefficientLayout, present: Sequence[Information
             continue
         freedom = fit.freedom[label]
         ratio = error / abs(value) / np.sqrt(now.covariance[k, k])
+        # a ratio of few degrees of freedom may be chance: its logarithm counts by their share beside 2, the model's own doubt
         factors[k] = ratio ** (freedom / (freedom + 2.0))
     return factors
 
@@ -434,7 +436,7 @@ def expected_from(
     freedom, inflation, counts = degrees_of_freedom(A, B, linear)
     prior = np.einsum("ki,i,ki->k", B, ridge**2, B)
     cov = B @ M.sum(axis=0) @ B + B @ np.diag(ridge**2) @ B
-    grown = np.sqrt((inflation + 1.0) / inflation)
+    grown = np.sqrt((inflation + 1.0) / inflation)  # the root of the sandwich's G/(G - 1), as in a fit
     cov = cov * np.outer(grown, grown)
     half = stdtrit(np.maximum(freedom, 1.0), 0.975) * np.sqrt(by_record.sum(axis=0) * grown**2 + prior)
     if factors is not None:
@@ -456,13 +458,5 @@ def degrees_of_freedom(A: Array, B: Array, linear: Any) -> tuple[Array, Array, A
     shares = diagonals / np.where(total > 0.0, total, 1.0)
     effective = 1.0 / np.maximum(np.sum(shares**2, axis=0), 1e-100)
     by_shares = np.maximum(np.minimum(effective, n), 1.5) - 1.0
-    own = A @ np.where(linear, 1.0, 0.0)
-    influence = -np.einsum("gij,hj->ghi", A @ B, own)
-    places = np.arange(n)
-    influence[places, places] += own
-    influence = influence @ B
-    Q = np.einsum("ghk,gik->khi", influence, influence)
-    trace, square = np.trace(Q, axis1=1, axis2=2), np.einsum("khi,kih->k", Q, Q)
-    seen = square > 1e-100
-    by_gains = np.where(seen, np.maximum(trace**2 / np.where(seen, square, 1.0), 0.5), by_shares)
+    by_gains = freedom_by_gains(A, B, np.where(linear, 1.0, 0.0), by_shares)
     return 0.5 * (by_shares + by_gains), by_shares, np.sum(shares > 1e-3, axis=0)

@@ -28,9 +28,25 @@ STEP = 0.02  # of a coefficient, to either side: well above the 1e-3 to which pe
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Peak(Shown):
-    """The largest peak ``of`` a structure, over its storeys or floors, with the damper in storey 1 at a ``voltage`` in V.
+    """The largest peak of a structure, over its storeys or floors, with the damper in storey 1.
 
-    ``of`` is "drift", "displacement" or "acceleration".
+    Parameters
+    ----------
+    building
+        the structure.
+    motion
+        the earthquake.
+    voltage
+        of the damper, V.
+    of
+        which peak: ``"drift"``, ``"displacement"`` or ``"acceleration"``.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> peak = dp.planning.Peak(dp.structures.two_storey(), dp.ground_motions.el_centro(), 1.98)
+    >>> peak.words
+    'the largest drift at 1.98 V'
     """
 
     building: Building
@@ -40,7 +56,7 @@ class Peak(Shown):
 
     def __post_init__(self) -> None:
         if self.of not in PEAKS:
-            raise InputError(f"{self.of!r} is no peak of a structure; choose {', '.join(PEAKS)}")
+            raise InputError(f"{self.of!r} is not a peak of a structure; choose {', '.join(PEAKS)}")
 
     @property
     def words(self) -> str:
@@ -57,7 +73,7 @@ class Peak(Shown):
     def gradient(self, plan: CoefficientLayout) -> tuple[Array, float]:
         """The derivatives (G,) of the peak's logarithm by the relative coefficients, and the peak."""
 
-        def of(theta: Array) -> float:
+        def compute_peak(theta: Array) -> float:
             damper = plan.damper(theta)
             return self.value(damper.without("lag") if "lag" in damper.composition.names else damper)
 
@@ -67,9 +83,11 @@ class Peak(Shown):
             for sign in (1.0, -1.0):
                 theta = plan.theta.copy()
                 theta[k] *= 1.0 + sign * STEP
-                sides.append(math.log(of(theta)))
-            out[k] = (sides[0] - sides[1]) / (2.0 * STEP)
-        return out, of(plan.theta)
+                sides.append(math.log(compute_peak(theta)))
+            out[k] = (sides[0] - sides[1]) / (
+                2.0 * STEP
+            )  # central: a peak is computed to 1e-3, one side would show that
+        return out, compute_peak(plan.theta)
 
 
 def is_named(label: str, name: str) -> bool:
@@ -128,7 +146,7 @@ def peak_half_of_fit(fit: Fit, plan: CoefficientLayout, goal: PeakGoal) -> tuple
     if np.any(depends & (few | np.isinf(errors))):
         return np.inf, float(np.median(freedom))
     places = {label: k for k, label in enumerate(fit.stderr)}
-    own = np.array([places.get(label, -1) for label in plan.labels])
+    order = np.array([places.get(label, -1) for label in plan.labels])
     sd = np.where(np.isfinite(errors), errors, 0.0) / np.where(plan.theta == 0.0, np.inf, plan.theta)
-    correlation = np.where((own[:, None] >= 0) & (own >= 0), fit.correlation[np.ix_(own, own)], 0.0)
+    correlation = np.where((order[:, None] >= 0) & (order >= 0), fit.correlation[np.ix_(order, order)], 0.0)
     return goal.half_of(np.nan_to_num(correlation) * np.outer(sd, sd), freedom), float(np.median(freedom))

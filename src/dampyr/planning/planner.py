@@ -61,10 +61,10 @@ class Round(Shown):
     @property
     def ratios(self) -> dict[str, float]:
         """What was achieved over what was expected, by coefficient, where both are intervals."""
-        both = {label: (self.expected.get(label), half) for label, half in self.achieved.items()}
         return {
             label: half / promised
-            for label, (promised, half) in both.items()
+            for label, half in self.achieved.items()
+            for promised in (self.expected.get(label),)
             if promised and np.isfinite(promised) and np.isfinite(half)
         }
 
@@ -118,6 +118,8 @@ def plan_and_perform(
         without a target there are twelve tests.
     per_round
         How many tests are performed before the records are looked at.
+    progress
+        Called with what is being done, and the fraction of it that is done.
     watcher, control
         Those of `dampyr.campaigns.perform`.
 
@@ -126,15 +128,18 @@ def plan_and_perform(
     Planned
         also where the targets are not reached: ``reached`` and ``reason`` say so.
 
-    Raises what `propose` and `perform` raise.
+    Raises
+    ------
+    InputError
+        nothing is known of the damper, another plan in this folder, or what `propose` and `dampyr.campaigns.perform` refuse.
     """
     options = PlanOptions.of("plan_and_perform", options, given)
     options.check_goal()
     if per_round < 1:
         raise InputError(f"per_round = {per_round} is not allowed; give at least 1 test")
     evidence = specimen(rig.settings, rig.folder) if evidence is None else evidence
-    evidence, model = _started(evidence, options, progress)
-    options = _with_model(options, model)
+    evidence, model = _start(evidence, options, progress)
+    options = replace(options, model=model)
     if isinstance(evidence, Fit) and not options.mixed_origins:
         check_one_kind([*evidence.records, Named(f"the tests of the rig {rig.settings.name!r}", rig.origin)])
     folder = Path(folder)
@@ -143,7 +148,7 @@ def plan_and_perform(
     return loop.run()
 
 
-def _started(evidence: Any, options: PlanOptions, progress: Progress) -> tuple[Damper | Fit, str]:
+def _start(evidence: Any, options: PlanOptions, progress: Progress) -> tuple[Damper | Fit, str]:
     """What is known, as a damper or a fit, and the model of the fits to come."""
     if evidence is None:
         raise InputError("nothing is known of the damper, not even a card; give a card or records")
@@ -152,10 +157,6 @@ def _started(evidence: Any, options: PlanOptions, progress: Progress) -> tuple[D
     composition = evidence.composition if isinstance(evidence, Damper) else evidence.problem.composition
     parts = [name for name in composition.names if name != "lag"]
     return evidence, options.model or " + ".join(parts)
-
-
-def _with_model(options: PlanOptions, model: str) -> PlanOptions:
-    return replace(options, model=model)
 
 
 @dataclass
@@ -170,20 +171,21 @@ class _Loop:
     progress: Progress
     watcher: Watcher | None
     control: RunControl | None
+    first: Proposal | None = None  # made before there is a folder, so that a refusal leaves nothing behind
 
     @property
     def identity(self) -> dict[str, Any]:
         """What makes this plan another one than the next."""
-        given = {
+        arguments = {
             f.name: getattr(self.options, f.name)
             for f in fields(self.options)
             if f.name not in ("peak", "mixed_origins")
         }
         peak = self.options.peak
-        given["peak"] = None if peak is None else [peak.words, float(np.sum(np.square(peak.motion.acceleration)))]
+        arguments["peak"] = None if peak is None else [peak.words, float(np.sum(np.square(peak.motion.acceleration)))]
         names = [record.name for record in self.evidence.records] if isinstance(self.evidence, Fit) else []
-        given |= {"schema": SCHEMA, "per_round": self.per_round, "records": names}
-        plain_text: dict[str, Any] = json.loads(json.dumps(plain(given)))
+        arguments |= {"schema": SCHEMA, "per_round": self.per_round, "records": names}
+        plain_text: dict[str, Any] = json.loads(json.dumps(plain(arguments)))
         return plain_text
 
     def begin(self) -> None:
@@ -204,13 +206,9 @@ class _Loop:
             return
         if self.folder.is_dir() and any(self.folder.iterdir()):
             raise InputError(f"{self.folder} is not empty and holds no plan; choose another folder")
-        self.first = self._next(
-            self.evidence, self._left([])
-        )  # refuses what cannot be planned before there is a folder
+        self.first = self._propose(self.evidence, [])  # refuses what cannot be planned before there is a folder
         self.folder.mkdir(parents=True, exist_ok=True)
         write_whole(path, json.dumps(self.identity, indent=2) + "\n")
-
-    first: Proposal | None = None
 
     @property
     def max_tests(self) -> int | None:
@@ -220,18 +218,15 @@ class _Loop:
             return o.tests
         return None if o.aimed or o.duration is not None else BY_DEFAULT
 
-    def _left(self, rounds: list[Round]) -> tuple[int, float]:
-        """How many tests, and how many s of them, the next round may have."""
-        done = sum(len(one.tests) for one in rounds)
-        number = self.per_round if self.max_tests is None else min(self.per_round, self.max_tests - done)
-        used = sum(one.duration for one in rounds)
-        return number, np.inf if self.options.duration is None else self.options.duration - used
-
-    def _next(self, evidence: Damper | Fit, left: tuple[int, float]) -> Proposal:
-        duration = None if np.isinf(left[1]) else left[1]
-        return propose(
-            evidence, self.rig.settings, replace(self.options, tests=left[0], duration=duration), self.progress
-        )
+    def _propose(self, evidence: Damper | Fit, rounds: list[Round]) -> Proposal:
+        """The next round, with the tests and the s of them that are left."""
+        number, duration = self.per_round, self.options.duration
+        if self.max_tests is not None:
+            number = min(number, self.max_tests - sum(len(performed.tests) for performed in rounds))
+        if duration is not None:
+            duration -= sum(performed.duration for performed in rounds)
+        options = replace(self.options, tests=number, duration=duration)
+        return propose(evidence, self.rig.settings, options, self.progress)
 
     def run(self) -> Planned:
         """All rounds."""
@@ -239,53 +234,46 @@ class _Loop:
         evidence: Damper | Fit = self.evidence
         while True:
             number = len(rounds) + 1
-            own = self.folder / f"round-{number:02d}"
-            if not (own / CAMPAIGN).is_file():
-                reason, reached = self._verdict(evidence, rounds)
-                proposal = None
-                if not reason:
-                    proposal = (
-                        self.first if number == 1 and self.first is not None else self._proposal(evidence, rounds)
-                    )
-                    reason = (
-                        "" if proposal is not None else "what is left of the duration is too short for another test"
-                    )
-                if not reason and proposal is not None and rounds and self._gains_little(proposal):
+            folder = self.folder / f"round-{number:02d}"
+            if not (folder / CAMPAIGN).is_file():
+                reason, reached = self._decide(evidence, rounds)
+                proposal = None if reason else self._propose_unless_out_of_time(evidence, rounds)
+                if proposal is None:
+                    reason = reason or "what is left of the duration is too short for another test"
+                elif rounds and self._gains_little(proposal):
                     reason = f"another round is expected to improve the intervals by less than {100 * NO_GAIN:g} %"
                 if reason or proposal is None:
                     if not isinstance(evidence, Fit):
                         raise InputError(f"nothing was performed: {reason}")
-                    return Planned(self.folder, tuple(rounds), evidence, reached, reason, self._goal())
-                self._write(own, proposal)
-            perform(own / CAMPAIGN, self.rig, own, self.watcher, self.control)
-            evidence = self._fit(number)
-            rounds.append(self._round(number, own, evidence))
+                    return Planned(self.folder, tuple(rounds), evidence, reached, reason, self.options.aim)
+                self._write_round(folder, proposal)
+            perform(folder / CAMPAIGN, self.rig, folder, self.watcher, self.control)
+            evidence = self._fit_all(number)
+            rounds.append(self._record_round(number, folder, evidence))
 
-    def _goal(self) -> str:
-        if self.options.peak is not None:
-            return self.options.peak.words
-        return f"the parameters {', '.join(self.options.targets)}" if self.options.targets else "all parameters"
-
-    def _proposal(self, evidence: Damper | Fit, rounds: list[Round]) -> Proposal | None:
+    def _propose_unless_out_of_time(self, evidence: Damper | Fit, rounds: list[Round]) -> Proposal | None:
+        """The next round; None where no candidate fits into what is left of the duration."""
+        if not rounds and self.first is not None:
+            return self.first
         try:
-            return self._next(evidence, self._left(rounds))
+            return self._propose(evidence, rounds)
         except InputError as problem:
             if self.options.duration is not None and str(problem).startswith("duration ="):
                 return None
             raise
 
-    def _write(self, own: Path, proposal: Proposal) -> None:
+    def _write_round(self, folder: Path, proposal: Proposal) -> None:
         """The promise first: a round with a campaign has it."""
-        own.mkdir(exist_ok=True)
+        folder.mkdir(exist_ok=True)
         promise = {
             "half_width": dict(proposal.after),
             "peak_half_width": proposal.peak_after,
             "duration_s": proposal.duration,
         }
-        write_whole(own / EXPECTED, json.dumps(plain(promise), indent=2) + "\n")
-        write_whole(own / CAMPAIGN, proposal.text)
+        write_whole(folder / EXPECTED, json.dumps(plain(promise), indent=2) + "\n")
+        write_whole(folder / CAMPAIGN, proposal.text)
 
-    def _fit(self, last: int) -> Fit:
+    def _fit_all(self, last: int) -> Fit:
         """The fit to the records that were known and those of all rounds so far."""
         records = list(self.evidence.records) if isinstance(self.evidence, Fit) else []
         for number in range(1, last + 1):
@@ -294,8 +282,8 @@ class _Loop:
                 records.append(record.replace(note=f"named {name} among the rounds of a plan", name=name))
         return fitted(records, self.options, self.progress)
 
-    def _round(self, number: int, own: Path, evidence: Fit) -> Round:
-        promise = json.loads((own / EXPECTED).read_text("utf-8"))
+    def _record_round(self, number: int, folder: Path, evidence: Fit) -> Round:
+        promise = json.loads((folder / EXPECTED).read_text("utf-8"))
         spans = evidence.intervals()
         achieved = {}
         for label, value in evidence.parameters.items():
@@ -303,13 +291,13 @@ class _Loop:
             if value and not np.isnan(half):
                 achieved[label] = float(half / abs(value))
         promised = {label: np.inf if half is None else float(half) for label, half in promise["half_width"].items()}
-        tests = tuple(test.name for test in read(own / CAMPAIGN).tests)
-        peak = self._peak_half(evidence)
+        tests = tuple(test.name for test in read(folder / CAMPAIGN).tests)
+        peak = self._measure_peak(evidence)
         return Round(
-            number, own, tests, float(promise["duration_s"]), promised, achieved, promise["peak_half_width"], peak
+            number, folder, tests, float(promise["duration_s"]), promised, achieved, promise["peak_half_width"], peak
         )
 
-    def _peak_half(self, evidence: Fit) -> float | None:
+    def _measure_peak(self, evidence: Fit) -> float | None:
         """The half width of the peak's 95 % interval over the peak, by the covariance of the fit."""
         if self.options.peak is None or evidence.damper is None:
             return None
@@ -319,26 +307,25 @@ class _Loop:
         goal, _ = peak_goal(plan, self.options.peak)
         return peak_half_of_fit(evidence, plan, goal)[0]
 
-    def _verdict(self, evidence: Damper | Fit, rounds: list[Round]) -> tuple[str, bool]:
+    def _decide(self, evidence: Damper | Fit, rounds: list[Round]) -> tuple[str, bool]:
         """Why no further round is performed, empty where one is; and whether the targets are met."""
         if isinstance(evidence, Fit) and evidence.damper is None:
             return f"the fit gives no damper to plan from: {evidence.reason}", False
-        reached = self._reached(evidence, rounds)
-        if reached:
+        if self._is_reached(evidence, rounds):
             return "the targets are reached", True
-        done = sum(len(one.tests) for one in rounds)
+        done = sum(len(performed.tests) for performed in rounds)
         if self.max_tests is not None and done >= self.max_tests:
             return f"all {self.max_tests} tests are performed", False
-        used = sum(one.duration for one in rounds)
+        used = sum(performed.duration for performed in rounds)
         if self.options.duration is not None and used >= self.options.duration:
             return f"the {self.options.duration:g} s of tests are used", False
         return "", False
 
-    def _reached(self, evidence: Damper | Fit, rounds: list[Round]) -> bool:
+    def _is_reached(self, evidence: Damper | Fit, rounds: list[Round]) -> bool:
         if not isinstance(evidence, Fit) or not self.options.aimed:
             return False
         if self.options.peak_target is not None:
-            half = rounds[-1].peak_achieved if rounds else self._peak_half(evidence)
+            half = rounds[-1].peak_achieved if rounds else self._measure_peak(evidence)
             return half is not None and half <= self.options.peak_target
         spans = evidence.intervals()
         for name, target in self.options.targets.items():
@@ -358,13 +345,13 @@ class _Loop:
         if proposal.peak_after is not None and proposal.peak_before is not None:
             return proposal.peak_after > (1.0 - NO_GAIN) * proposal.peak_before
         aims = self.options.targets
-        both = [
+        aimed_at = [
             (proposal.before[label], half)
             for label, half in proposal.after.items()
             if label in proposal.before
             and np.isfinite(half)
             and (not aims or any(is_named(label, name) for name in aims))
         ]
-        if not both or any(not np.isfinite(before) for before, _ in both):
+        if not aimed_at or any(not np.isfinite(before) for before, _ in aimed_at):
             return False
-        return float(np.mean([np.log(after / before) for before, after in both])) > np.log(1.0 - NO_GAIN)
+        return float(np.mean([np.log(after / before) for before, after in aimed_at])) > np.log(1.0 - NO_GAIN)

@@ -55,22 +55,24 @@ TINY_GAIN = 0.005  # by which an interval would be wider without a test: below i
 class PlanOptions(Options):
     """Options of `propose` and `plan_and_perform`; ``peak`` is that of a structure, for the goal "peak"."""
 
-    model: Annotated[str | None, "What is fitted, such as dahl; records need it"] = None
+    model: Annotated[str | None, "Model that is fitted, such as dahl; records need one"] = None
     laws: Annotated[
         str | Mapping[str, str] | None,
         Terminal("--law", "[NAME=]KIND"),
         "How parameters follow the input, as of identify, such as dahl.rho=constant",
     ] = None
-    fixed: Annotated[Mapping[str, float], Terminal("--fix", "NAME=VALUE"), "Parameters that are held, in SI units"] = (
-        field(default_factory=dict)
-    )
+    fixed: Annotated[
+        Mapping[str, float], Terminal("--fix", "NAME=VALUE"), "Parameters that are held at a value, in SI units"
+    ] = field(default_factory=dict)
     bandwidth: Annotated[
         float | None,
         Quantity("Hz", low=0, open_low=True),
         "Bandwidth of the velocity that is derived from the displacement",
     ] = None
     tests: Annotated[
-        int | None, Quantity("", low=1, high=MAX_TESTS), "How many at most; 6 without it, 12 if performed"
+        int | None,
+        Quantity("", low=1, high=MAX_TESTS),
+        "Largest number of tests; 6 without it, 12 where they are performed",
     ] = None
     duration: Annotated[float | None, Quantity("s", low=0, open_low=True), "How long the tests may take together"] = (
         None
@@ -85,7 +87,7 @@ class PlanOptions(Options):
     goal: Annotated[
         str,
         Choices({"parameters": "those of the damper", "peak": "the peak of a structure in an earthquake"}),
-        "What is to be known well",
+        "What the tests are to determine well",
     ] = "parameters"
     peak_target: Annotated[
         float | None,
@@ -97,7 +99,7 @@ class PlanOptions(Options):
         tuple[float, ...] | None,
         Quantity("V"),
         Terminal("--at"),
-        "Voltages to test at; else those of the records or card",
+        "Voltages to test at; without them those of the records or of the card",
     ] = None
     kinds: Annotated[tuple[str, ...], Choices(KINDS), Terminal("--kind"), "Kinds of step to choose from"] = KINDS
     seconds: Annotated[float, Quantity("s", low=0, open_low=True), "Time of steady motion in each test"] = SECONDS
@@ -114,6 +116,13 @@ class PlanOptions(Options):
             )
         if self.peak_target is not None and self.goal != "peak":
             raise InputError("the target of a peak is a share of it, such as 0.02, and needs the goal peak")
+
+    @property
+    def aim(self) -> str:
+        """What is to be known well, in words."""
+        if self.peak is not None:
+            return self.peak.words
+        return f"the parameters {', '.join(self.targets)}" if self.targets else "all parameters"
 
     @property
     def aimed(self) -> bool:
@@ -241,10 +250,33 @@ def propose(
     options
         The further arguments as one object; those that are given by name, such as ``targets={"dahl.rho": 0.05}``, take
         their places. ``peak``: the `Peak` of a structure, for the goal "peak".
+    progress
+        Called with what is being done, and the fraction of it that is done.
 
-    Raises :class:`~dampyr.errors.InputError` before anything moves, see `envelope` and `layout`.
+    Returns
+    -------
+    Proposal
+        the tests, and the intervals that are expected after them.
+
+    Raises
+    ------
+    InputError
+        nothing is known of the damper, no test is within the rig's limits, or an option that excludes another; before anything
+        moves.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> card = dp.studies.raminelli_2020.damper()
+    >>> proposal = dp.planning.propose(card, tests=2, kinds=["sine"], voltages=[1.98], laws="constant", seconds=4.0)
+    >>> len(proposal.tests), proposal.duration < 60.0
+    (2, True)
     """
-    settings, folder = _settings(rig)
+    folder = None
+    if rig is None or isinstance(rig, RigSettings):
+        settings = rig or RigSettings()
+    else:
+        settings, folder = load_settings(rig), Path(rig).parent
     options = PlanOptions.of("propose", options, given)
     options.check_goal()
     evidence = specimen(settings, folder) if evidence is None else evidence
@@ -254,18 +286,12 @@ def propose(
             "records, or name a card in the rig's file (specimen.card)"
         )
     if isinstance(evidence, Damper):
-        return _proposed(evidence, None, settings, options, progress)
+        return _propose(evidence, None, settings, options, progress)
     if not isinstance(evidence, Fit):
         evidence = fitted(evidence, options, progress)
     if evidence.damper is None:
         raise InputError(f"the records give no damper to plan from: {evidence.reason}; try another model")
-    return _proposed(evidence.damper, evidence, settings, options, progress)
-
-
-def _settings(rig: RigSettings | str | Path | None) -> tuple[RigSettings, Path | None]:
-    if rig is None or isinstance(rig, RigSettings):
-        return rig or RigSettings(), None
-    return load_settings(rig), Path(rig).parent
+    return _propose(evidence.damper, evidence, settings, options, progress)
 
 
 def fitted(
@@ -279,7 +305,8 @@ def fitted(
     if options.model is None:
         raise InputError("records are given without a model; name one, such as dahl")
     model = options.model
-    if any(np.ndim(r.voltage) and np.ptp(r.voltage) for r in listed if r.voltage is not None) and not _has_lag(model):
+    varies = any(np.ndim(r.voltage) and np.ptp(r.voltage) for r in listed if r.voltage is not None)
+    if varies and "lag" not in map(str.strip, model.split("+")):
         model = f"{model} + lag"
 
     def show(step: int, _: float) -> None:
@@ -293,43 +320,42 @@ def fitted(
     return result
 
 
-def _has_lag(model: str) -> bool:
-    return "lag" in [part.strip() for part in model.split("+")]
-
-
-def _proposed(
+def _propose(
     damper: Damper, evidence: Fit | None, rig: RigSettings, options: PlanOptions, progress: Progress
 ) -> Proposal:
     notes: list[str] = []
-    kinds = _kinds(rig, options, notes)
+    kinds = _choose_kinds(rig, options, notes)
     bare = damper.without("lag") if "lag" in damper.composition.names else damper
     if options.peak is not None:
         damper.check_input(options.peak.voltage)
-    chosen_voltages = options.voltages if options.voltages is not None or evidence is None else _levels(evidence)
+    chosen_voltages = options.voltages if options.voltages is not None or evidence is None else _list_knots(evidence)
     levels = voltages_of(damper, rig, chosen_voltages)
     candidates_of = envelope(
         rig, bare, levels, kinds, options.seconds, lambda p: progress("finding what the rig can do", p)
     )
     candidates = candidates_of.candidates
     records = []
-    for k, each in enumerate(candidates):
-        records.append(expected_record(each.step.drive(rig), bare, rig, f"candidate {k + 1}"))
+    for k, candidate in enumerate(candidates):
+        records.append(expected_record(candidate.step.drive(rig), bare, rig, f"candidate {k + 1}"))
         progress("weighing the candidates", 0.3 * (k + 1) / len(candidates))
     study = _Study(damper, bare, evidence, rig, options)
     pool = study.of(records, lambda p: progress("weighing the candidates", 0.3 + 0.7 * p))
-    enough = _enough(options)
+    # the criterion is a logarithm: of the peak's half width, or of the ratios to the targets, which is 0 where all are met
+    enough = -np.inf if not options.targets else 0.0
+    if options.peak_target is not None:
+        enough = float(np.log(options.peak_target))
     places = best_tests(
         pool.plan,
         pool_of(pool.plan, pool.present, pool.candidates, pool.spread, pool.factors),
         options.max_tests,
         pool.goal,
-        [each.duration for each in candidates],
+        [candidate.duration for candidate in candidates],
         np.inf if options.duration is None else options.duration,
         enough=enough - float(np.log(pool.peak_factor)),
         progress=lambda p: progress("choosing tests", p),
     )
     if not places:
-        shortest = min(each.duration for each in candidates)
+        shortest = min(candidate.duration for candidate in candidates)
         raise InputError(
             f"duration = {options.duration:g} s is shorter than the shortest candidate, {shortest:.3g} s; give more, or fewer "
             "seconds of motion"
@@ -341,7 +367,15 @@ def _proposed(
         last = study.of(chosen)
     after = expected(last.plan, [*last.present, *last.candidates], last.spread, factors=last.factors)
     tests = tuple(ProposedTest(candidates[k], last.improved_by(place, after)) for place, k in enumerate(places))
-    before, peak_before = _before(damper, evidence, last, notes)
+    before, peak_before = _measure_before(damper, evidence, last, notes)
+    if last.spread.records == 0:
+        notes.append(
+            "how records differ is assumed (3 % of gain, 3 % of each parameter, residuals of 5 %): after a first fit it is "
+            "estimated"
+        )
+    # none wider than the records give already: more tests take nothing away
+    narrowest = before if evidence is not None else {}
+    halves = zip(last.plan.labels, after.half, strict=True)
     peak_after = last.goal.half(after) * last.peak_factor if isinstance(last.goal, PeakGoal) else None
     if peak_after is not None and evidence is not None and peak_before is not None:
         peak_after = min(peak_after, peak_before)
@@ -349,8 +383,8 @@ def _proposed(
         tests=tests,
         values=dict(zip(last.plan.labels, map(float, last.plan.theta), strict=True)),
         before=before,
-        after=_after(last.plan.labels, after.half, before if evidence is not None else {}),
-        goal=_goal_words(options),
+        after={label: min(float(half), narrowest.get(label, np.inf)) for label, half in halves},
+        goal=options.aim,
         model=str(last.plan.composition),
         rig=rig,
         damper=damper,
@@ -360,61 +394,30 @@ def _proposed(
         peak=last.peak,
         peak_before=peak_before,
         peak_after=peak_after,
-        notes=(
-            *notes,
-            *_spread_notes(last.spread),
-            *_session_notes(evidence, [test.candidate for test in tests]),
-        ),
+        notes=(*notes, *_note_sessions(evidence, [test.candidate for test in tests])),
     )
 
 
-def _after(labels: Sequence[str], halves: Array, before: Mapping[str, float]) -> dict[str, float]:
-    """The expected half widths by label, none wider than those that the records give already: more tests take nothing away."""
-    return {label: min(float(half), before.get(label, np.inf)) for label, half in zip(labels, halves, strict=True)}
-
-
-def _enough(options: PlanOptions) -> float:
-    """The value of the criterion at which the targets are met."""
-    if options.peak_target is not None:
-        return float(np.log(options.peak_target))
-    return 0.0 if options.targets else -np.inf
-
-
-def _kinds(rig: RigSettings, options: PlanOptions, notes: list[str]) -> tuple[str, ...]:
+def _choose_kinds(rig: RigSettings, options: PlanOptions, notes: list[str]) -> tuple[str, ...]:
     """The kinds of step to plan with; tests of varying voltage only where a fit can take them."""
     laws = options.laws
     kinds_of_law = [laws] if isinstance(laws, str) else [*(laws or {}).values()]
-    at_values = any(str(each).startswith("interpolation") for each in kinds_of_law)
+    at_values = any(str(kind).startswith("interpolation") for kind in kinds_of_law)
     why = "laws by interpolation need one voltage in each test" if at_values else ""
     if not why and rig.wires.coil_voltage:
         why = "the coil's voltage is read back here, and its noise would count as voltages that differ"
     if not why or "voltage_steps" not in options.kinds:
         return options.kinds
     notes.append(f"no steps of voltage within a test: {why}")
-    return tuple(each for each in options.kinds if each != "voltage_steps")
+    return tuple(kind for kind in options.kinds if kind != "voltage_steps")
 
 
-def _levels(evidence: Fit) -> tuple[float, ...]:
+def _list_knots(evidence: Fit) -> tuple[float, ...]:
     """The inputs of a fit's records: its knots."""
     return tuple(sorted({u for c in evidence.problem.columns for u in c.knots}))
 
 
-def _goal_words(options: PlanOptions) -> str:
-    if options.peak is not None:
-        return options.peak.words
-    return f"the parameters {', '.join(options.targets)}" if options.targets else "all parameters"
-
-
-def _spread_notes(spread: ModelDeviation) -> tuple[str, ...]:
-    if spread.records == 0:
-        return (
-            "how records differ is assumed (3 % of gain, 3 % of each parameter, residuals of 5 %): after a first fit it is "
-            "estimated",
-        )
-    return ()
-
-
-def _session_notes(evidence: Fit | None, tests: Sequence[Candidate]) -> tuple[str, ...]:
+def _note_sessions(evidence: Fit | None, tests: Sequence[Candidate]) -> tuple[str, ...]:
     """Where the records do not show how measurement sessions differ: whether these tests, made in one, settle it."""
     of_records = None if evidence is None else evidence.levels
     if evidence is None or of_records is None or not of_records.settles:
@@ -422,7 +425,7 @@ def _session_notes(evidence: Fit | None, tests: Sequence[Candidate]) -> tuple[st
     if of_records.named and len(of_records.sessions) == 1:
         return (f"{of_records.words}; to settle it, repeat one of these tests on another day or after a new mounting",)
     tested = {u for test in tests for u in getattr(test.step, "voltages", (getattr(test.step, "voltage", None),))}
-    missing = [f"{u:g}" for u in _levels(evidence) if not any(v is not None and abs(u - v) < 1e-6 for v in tested)]
+    missing = [f"{u:g}" for u in _list_knots(evidence) if not any(v is not None and abs(u - v) < 1e-6 for v in tested)]
     if missing:
         do = f"add a test at {listing(missing)} V to the session of these tests: then each voltage is tested in two sessions"
     else:
@@ -526,7 +529,7 @@ class _Study:
         return Damper((*self.bare.composition.names, "lag"), laws, input=self.bare.input, ranges=self.bare.ranges)
 
 
-def _before(
+def _measure_before(
     damper: Damper, evidence: Fit | None, last: _Pool, notes: list[str]
 ) -> tuple[dict[str, float], float | None]:
     """The half widths over the values now, by the labels of the plan, and that of the peak."""
@@ -544,10 +547,10 @@ def _before(
         notes.append("the card has no covariance, so how well it is known before these tests is not known")
         return {}, None
     notes.append("the card brings no records: after these tests the intervals are those of the tests alone")
-    return _of_card(damper, last.plan), None
+    return _measure_card(damper, last.plan), None
 
 
-def _of_card(damper: Damper, plan: CoefficientLayout) -> dict[str, float]:
+def _measure_card(damper: Damper, plan: CoefficientLayout) -> dict[str, float]:
     """1.96 standard errors of a card's values at the knots of a plan, over the values."""
     base, covariance = damper.coefficients, damper.covariance
     assert covariance is not None

@@ -41,6 +41,7 @@ MISFIT = (
     0.10  # of each parameter, by what the model misses: as good models of the published campaign change along its line
 )
 SLIDING = 0.01  # of the median stroke: the pre-sliding path of the motion's own damper
+BLIND = "its force was replaced, for a choice by its motion"
 __all__ = ["choose_records", "expected_misses"]
 
 
@@ -51,15 +52,19 @@ def choose_records(records: Sequence[Record], n: int, damper: Damper | None = No
     ----------
     records
         two or more with inputs; one is alike another where amplitude, frequency and input are.
+    n
+        how many of them.
     damper
         of which the motion is weighed; without it a viscous Dahl model, see above.
 
-    Raises :class:`~dampyr.errors.InputError` for an ``n`` that is not below the number of records, and for records of which the
-    input or the motion is not known.
+    Raises
+    ------
+    InputError
+        an ``n`` that is not below the number of records, or a record of which the input or the motion is not known.
     """
     listed = nominal_inputs(list(records))
     if not 1 <= n < len(listed):
-        raise InputError(f"n = {n} of {len(listed)} records is no choice; give 1 to {len(listed) - 1}")
+        raise InputError(f"n = {n} of {len(listed)} records is not a choice; give 1 to {len(listed) - 1}")
     misses = expected_misses(listed, damper)
     chosen: list[int] = []
     while len(chosen) < n:
@@ -80,11 +85,14 @@ def choose_records(records: Sequence[Record], n: int, damper: Damper | None = No
 
 def expected_misses(records: Sequence[Record], damper: Damper | None = None) -> Misses:
     """The criterion of `choose_records` for these records."""
-    without = [r.name for r in records if r.input_value is None or np.ptp(np.asarray(_input(r)))]
+    without = [r.name for r in records if r.input_value is None or np.ptp(np.asarray(_input_of(r)))]
     if without:
         raise InputError(f"{without[0]}: its input is not known or varies, and records are chosen by it; leave it out")
-    inputs = np.array([float(np.mean(_input(r))) for r in records])
-    blind = [_with_force_of(r, damper) if damper else r.replace(note=BLIND, force=_like_motion(r)) for r in records]
+    inputs = np.array([float(np.mean(_input_of(r))) for r in records])
+    # without a damper the displacement stands for the force: something that a record can be measured by
+    blind = [
+        _replace_force(r, damper) if damper else r.replace(note=BLIND, force=1e3 * r.displacement) for r in records
+    ]
     measured = [measure(record) for record in blind]
     stroke = np.array([m.peak_to_peak_m for m in measured])
     place = np.log(np.column_stack((stroke, [m.frequency_hz for m in measured]))) / np.log(ALIKE)
@@ -101,27 +109,19 @@ def expected_misses(records: Sequence[Record], damper: Damper | None = None) -> 
             },
             input=str(records[0].input),
         )
-        blind = [_with_force_of(r, damper) for r in records]
+        blind = [_replace_force(r, damper) for r in records]
     plan = layout(damper, list(inputs))
     spread = assumed_spread(plan)
     A = np.stack([expected_information(plan, record, spread).A for record in blind])
     return Misses(plan, A, place, inputs)
 
 
-BLIND = "its force was replaced, for a choice by its motion"
-
-
-def _input(record: Record) -> float | Array:
+def _input_of(record: Record) -> float | Array:
     value = record.voltage if record.voltage is not None else record.current
     return np.nan if value is None else value
 
 
-def _like_motion(record: Record) -> Array:
-    """Something in place of a force, so that a record without one can be measured: its displacement, in N."""
-    return 1e3 * record.displacement
-
-
-def _with_force_of(record: Record, damper: Damper) -> Record:
+def _replace_force(record: Record, damper: Damper) -> Record:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)
         force = damper.force_of_motion(
@@ -151,15 +151,17 @@ class Misses:
         gain = np.where(self.plan.is_linear, 1.0, 0.0)
         of_gain = GAIN**2 * np.outer(gain, gain)
         alike = MISFIT**2 * self._alike
-        own = A[S]
-        B = np.linalg.inv(own.sum(axis=0) + RIDGE * np.eye(G))
-        meat = np.einsum("gij,gh,hjk->ik", own, alike[np.ix_(S, S)], own) + (own @ of_gain @ own).sum(axis=0)
+        of_chosen = A[S]
+        B = np.linalg.inv(of_chosen.sum(axis=0) + RIDGE * np.eye(G))
+        meat = np.einsum("gij,gh,hjk->ik", of_chosen, alike[np.ix_(S, S)], of_chosen) + (
+            of_chosen @ of_gain @ of_chosen
+        ).sum(axis=0)
         C = B @ (meat + RIDGE**2 * np.eye(G)) @ B
-        shared = np.einsum("gij,gr->rij", own, alike[S])
-        shared[S] += own @ of_gain
-        each = np.einsum("rij,ji->r", A, C) - 2.0 * np.einsum("rij,jk,rki->r", A, B, shared)
-        each += MISFIT**2 * np.einsum("rii->r", A) + np.einsum("rij,ji->r", A, of_gain)
-        return float(np.sqrt(max(float(self._weights @ each), 0.0)))
+        shared = np.einsum("gij,gr->rij", of_chosen, alike[S])
+        shared[S] += of_chosen @ of_gain
+        squares = np.einsum("rij,ji->r", A, C) - 2.0 * np.einsum("rij,jk,rki->r", A, B, shared)
+        squares += MISFIT**2 * np.einsum("rii->r", A) + np.einsum("rij,ji->r", A, of_gain)
+        return float(np.sqrt(max(float(self._weights @ squares), 0.0)))
 
     @cached_property
     def _alike(self) -> Array:

@@ -41,14 +41,14 @@ class Accepted(Shown):
     @property
     def origin(self) -> Origin:
         """That of the records and of the reference together."""
-        return combined(one.origin for one in self.results)
+        return combined(result.origin for result in self.results)
 
     @property
     def verdict(self) -> Verdict:
         """The verdict of all: failed where one failed, not judged where one was not, else passed."""
-        verdicts = {one.verdict for one in self.results}
+        verdicts = {result.verdict for result in self.results}
         order: tuple[Verdict, ...] = ("failed", "not judged", "passed")
-        return next(each for each in order if each in verdicts)
+        return next(verdict for verdict in order if verdict in verdicts)
 
 
 @takes(AcceptOptions)
@@ -115,7 +115,11 @@ def accept(
     judged = [records] if isinstance(records, Record) else list(records)
     if not judged:
         raise InputError("there are no records to judge; give one or more")
-    against = reference if isinstance(reference, Damper) else _nominal(reference)
+    against: Damper | list[Record]
+    if isinstance(reference, Damper):
+        against = reference
+    elif not (against := nominal_inputs([reference] if isinstance(reference, Record) else reference)):
+        raise InputError("there are no records of a reference; give a Damper, a Record or a list of records")
     results = []
     for k, record in enumerate(nominal_inputs(judged, inputs_of(against))):
         if progress:
@@ -127,13 +131,6 @@ def accept(
     of_card = handed_on([against], OF_DAMPER, of_records) if isinstance(against, Damper) else ()
     findings = worst_first(of_card, of_records)
     return Accepted(name, tuple(results), tuple(judged), others, again, findings)
-
-
-def _nominal(reference: Record | Sequence[Record]) -> list[Record]:
-    records = nominal_inputs([reference] if isinstance(reference, Record) else list(reference))
-    if not records:
-        raise InputError("there are no records of a reference; give a Damper, a Record or a list of records")
-    return records
 
 
 def inputs_of(reference: Damper | Sequence[Record]) -> Sequence[float]:

@@ -39,7 +39,7 @@ from dampyr.identification.acceptance_tests.reference_cycles import Expected, Re
 from dampyr.models import Damper
 from dampyr.options import Options, ShownIn, Terminal
 from dampyr.origin import NOT_STATED, Origin, combined
-from dampyr.records import Cut, Cycle, Level, Record, cut_cycles, cycle_table
+from dampyr.records import Cut, Cycle, Record, cut_cycles, cycle_table
 from dampyr.records.cycle_analysis.cycles import SAME_STROKE
 from dampyr.shown import Shown
 from dampyr.units import Quantity
@@ -64,8 +64,8 @@ class Tolerance:
     energy: float = 0.0
 
     def __str__(self) -> str:
-        given = ((100 * self.relative, "%"), (self.force, "N"), (self.energy, "J"))
-        return "± " + " and ".join(f"{value:g} {unit}" for value, unit in given if value)
+        parts = ((100 * self.relative, "%"), (self.force, "N"), (self.energy, "J"))
+        return "± " + " and ".join(f"{value:g} {unit}" for value, unit in parts if value)
 
     def half(self, quantity: str, value: float) -> float:
         """Half the width of the band about ``value``, in N or J."""
@@ -82,8 +82,12 @@ class AcceptOptions(Options):
         ShownIn("%"),
         "Half the width of the band, as a share of what the reference gives",
     ] = 0.15
-    force_slack: Annotated[float, Quantity("N", low=0), "And this much more of each force"] = 0.0
-    energy_slack: Annotated[float, Quantity("J", low=0), "And this much more of each energy"] = 0.0
+    force_slack: Annotated[
+        float, Quantity("N", low=0), "Force that is added to half the width of the band of each force"
+    ] = 0.0
+    energy_slack: Annotated[
+        float, Quantity("J", low=0), "Energy that is added to half the width of the band of each energy"
+    ] = 0.0
     quantities: Annotated[
         tuple[str, ...],
         Choices(QUANTITIES),
@@ -96,7 +100,7 @@ class AcceptOptions(Options):
         Quantity("N"),
         "Zero of the load cell, which is taken from every measured force; without it its mean over whole cycles is",
     ] = None
-    allow_extrapolation: Annotated[bool, "Judge beyond what a card was calibrated on, too"] = False
+    allow_extrapolation: Annotated[bool, "Judge motions and inputs beyond what the card was calibrated on, too"] = False
     relevel: Annotated[
         int,
         Quantity("", low=0),
@@ -216,7 +220,7 @@ class Acceptance(Shown):
     @property
     def judged_cycles(self) -> int:
         """How many cycles were judged by every quantity."""
-        return sum(each.judged for each in self.levels)
+        return sum(level.judged for level in self.levels)
 
     @property
     def judged_stroke_m(self) -> float:
@@ -226,7 +230,7 @@ class Acceptance(Shown):
     @property
     def levels_outside(self) -> tuple[JudgedLevel, ...]:
         """The levels of which a mean lies outside the band."""
-        return tuple(each for each in self.levels if False in each.inside.values())
+        return tuple(level for level in self.levels if False in level.inside.values())
 
     @property
     def judged(self) -> tuple[AcceptancePoint, ...]:
@@ -276,112 +280,115 @@ class Acceptance(Shown):
 def judge_record(record: Record, reference: Reference, options: AcceptOptions) -> Acceptance:
     """Every whole cycle of every level of ``record``, judged by a reference; what cannot be judged is a value with a reason."""
     band, requested = options.band, tuple(q for q in QUANTITIES if q in options.quantities)
-    made = cut_cycles(record)
-    table = [cycle for cycle in cycle_table(record, options.offset) if cycle.level] if made.cycles else []
+    motion_cut = cut_cycles(record)
+    table = [cycle for cycle in cycle_table(record, options.offset) if cycle.level] if motion_cut.cycles else []
     expectations = expected(reference, record, table, options.offset, options.allow_extrapolation)
-    points = tuple(_point(q, cycle, expectations[q][k], band) for k, cycle in enumerate(table) for q in requested)
+    points = tuple(_make_point(q, cycle, expectations[q][k], band) for k, cycle in enumerate(table) for q in requested)
     against = [reference] if isinstance(reference, Damper) else reference
-    origin = combined(each.origin for each in (record, *against))
+    origin = combined(source.origin for source in (record, *against))
+    levels = tuple(
+        JudgedLevel(run.number, run.stroke_m, 1.0 / run.period_s, run.first, run.count) for run in motion_cut.levels
+    )
     judged = Acceptance(
         record.name, record.input, record.input_value, band, requested, options.offset, points,
-        levels=tuple(_as_run(each) for each in made.levels), run=made.run, cut=len(made.cycles), stroke_m=made.stroke_m,
+        levels=levels, run=motion_cut.run, cut=len(motion_cut.cycles), stroke_m=motion_cut.stroke_m,
         origin=origin,
     )  # fmt: skip
-    return _with_verdict(judged, _whole_reason(made))
+    return _judge(judged, _explain_unjudged(motion_cut))
 
 
-def relevelled(one: Acceptance, cycles: int) -> Acceptance:
+def relevelled(judgement: Acceptance, cycles: int) -> Acceptance:
     """The judgement of the later cycles with the level of the first ``cycles`` taken out: the shape alone is judged.
 
     The level is the mean of measured over expected, of all judged points of these cycles. One that cannot be told
     (nothing of the first cycles was judged, or no later cycle is there) is a reason, and nothing is judged.
     """
-    first = [p for p in one.judged if p.cycle <= cycles and p.expected]
-    later = tuple(p for p in one.points if p.cycle > cycles)
+    first = [p for p in judgement.judged if p.cycle <= cycles and p.expected]
+    later = tuple(p for p in judgement.points if p.cycle > cycles)
     ratios = [p.measured / p.expected for p in first if p.expected]
     level = float(np.mean(ratios)) if ratios else math.nan
     if not (level > 0.0 and later):
         reason = "no later cycle" if level > 0.0 else f"no level: nothing of the first {cycles} cycles was judged"
-        return replace(one, points=(), levels=(), reason=one.reason or reason)
+        return replace(judgement, points=(), levels=(), reason=judgement.reason or reason)
     points = tuple(
         replace(p, measured=p.measured / level, error=None if p.error is None else p.error / level) for p in later
     )
     levels = tuple(
-        replace(each, first=max(each.first, cycles + 1), cycles=min(each.cycles, each.first + each.cycles - cycles - 1))
-        for each in one.levels
-        if each.first + each.cycles > cycles + 1
+        replace(run, first=max(run.first, cycles + 1), cycles=min(run.cycles, run.first + run.cycles - cycles - 1))
+        for run in judgement.levels
+        if run.first + run.cycles > cycles + 1
     )
-    return _with_verdict(replace(one, points=points, levels=levels, level=level), "")
+    return _judge(replace(judgement, points=points, levels=levels, level=level), "")
 
 
-def _point(quantity: str, cycle: Cycle, expectation: Expected, tolerance: Tolerance) -> AcceptancePoint:
+def _make_point(quantity: str, cycle: Cycle, expectation: Expected, tolerance: Tolerance) -> AcceptancePoint:
     measured = {"extension": cycle.force_out, "compression": cycle.force_in, "energy": cycle.energy}[quantity]
     error = {"extension": cycle.error_out, "compression": cycle.error_in, "energy": cycle.energy_error}[quantity]
     speeds = {"extension": cycle.speed_out, "compression": -cycle.speed_in}
     speed = speeds.get(quantity, max(speeds.values()))
     value, reason = expectation
-    made = AcceptancePoint(
+    point = AcceptancePoint(
         cycle.number, quantity, speed, cycle.stroke_m, measured, reason=reason, level=cycle.level, error=error
     )
     if value is None:
-        return made
+        return point
     half = tolerance.half(quantity, value)
-    return replace(made, expected=value, low=value - half, high=value + half)
+    return replace(point, expected=value, low=value - half, high=value + half)
 
 
-def _as_run(level: Level) -> JudgedLevel:
-    return JudgedLevel(level.number, level.stroke_m, 1.0 / level.period_s, level.first, level.count)
-
-
-def _whole_reason(made: Cut) -> str:
+def _explain_unjudged(motion_cut: Cut) -> str:
     """Why a motion is no test of levels; "" where it is one."""
-    if not made.cycles:
+    if not motion_cut.cycles:
         return "no whole cycle"
-    if not made.levels or (len(made.levels) > 1 and not made.repeats):
-        like = sum(each.count for each in made.levels if each.count > 1)
-        return f"the motion does not repeat itself: of {len(made.cycles)} whole cycles {like} are like their neighbours"
-    largest = max(each.stroke_m for each in made.cycles if each.level)
-    if made.stroke_m > (1.0 + SAME_STROKE) * largest:
+    if not motion_cut.levels or (len(motion_cut.levels) > 1 and not motion_cut.repeats):
+        like = sum(level.count for level in motion_cut.levels if level.count > 1)
+        return f"the motion does not repeat itself: of {len(motion_cut.cycles)} whole cycles {like} are like their neighbours"
+    largest = max(cycle.stroke_m for cycle in motion_cut.cycles if cycle.level)
+    if motion_cut.stroke_m > (1.0 + SAME_STROKE) * largest:
         return (
-            f"the largest stroke, {1e3 * made.stroke_m:.4g} mm, belongs to no whole cycle of a level; the largest of those is "
-            f"{1e3 * largest:.4g} mm"
+            f"the largest stroke, {1e3 * motion_cut.stroke_m:.4g} mm, belongs to no whole cycle of a level; the largest of "
+            f"those is {1e3 * largest:.4g} mm"
         )
     return ""
 
 
-def _with_verdict(one: Acceptance, reason: str) -> Acceptance:
+def _judge(judgement: Acceptance, reason: str) -> Acceptance:
     """What is inside, with the allowance for noise, of the points and of the levels; and the reason against a verdict."""
-    having = [p for p in one.points if p.expected is not None]
+    having = [p for p in judgement.points if p.expected is not None]
     count = len(having) + len({(p.level, p.quantity) for p in having})
+    # Bonferroni over all points and means; one side each, as a value at the edge leaves the band on one side
     z = NORMAL.inv_cdf(1.0 - RISK / max(count, 1))
-    points = tuple(_placed(p, z) for p in one.points)
+    points = tuple(_place(p, z) for p in judgement.points)
     levels = tuple(
-        _level(each, [p for p in points if p.level == each.number], one.quantities, z) for each in one.levels
+        _judge_level(level, [p for p in points if p.level == level.number], judgement.quantities, z)
+        for level in judgement.levels
     )
-    rejection, acceptance = _risks(levels, points, z)
+    rejection, acceptance = _estimate_risks(levels, points, z)
     return replace(
-        one, points=points, levels=levels, reason=reason or _reason(levels, one.quantities), wrong_rejection=rejection,
-        wrong_acceptance=acceptance,
+        judgement, points=points, levels=levels, reason=reason or _join_reasons(levels, judgement.quantities),
+        wrong_rejection=rejection, wrong_acceptance=acceptance,
     )  # fmt: skip
 
 
-def _half(points: Sequence[AcceptancePoint]) -> float:
+def _halve_band(points: Sequence[AcceptancePoint]) -> float:
     """Half the width of the band about the mean of points that have a reference value."""
     return float(np.mean([0.5 * (p.high - p.low) for p in points if p.low is not None and p.high is not None]))
 
 
-def _allowed(half: float, error: float, z: float) -> float:
+def _allow_for_noise(half: float, error: float, z: float) -> float:
     return min(z * error, NOISE_SHARE * half)
 
 
-def _placed(p: AcceptancePoint, z: float) -> AcceptancePoint:
+def _place(p: AcceptancePoint, z: float) -> AcceptancePoint:
     if p.low is None or p.high is None:
         return p
-    allowance = _allowed(0.5 * (p.high - p.low), p.error or 0.0, z)
+    allowance = _allow_for_noise(0.5 * (p.high - p.low), p.error or 0.0, z)
     return replace(p, allowance=allowance, inside=p.low - allowance <= p.measured <= p.high + allowance)
 
 
-def _level(level: JudgedLevel, points: Sequence[AcceptancePoint], requested: Sequence[str], z: float) -> JudgedLevel:
+def _judge_level(
+    level: JudgedLevel, points: Sequence[AcceptancePoint], requested: Sequence[str], z: float
+) -> JudgedLevel:
     """A level with what its points say together."""
     cycles = {p.cycle for p in points}
     judged = sum(all(p.inside is not None for p in points if p.cycle == k) for k in cycles)
@@ -390,27 +397,27 @@ def _level(level: JudgedLevel, points: Sequence[AcceptancePoint], requested: Seq
     inside: dict[str, bool | None] = {}
     reasons: dict[str, list[str]] = {}
     for quantity in requested:
-        own = [p for p in points if p.quantity == quantity]
-        having = [p for p in own if p.expected is not None]
-        if len(own) - len(having) > SHARE * len(own):
-            why = Counter(p.reason for p in own if p.expected is None).most_common(1)[0][0]
+        of_quantity = [p for p in points if p.quantity == quantity]
+        having = [p for p in of_quantity if p.expected is not None]
+        if len(of_quantity) - len(having) > SHARE * len(of_quantity):
+            why = Counter(p.reason for p in of_quantity if p.expected is None).most_common(1)[0][0]
             reasons.setdefault(why, []).append(quantity)
         if not having:
             deviation[quantity] = scatter[quantity] = inside[quantity] = None
             continue
         value = float(np.mean([p.expected for p in having if p.expected is not None]))
         away = float(np.mean([p.measured for p in having])) - value
-        half = _half(having)
+        half = _halve_band(having)
         error = float(np.linalg.norm([p.error or 0.0 for p in having])) / len(having)
-        spread = _scatter(having)
+        spread = _estimate_scatter(having)
         deviation[quantity] = away / value if value else None
         scatter[quantity] = spread / abs(value) if spread is not None and value else None
-        inside[quantity] = abs(away) <= half * (1.0 + 1e-12) + _allowed(half, error, z)
+        inside[quantity] = abs(away) <= half * (1.0 + 1e-12) + _allow_for_noise(half, error, z)
     why = "; ".join(w if len(names) == len(requested) else f"{', '.join(names)}: {w}" for w, names in reasons.items())
     return replace(level, judged=judged, deviation=deviation, scatter=scatter, inside=inside, reason=why)
 
 
-def _scatter(points: Sequence[AcceptancePoint]) -> float | None:
+def _estimate_scatter(points: Sequence[AcceptancePoint]) -> float | None:
     """The standard deviation of single values, N or J: by their errors, or by successive cycles where these differ more.
 
     Differences of successive cycles hold no drift, and their median no single cycle that is off.
@@ -420,47 +427,52 @@ def _scatter(points: Sequence[AcceptancePoint]) -> float | None:
     if len(points) < SUCCESSIVE:
         return by_error
     off = np.array([p.measured - p.expected for p in points if p.expected is not None])
+    # half of the differences of two normal values are below 0.67 times the root of two standard deviations
     by_cycles = float(np.median(np.abs(np.diff(off)))) / (NORMAL.inv_cdf(0.75) * math.sqrt(2.0))
     return max(by_cycles, by_error or 0.0)
 
 
-def _risks(
+def _estimate_risks(
     levels: Sequence[JudgedLevel], points: Sequence[AcceptancePoint], z: float
 ) -> tuple[float | None, float | None]:
     """The chances of a wrong rejection and of a wrong acceptance, see `Acceptance`; None where a scatter is not known."""
     right, wrong = 0.0, 0.0  # logarithm of the chance that all pass; the largest chance to pass
-    judged = [(each, q) for each in levels for q, inside in each.inside.items() if inside is not None]
+    judged = [(level, quantity) for level in levels for quantity, inside in level.inside.items() if inside is not None]
     for level, quantity in judged:
-        own = [p for p in points if (p.level, p.quantity) == (level.number, quantity) and p.expected is not None]
-        spread, half = _scatter(own), _half(own)
+        of_quantity = [
+            p for p in points if (p.level, p.quantity) == (level.number, quantity) and p.expected is not None
+        ]
+        spread, half = _estimate_scatter(of_quantity), _halve_band(of_quantity)
         if spread is None:
             return None, None
-        error = float(np.linalg.norm([p.error or 0.0 for p in own])) / len(own)
-        limits = [(spread, half + p.allowance) for p in own]
-        mean = (spread / math.sqrt(len(own)), half + _allowed(half, error, z))
-        right += sum(math.log(max(_passes(0.0, *each), 1e-300)) for each in [*limits, mean])
+        error = float(np.linalg.norm([p.error or 0.0 for p in of_quantity])) / len(of_quantity)
+        limits = [(spread, half + p.allowance) for p in of_quantity]
+        mean = (spread / math.sqrt(len(of_quantity)), half + _allow_for_noise(half, error, z))
+        right += sum(math.log(max(_chance_to_pass(0.0, *limit), 1e-300)) for limit in [*limits, mean])
         off = BEYOND * half
-        all_pass = math.prod(_passes(off, *each) for each in limits)
-        wrong = max(wrong, min(all_pass, _passes(off, *mean)))  # the mean passes where the single values do: no product
+        all_pass = math.prod(_chance_to_pass(off, *limit) for limit in limits)
+        wrong = max(
+            wrong, min(all_pass, _chance_to_pass(off, *mean))
+        )  # the mean passes where the single values do: no product
     return (max(0.0, -math.expm1(right)), wrong) if judged else (None, None)
 
 
-def _passes(off: float, spread: float, limit: float) -> float:
+def _chance_to_pass(off: float, spread: float, limit: float) -> float:
     """The chance that a value which is ``off`` by so much and scatters with ``spread`` is within ``limit``."""
     if spread <= 0.0:
         return float(abs(off) <= limit)
     return NORMAL.cdf((limit - off) / spread) - NORMAL.cdf((-limit - off) / spread)
 
 
-def _reason(levels: Sequence[JudgedLevel], requested: Sequence[str]) -> str:
+def _join_reasons(levels: Sequence[JudgedLevel], requested: Sequence[str]) -> str:
     """Why the whole cannot be judged; "" where at least half of the cycles of every level and quantity were."""
-    reasons = {each.number: each.reason for each in levels if each.reason}
+    reasons = {level.number: level.reason for level in levels if level.reason}
     if not reasons:
         return ""
     if len(reasons) == len(levels) and len(set(reasons.values())) == 1:
         return next(iter(reasons.values()))
     return "; ".join(
-        f"level {each.number} of {len(levels)}, {1e3 * each.stroke_m:.4g} mm: {each.reason}"
-        for each in levels
-        if each.reason
+        f"level {level.number} of {len(levels)}, {1e3 * level.stroke_m:.4g} mm: {level.reason}"
+        for level in levels
+        if level.reason
     )

@@ -41,30 +41,32 @@ def expected(
 ) -> dict[str, list[Expected]]:
     """For each quantity and cycle the reference's value, or None and the reason."""
     if isinstance(reference, Damper):
-        return _of_damper(reference, record, table, offset, allow_extrapolation)
-    return _of_records(reference, record, table, offset)
+        return _expect_of_damper(reference, record, table, offset, allow_extrapolation)
+    return _expect_of_records(reference, record, table, offset)
 
 
-def _of_damper(
+def _expect_of_damper(
     damper: Damper, record: Record, table: Sequence[Cycle], offset: float | None, beyond: bool
 ) -> dict[str, list[Expected]]:
     if not table:
-        return _nothing(0, "")
+        return _expect_nothing(0, "")
     if record.input != damper.input:
-        return _nothing(len(table), f"the reference is over the {INPUTS[damper.input]}; {_input(record)} here")
+        return _expect_nothing(
+            len(table), f"the reference is over the {INPUTS[damper.input]}; {_describe_input(record)} here"
+        )
     try:
         with warnings.catch_warnings():
             if not beyond:
                 warnings.simplefilter("ignore", DampyrWarning)  # what lies beyond is not judged, and says so
             force = prediction(damper, record, beyond)
     except InputError as problem:
-        return _nothing(len(table), str(problem).partition("; ")[0])
+        return _expect_nothing(len(table), str(problem).partition("; ")[0])
     if not np.all(np.isfinite(force)):
-        return _nothing(len(table), "the reference's force is not finite along this motion")
+        return _expect_nothing(len(table), "the reference's force is not finite along this motion")
     zero = None if offset is None else 0.0
     whole = cycle_table(record.replace(note="the force of a reference", force=force), zero)
-    ran = [one for one in whole if one.level]
-    reasons = ["" if beyond else _outside(damper, cycle) for cycle in table]
+    ran = [cycle for cycle in whole if cycle.level]
+    reasons = ["" if beyond else _explain_outside(damper, cycle) for cycle in table]
 
     def with_reasons(values: Sequence[float]) -> list[Expected]:
         return [(None, why) if why else (value, "") for value, why in zip(values, reasons, strict=True)]
@@ -76,9 +78,9 @@ def _of_damper(
     }
 
 
-def _outside(damper: Damper, cycle: Cycle) -> str:
+def _explain_outside(damper: Damper, cycle: Cycle) -> str:
     """Why a cycle lies beyond what a damper was calibrated on; "" where it does not."""
-    for name, value, words, unit in (
+    for name, value, text, unit in (
         ("velocity", max(cycle.speed_out, -cycle.speed_in), "faster than the reference was calibrated", "mm/s"),
         (
             "displacement",
@@ -89,34 +91,38 @@ def _outside(damper: Damper, cycle: Cycle) -> str:
     ):
         high = damper.ranges.get(name, (0.0, np.inf))[1]
         if value > (1.0 + SAME) * high:
-            return f"{words} (up to {1e3 * high:.4g} {unit})"
+            return f"{text} (up to {1e3 * high:.4g} {unit})"
     return ""
 
 
-def _of_records(
+def _expect_of_records(
     tests: Sequence[Record], record: Record, table: Sequence[Cycle], offset: float | None
 ) -> dict[str, list[Expected]]:
-    others = [one for one in tests if not _is_same(one, record)]
+    others = [test for test in tests if not _is_same(test, record)]
     if not others:
-        return _nothing(len(table), "the reference is this record itself")
-    same = [one for one in others if _same_input(one, record)]
+        return _expect_nothing(len(table), "the reference is this record itself")
+    same = [test for test in others if _has_same_input(test, record)]
     if not same:
-        return _nothing(len(table), _other_input(others, record))
-    here, same = force_average(record), [one for one in same if _same_smoothing(one, record)]
+        had = sorted(set(map(_describe_input, others)))
+        inputs = f"{', '.join(had[:4])}{', …' if had[4:] else ''}"
+        return _expect_nothing(
+            len(table), f"no reference at this input: {_describe_input(record)} here, {inputs} there"
+        )
+    smoothing, same = force_average(record), [test for test in same if _has_same_smoothing(test, record)]
     if not same:
-        words = "is not smoothed" if here is None else f"is smoothed over {here.window:.4g} s"
-        return _nothing(len(table), f"the force here {words}, that of the reference otherwise")
-    reference = [cycle for one in same for cycle in _cycles(one, offset) if cycle.level]
+        text = "is not smoothed" if smoothing is None else f"is smoothed over {smoothing.window:.4g} s"
+        return _expect_nothing(len(table), f"the force here {text}, that of the reference otherwise")
+    reference = [cycle for test in same for cycle in _read_cycles(test, offset) if cycle.level]
     if not reference:
-        return _nothing(len(table), "the reference has no whole cycle")
+        return _expect_nothing(len(table), "the reference has no whole cycle")
     out = ReferenceLine(np.array([(c.speed_out, c.force_out) for c in reference]))
     back = ReferenceLine(np.array([(-c.speed_in, c.force_in) for c in reference]))
     closed = [c for c in reference if c.open_m <= OPEN * c.stroke_m] or reference
-    loops = ReferenceLine(np.array([(_fastest(c), c.energy / c.stroke_m, c.stroke_m) for c in closed]))
+    loops = ReferenceLine(np.array([(_peak_speed(c), c.energy / c.stroke_m, c.stroke_m) for c in closed]))
     return {
         "extension": [out.at(c.speed_out) for c in table],
         "compression": [back.at(-c.speed_in) for c in table],
-        "energy": [_energy(c, loops) for c in table],
+        "energy": [_expect_energy(c, loops) for c in table],
     }
 
 
@@ -141,15 +147,15 @@ class ReferenceLine:
         return self.rows[max(after - 1, 0) : after + 1]
 
 
-def _energy(cycle: Cycle, loops: ReferenceLine) -> Expected:
+def _expect_energy(cycle: Cycle, loops: ReferenceLine) -> Expected:
     if cycle.open_m > OPEN * cycle.stroke_m:
         return None, f"the cycle ends {1e3 * cycle.open_m:.3g} mm from where it began"
-    value, reason = loops.at(_fastest(cycle))
+    value, reason = loops.at(_peak_speed(cycle))
     if value is None:
         return None, reason
-    strokes = loops.adjacent_rows(_fastest(cycle))[:, 2]
+    strokes = loops.adjacent_rows(_peak_speed(cycle))[:, 2]
     if np.any(np.abs(strokes / cycle.stroke_m - 1.0) > STROKE):
-        return None, f"the reference has another stroke at this speed ({_span(1e3 * strokes)} mm)"
+        return None, f"the reference has another stroke at this speed ({_format_span(1e3 * strokes)} mm)"
     return value * cycle.stroke_m, ""
 
 
@@ -165,14 +171,14 @@ def groups(rows: Array, width: float) -> Array:
     return np.array([np.mean(group, axis=0) for group in grouped]).reshape(-1, rows.shape[1])
 
 
-def _cycles(record: Record, offset: float | None) -> list[Cycle]:
+def _read_cycles(record: Record, offset: float | None) -> list[Cycle]:
     tables = _read.setdefault(record, {})
     if offset not in tables:
         tables[offset] = cycle_table(record, offset) if cut_cycles(record).cycles else []
     return tables[offset]
 
 
-def _fastest(cycle: Cycle) -> float:
+def _peak_speed(cycle: Cycle) -> float:
     return max(cycle.speed_out, -cycle.speed_in)
 
 
@@ -182,7 +188,7 @@ def _is_same(one: Record, other: Record) -> bool:
     return one is other or (same_input and all(np.array_equal(getattr(one, c), getattr(other, c)) for c in channels))
 
 
-def _same_input(one: Record, other: Record) -> bool:
+def _has_same_input(one: Record, other: Record) -> bool:
     """Whether both had the same constant input (`dampyr.records.nominal_inputs` has the tolerance), or neither any."""
     if one.input != other.input:
         return False
@@ -193,18 +199,13 @@ def _same_input(one: Record, other: Record) -> bool:
     return steady and abs(one.input_value - other.input_value) <= TOLERANCE * largest
 
 
-def _same_smoothing(one: Record, other: Record) -> bool:
+def _has_same_smoothing(one: Record, other: Record) -> bool:
     """Whether the forces of both went through the same moving average, which is not undone, or through none."""
     windows = [0.0 if average is None else average.window for average in map(force_average, (one, other))]
     return abs(windows[0] - windows[1]) <= WINDOW * max(windows)
 
 
-def _other_input(others: Sequence[Record], record: Record) -> str:
-    had = sorted({_input(one) for one in others})
-    return f"no reference at this input: {_input(record)} here, {', '.join(had[:4])}{', …' if had[4:] else ''} there"
-
-
-def _input(record: Record) -> str:
+def _describe_input(record: Record) -> str:
     value = record.input_value
     if value is None:
         return "no input known"
@@ -212,10 +213,10 @@ def _input(record: Record) -> str:
     return f"{value:.4g} {record.input}" if steady else f"a varying input in {record.input}"
 
 
-def _span(values: Array) -> str:
+def _format_span(values: Array) -> str:
     low, high = f"{values.min():.4g}", f"{values.max():.4g}"
     return low if low == high else f"{low} to {high}"
 
 
-def _nothing(count: int, reason: str) -> dict[str, list[Expected]]:
+def _expect_nothing(count: int, reason: str) -> dict[str, list[Expected]]:
     return {name: [(None, reason)] * count for name in ("extension", "compression", "energy")}

@@ -50,9 +50,10 @@ def contradictions(damper: Damper, sheet: str = "RD-8041-1", resistance: float =
         value = promise.current * (resistance if damper.input == "V" else 1.0)
         low, high = damper.range
         if low - 1e-9 <= value <= high + 1e-9:
+            # clipped, as ohms times amperes may leave the end of the range by rounding
             force = peak_to_peak(damper, promise.speed, min(max(value, low), high))
             if not promise.low < force < promise.high:
-                broken.append(_broken(promise, force, value, damper.input, sheet))
+                broken.append(_describe_broken(promise, force, value, damper.input, sheet))
     return broken
 
 
@@ -71,7 +72,7 @@ def peak_to_peak(damper: Damper, speed: float, value: float) -> float:
     return float(np.ptp(force[-SAMPLES:]))
 
 
-def _broken(promise: Promise, force: float, value: float, unit: str, sheet: str) -> str:
+def _describe_broken(promise: Promise, force: float, value: float, unit: str, sheet: str) -> str:
     side, limit = ("more", promise.low) if force <= promise.low else ("less", promise.high)
     return (
         f"at {promise.speed * 100:g} cm/s and {promise.current:g} A ({value:.3g} {unit}) the fit gives {force:.0f} N peak to "

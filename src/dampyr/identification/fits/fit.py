@@ -12,12 +12,12 @@ from dampyr.argument_kinds import RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.identification.fits.fit_options import BUDGET, FitOptions
 from dampyr.identification.fits.least_squares import check_records_and_model, fit_model
-from dampyr.identification.fits.motion_coverage import beyond_the_fitted
+from dampyr.identification.fits.motion_coverage import list_motions_beyond
 from dampyr.identification.fits.result import Fit
 from dampyr.identification.model_choice.leaderboard import Leaderboard, leaderboard
-from dampyr.identification.model_choice.screening import of_model
-from dampyr.identification.scoring.score import Score, score
-from dampyr.identification.scoring.scoring_window import scorable
+from dampyr.identification.model_choice.screening import hold_pairs
+from dampyr.identification.scoring.score import score_or_reason
+from dampyr.identification.scoring.scoring_window import list_unscorable
 from dampyr.identification.scoring.splits import split_tasks
 from dampyr.identification.scoring.validation import Validation, cross_validate
 from dampyr.models import Composition, Damper
@@ -58,7 +58,8 @@ def fit(
         the dashpots of ``"dahl + hyperbolic_tangent"``, all but the first are held at 0, unless ``laws``, ``fixed`` or
         ``tied`` name them, and ``findings`` say so.
     options
-        the further arguments as one object; those that are given by name take their places.
+        the further arguments as one object; those that are given by name take their places. Besides those below,
+        ``thresholds`` (`dampyr.identification.thresholds.FitThresholds`) say from which value on something is a finding.
     progress
         called with what is being done, and the fraction of it that is done.
     executor
@@ -101,25 +102,26 @@ def fit(
     fitted = [record for record in nominal if record.role != "validation"]
     others = [record for record in nominal if record.role == "validation"]
     check_records(fitted, others, model, chosen)
-    beyond = beyond_the_fitted(fitted, others)
+    beyond = list_motions_beyond(fitted, others, chosen.thresholds)
     tell = progress or (lambda stage, done: None)
     board = None
     if model is None:
         if progress is None:
-            print(_what_starts(fitted, chosen), file=sys.stderr)
+            print(_announce_search(fitted, chosen), file=sys.stderr)
         board = leaderboard(fitted, chosen, executor, progress)
         model, chosen = board.winner.model, replace(chosen, bandwidth=board.bandwidth, models=())
-    chosen = of_model(chosen, model)
+    chosen = hold_pairs(chosen, model)
     result = board.winner.fit if board else None
     if result is None:
         tell("identifying", 0.0)
         result = fit_model(model, fitted, chosen, lambda step, _: tell("identifying", step / (step + HALF_WAY)))
         tell("identifying", 1.0)
+    damper = result.damper
     return replace(
         result,
         leaderboard=board,
-        validations=_validations(fitted, model, chosen, board, tell),
-        predicted=_predicted(result.damper, others, chosen.settling) if others else {},
+        validations=_validate_splits(fitted, model, chosen, board, tell),
+        predicted={} if damper is None else {r.name: score_or_reason(damper, r, chosen.settling) for r in others},
         validation_records=tuple(others),
         beyond=beyond,
     )
@@ -130,19 +132,22 @@ def check_records(
 ) -> None:
     """Refuse records that the options cannot be used on, before minutes of fitting."""
     if not fitted:
-        what = "only validation records are chosen, and these are never fitted; choose" if others else "there are no"
-        raise InputError(f"{what} {'some that are for fits' if others else 'records to fit; give one or more'}")
+        if others:
+            raise InputError(
+                "only validation records are chosen, and these are never fitted; choose some that are for fits"
+            )
+        raise InputError("there are no records to fit; give one or more")
     if not options.mixed_origins:
         check_one_kind(fitted)
     if options.predict or model is None:
-        scorable(fitted, options.settling)
+        list_unscorable(fitted, options.settling)
     for split in options.predict:
         split_tasks(fitted, split, options.folds, options.seed)
     if options.bandwidth is not None:
         check_bandwidth(fitted, options.bandwidth)
 
 
-def _what_starts(records: Sequence[Record], options: FitOptions) -> str:
+def _announce_search(records: Sequence[Record], options: FitOptions) -> str:
     """What a fit without a model is about to do, and how long it takes, for a caller who watches no progress."""
     models = counted(len(options.models), "model") if options.models else "every model of the catalogue"
     work = BUDGET if options.budget is None else options.budget
@@ -153,7 +158,7 @@ def _what_starts(records: Sequence[Record], options: FitOptions) -> str:
     )
 
 
-def _validations(
+def _validate_splits(
     records: list[Record],
     model: str | Composition | Damper,
     options: FitOptions,
@@ -165,21 +170,8 @@ def _validations(
     for split in options.predict:
         if all(validation.split != split for validation in validations):
 
-            def share(done: float, split: str = split) -> None:
+            def report(done: float, split: str = split) -> None:
                 tell(f"predicting by {split}", done)
 
-            validations.append(cross_validate(records, model, split, options, share))
+            validations.append(cross_validate(records, model, split, options, report))
     return tuple(validations)
-
-
-def _predicted(damper: Damper | None, records: Sequence[Record], settling: float) -> dict[str, Score | str]:
-    """How well the damper predicts validation records, or why it cannot."""
-    scores: dict[str, Score | str] = {}
-    for record in records:
-        if damper is None:
-            break
-        try:
-            scores[record.name] = score(damper, record, settling)
-        except InputError as problem:
-            scores[record.name] = str(problem)
-    return scores

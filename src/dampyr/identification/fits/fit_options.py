@@ -11,6 +11,7 @@ from dampyr.errors import InputError
 from dampyr.identification.parameter_uncertainty.levels import PRIOR_SESSION
 from dampyr.identification.scoring.scoring_window import SETTLING
 from dampyr.identification.search.variable_projection import MAX_ITERATIONS
+from dampyr.identification.thresholds import FitThresholds
 from dampyr.models import compose
 from dampyr.models.part import part
 from dampyr.options import FormGroup, Options, ShownIn, Terminal
@@ -56,7 +57,10 @@ NUISANCES = Choices(
 
 @dataclass(frozen=True)
 class FitOptions(Options):
-    """Options of `fit`; those that choose a model are of a fit without one."""
+    """Options of `fit`; those that choose a model are of a fit without one.
+
+    ``thresholds`` say from which value on something is a finding; they change no number of a fit.
+    """
 
     laws: Annotated[
         str | Mapping[str, str] | None,
@@ -64,9 +68,9 @@ class FitOptions(Options):
         "How parameters follow the input, all or by name: constant, interpolation (as without it), polynomial:DEGREE; "
         "with +temperature also the mean temperature of the records",
     ] = None
-    fixed: Annotated[Mapping[str, float], Terminal("--fix", "NAME=VALUE"), "Parameters that are held, in SI units"] = (
-        field(default_factory=dict)
-    )
+    fixed: Annotated[
+        Mapping[str, float], Terminal("--fix", "NAME=VALUE"), "Parameters that are held at a value, in SI units"
+    ] = field(default_factory=dict)
     tied: Annotated[
         Mapping[str, str],
         Terminal("--tie", "NAME=OTHER"),
@@ -78,7 +82,7 @@ class FitOptions(Options):
         "Bandwidth of the velocity that is derived from the displacement; without it the recorded velocity where there is one",
     ] = None
     loss: Annotated[str, LOSSES, "What is minimised; huber and l1 are robust against outliers"] = "squares"
-    weighting: Annotated[str, WEIGHTINGS, "What counts the same in a fit"] = "records"
+    weighting: Annotated[str, WEIGHTINGS, "Whether every record or every sample counts the same in a fit"] = "records"
     nuisances: Annotated[
         tuple[str, ...],
         NUISANCES,
@@ -134,6 +138,7 @@ class FitOptions(Options):
         CHOICE,
         "Without a model: repeat the choice five times without a fifth of the records, and predict that fifth",
     ] = False
+    thresholds: FitThresholds = field(default_factory=FitThresholds)
 
     def check(self) -> None:
         """Refuse what is not the name of a model or a part."""

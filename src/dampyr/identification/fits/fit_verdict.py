@@ -10,11 +10,8 @@ import numpy as np
 
 from dampyr.findings import Finding
 from dampyr.identification.scoring.score import Score
+from dampyr.identification.thresholds import FitThresholds
 from dampyr.phrases import rounded
-
-# of the force (L1): bands of acceptance are 10 to 15 % wide, so that a model beyond 10 % is not that damper, and one within
-# half of it leaves them to the specimens
-DESCRIBES, MISSES = 0.05, 0.10
 
 Kind = Literal["good", "fair", "bad"]
 
@@ -31,21 +28,24 @@ class FitVerdict:
         """The verdict as a finding, wrong where it is "bad" and a doubt where it is "fair"; none where it is "good"."""
         if self.kind == "good":
             return ()
-        words = self.words[:1].lower() + self.words[1:].removesuffix(".")
-        return (Finding("wrong" if self.kind == "bad" else "doubt", words),)
+        text = self.words[:1].lower() + self.words[1:].removesuffix(".")
+        return (Finding("wrong" if self.kind == "bad" else "doubt", text),)
 
 
-def fit_verdict(scores: Mapping[str, Score], converged: bool, reason: str) -> FitVerdict:
-    """The verdict on a fit, by the mean L1 ratio over the records that it was fitted to, none of which is beyond `MISSES` in a
-    good one; by how its search ended."""
-    by_record = {name: one.l1 for name, one in scores.items()}
+def fit_verdict(
+    scores: Mapping[str, Score], converged: bool, reason: str, thresholds: FitThresholds | None = None
+) -> FitVerdict:
+    """The verdict on a fit, by the mean L1 ratio over the records that it was fitted to, none of which is a misfit in a good
+    one; by how its search ended."""
+    limits = thresholds or FitThresholds()
+    by_record = {name: score.l1 for name, score in scores.items()}
     l1, worst = float(np.mean(list(by_record.values()))), max(by_record, key=lambda name: by_record[name])
     what = "this record" if len(by_record) == 1 else "these records"
     search = "The search converged" if converged else f"The search did not converge ({reason})"
     size = f"{rounded(100 * l1, 2)} % of the force" if np.isfinite(l1) else "without a number"
-    if l1 <= DESCRIBES and by_record[worst] <= MISSES:
+    if l1 <= limits.good_misfit and by_record[worst] <= limits.misfit:
         kind, model = "good", f"the model describes {what}"
-    elif l1 <= MISSES:
+    elif l1 <= limits.misfit:
         kind, model = "fair", f"the model describes {what} roughly"
     else:  # also where it is no number
         kind, model = "bad", f"the model does not describe {what}"

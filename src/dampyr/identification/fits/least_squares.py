@@ -16,7 +16,7 @@ from dampyr.errors import InputError
 from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.result import Fit, build_fit
 from dampyr.identification.search.fit_data import piece, weighted, with_common_levels
-from dampyr.identification.search.initial_guess import begin, best_of
+from dampyr.identification.search.initial_guess import begin, search_several_starts
 from dampyr.identification.search.parametrisation import columns, held_twins
 from dampyr.identification.search.problem import Problem, checked_nuisances
 from dampyr.identification.search.robust import iteratively_reweighted
@@ -48,21 +48,14 @@ def fit_model(
     problem = prepared(model, listed, options)
     starts = options.starts
     with one_thread():
-        point, agreed = (begin(problem, work), 1) if starts == 1 else best_of(problem, starts, options.seed, work)
+        point, agreed = (
+            (begin(problem, work), 1) if starts == 1 else search_several_starts(problem, starts, options.seed, work)
+        )
         outcome = search(problem, point, progress, max_iterations=options.steps, work=work)
         if options.loss != "squares":
             outcome = iteratively_reweighted(outcome, options.loss, progress, work)
         outcome = replace(outcome, work=work.spent)
-        search_notes = (f"{agreed} of {starts} starts ended in the same optimum",) if starts > 1 else ()
-        return build_fit(
-            outcome,
-            tuple(listed),
-            options.bandwidth,
-            search_notes,
-            (starts, agreed),
-            options.settling,
-            options.session_prior,
-        )
+        return build_fit(outcome, tuple(listed), options, (starts, agreed))
 
 
 def check_records_and_model(call: str, records: Any, model: Any) -> None:
@@ -79,22 +72,24 @@ def prepared(
 ) -> Problem:
     """The problem that `fit_model` solves: the records as arrays and the layout of the unknowns, before the search."""
     options = options or FitOptions()
-    composition = model.composition if isinstance(model, Damper) else _composition(model)
-    _check(list(records))
+    composition = compose(model) if isinstance(model, str) else model
+    if isinstance(composition, Damper):
+        composition = composition.composition
+    _check_records(list(records))
     if options.bandwidth is not None:
         check_bandwidth(records, options.bandwidth)
     pieces = [piece(record, options.bandwidth) for record in records]
     pieces = weighted(with_common_levels(pieces), options.weighting)
     held = held_twins(composition, options.laws, options.fixed, options.tied) | dict(options.fixed)
     temperatures = [p.temperature for p in pieces]
-    made = columns(composition, [p.levels for p in pieces], options.laws, held, options.tied, temperatures)
-    if not any(column.size for column in made):
+    parameter_columns = columns(composition, [p.levels for p in pieces], options.laws, held, options.tied, temperatures)
+    if not any(column.size for column in parameter_columns):
         raise InputError("every parameter is fixed; leave at least one free")
-    return Problem(composition, made, pieces, checked_nuisances(composition, pieces, options.nuisances))
+    return Problem(composition, parameter_columns, pieces, checked_nuisances(composition, pieces, options.nuisances))
 
 
 @lru_cache(maxsize=1)
-def _threads() -> Any:
+def _control_threads() -> Any:
     from threadpoolctl import ThreadpoolController
 
     return ThreadpoolController()
@@ -114,7 +109,7 @@ def one_thread() -> Iterator[None]:
     with _lock:
         _count += 1
         if _count == 1:
-            _within.enter_context(_threads().limit(limits=1, user_api="blas"))
+            _within.enter_context(_control_threads().limit(limits=1, user_api="blas"))
     try:
         yield
     finally:
@@ -124,11 +119,7 @@ def one_thread() -> Iterator[None]:
                 _within.close()
 
 
-def _composition(model: str | Composition) -> Composition:
-    return model if isinstance(model, Composition) else compose(model)
-
-
-def _check(records: list[Record]) -> None:
+def _check_records(records: list[Record]) -> None:
     if not records:
         raise InputError("there are no records to fit; give one or more")
     held = [r.name for r in records if r.role == "validation"]
@@ -136,9 +127,9 @@ def _check(records: list[Record]) -> None:
         raise InputError(f"{held[0]} is a validation record and is never fitted; leave it out, or score it")
     inputs = {r.input for r in records}
     if len(inputs) > 1:
-        words = " and ".join(sorted(str(i) for i in inputs))
+        text = " and ".join(sorted(str(i) for i in inputs))
         raise InputError(
-            f"the records' inputs are in {words}; a damper has one input, so convert them, or fit them separately"
+            f"the records' inputs are in {text}; a damper has one input, so convert them, or fit them separately"
         )
     names = [r.name for r in records]
     if len(set(names)) < len(names):

@@ -13,14 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.identification.thresholds import FitThresholds
 from dampyr.records import Record, turning_points
 from dampyr.records.checks.channel_noise import rest_tolerance
 
 Array = NDArray[np.float64]
-SHARE = 0.1  # of the moving time: what is outside for less decides no peak and little energy
 SMALLEST = 0.005  # of the whole stroke: smaller reversals move a damper by less than its clevis gives way
 NOISE = 2.0  # times the displacement's noise: below it a reversal may be none
-MARGIN = 0.8  # of the smallest that was measured: records differ by as much from one another
 
 
 @dataclass(frozen=True)
@@ -41,26 +40,32 @@ def reversals(record: Record) -> Strokes:
     return Strokes(stroke, stroke / duration, duration)
 
 
-def beyond_the_fitted(fitted: Sequence[Record], planned: Sequence[Record]) -> dict[str, str]:
-    """The planned motions that are smaller or slower than the fitted records for more than a tenth of their time, each with a
-    sentence that says how much, and what to record."""
-    measured = [one for one in map(reversals, fitted) if one.stroke.size]
+def list_motions_beyond(
+    fitted: Sequence[Record], planned: Sequence[Record], thresholds: FitThresholds | None = None
+) -> dict[str, str]:
+    """The planned motions that are smaller or slower than the fitted records for more than a tenth of their time
+    (``outside_time``), each with a sentence that says how much, and what to record."""
+    limits = thresholds or FitThresholds()
+    measured = [strokes for strokes in map(reversals, fitted) if strokes.stroke.size]
     if not measured:
         return {}
-    least_stroke = min(float(np.median(one.stroke)) for one in measured)
-    least_speed = min(float(np.median(one.speed)) for one in measured)
+    least_stroke = min(float(np.median(strokes.stroke)) for strokes in measured)
+    least_speed = min(float(np.median(strokes.speed)) for strokes in measured)
     notes = {}
     for record in planned:
-        one = reversals(record)
-        if not one.stroke.size:
+        moved = reversals(record)
+        if not moved.stroke.size:
             continue
-        small, slow = one.stroke < MARGIN * least_stroke, one.speed < MARGIN * least_speed
-        total = float(one.duration.sum())
-        shares = [float(one.duration[where].sum()) / total for where in (small, slow)]
-        if max(shares) <= SHARE:
+        small, slow = (
+            moved.stroke < limits.outside_margin * least_stroke,
+            moved.speed < limits.outside_margin * least_speed,
+        )
+        total = float(moved.duration.sum())
+        shares = [float(moved.duration[where].sum()) / total for where in (small, slow)]
+        if max(shares) <= limits.outside_time:
             continue
-        where = small if shares[0] > SHARE else slow
-        stroke, speed = (1e3 * float(np.median(each[where])) for each in (one.stroke, one.speed))
+        where = small if shares[0] > limits.outside_time else slow
+        stroke, speed = (1e3 * float(np.median(quantity[where])) for quantity in (moved.stroke, moved.speed))
         notes[record.name] = (
             f"{record.name} moves for {100 * shares[0]:.0f} % of its time in reversals smaller than all that was fitted "
             f"({1e3 * least_stroke:.3g} mm), for {100 * shares[1]:.0f} % slower ({1e3 * least_speed:.3g} mm/s): its force "

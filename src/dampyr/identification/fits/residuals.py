@@ -13,8 +13,8 @@ free runs are treated alike. Definitions, for one record of n samples at the med
   each cycle. Noise does not; a model's wrong shape does.
 - **noise**: :math:`\text{rms}(r_{i+1} - r_i)/\sqrt 2`, the size that a residual without memory would have [vonNeumann1941]_;
   at most that, as a smooth residual has differences too.
-- **misfit**: the residual is not noise alone where :math:`\tau` exceeds `MISFIT_INTERVALS` intervals, or its rms exceeds
-  `MISFIT_NOISE` times the noise.
+- **misfit**: the residual is not noise alone where :math:`\tau` exceeds ``correlated`` intervals, or its rms exceeds
+  ``beyond_noise`` times the noise (`dampyr.identification.thresholds.FitThresholds`).
 
 Each way is halved where the motion passes the middle of its stroke: before it the damper speeds up, beyond it it slows down.
 The middle is a straight line through the displacement, so that a drift moves no boundary. Samples slower than `SLOW` of the
@@ -44,6 +44,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
+from dampyr.identification.thresholds import FitThresholds
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.records import Record, cycles
 from dampyr.records.cycle_analysis.measure import peak_to_peak
@@ -51,8 +52,6 @@ from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-MISFIT_INTERVALS = 5.0  # white noise has 1
-MISFIT_NOISE = 2.0  # three quarters of the residual's variance are then more than noise
 MAX_LAG = 3.0  # s, of the autocorrelation that is returned
 MIN_TRACE = 8  # samples
 MIN_PERIODS = 3.0  # for the autocorrelation after one period
@@ -65,9 +64,40 @@ SIDES = ("out", "in", *(f"{way}, {branch}" for way in ("out", "in") for branch i
 
 @dataclass(frozen=True, repr=False)
 class Trace(Shown):
-    """One record as it is analysed: arrays (n,) in s, m, m/s, N, N; its mean input in V or A.
+    """One record as it is analysed.
 
-    ``stroke`` is peak to peak in m, ``frequency`` in Hz or NaN where there is no whole cycle.
+    Parameters
+    ----------
+    name
+        of the record; no two traces of an analysis have the same.
+    time, displacement, velocity
+        (n,) in s, m and m/s, of 8 samples or more.
+    force
+        (n,) N, measured.
+    residual
+        (n,) N, measured less modelled.
+    input_value
+        its mean input in V or A.
+    stroke
+        peak to peak, m.
+    frequency
+        Hz, NaN where there is no whole cycle.
+
+    Raises
+    ------
+    InputError
+        channels of different lengths or too short, or a residual that is not finite.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> t = np.linspace(0.0, 10.0, 2001)
+    >>> noise = np.random.default_rng(0).normal(0.0, 3.0, t.size)
+    >>> x, v, force = np.sin(6.0 * t), 6.0 * np.cos(6.0 * t), 100.0 * np.cos(6.0 * t)
+    >>> trace = dp.identification.Trace("one", t, x, v, force, noise, 1.0, 2.0, 6.0 / (2.0 * np.pi))
+    >>> dp.identification.analyse([trace]).misfits
+    ()
     """
 
     name: str
@@ -165,13 +195,14 @@ class ResidualGroup:
 
 @dataclass(frozen=True, repr=False)
 class Residuals(Shown):
-    """The analysis of all records; ``unit`` is the input's, "V" or "A"."""
+    """The analysis of all records; ``unit`` is the input's, "V" or "A"; ``thresholds`` say what is a misfit, and a finding."""
 
     unit: str
     records: tuple[RecordResidual, ...]
     whole: ResidualGroup
     groups: tuple[ResidualGroup, ...]
     origin: Origin = NOT_STATED
+    thresholds: FitThresholds = field(default_factory=FitThresholds)
 
     @property
     def inputs(self) -> list[float]:
@@ -213,21 +244,26 @@ def motion(record: Record) -> tuple[float, float]:
     return peak_to_peak(record, spans), len(spans) / lasting
 
 
-def analyse(traces: Sequence[Trace], unit: str = "V") -> Residuals:
-    """The analysis of any residuals. Raises :class:`~dampyr.errors.InputError` without traces, or for values not finite."""
+def analyse(traces: Sequence[Trace], unit: str = "V", thresholds: FitThresholds | None = None) -> Residuals:
+    """The analysis of any residuals, with ``unit`` of the inputs ("V" or "A"), judged by ``thresholds``.
+
+    Raises :class:`~dampyr.errors.InputError` without traces, or for values not finite.
+    """
+    limits = thresholds or FitThresholds()
     if not traces:
         raise InputError("there are no residuals to analyse; give one trace or more")
-    by_name = {one.name: _record(one) for one in traces}
+    by_name = {trace.name: _analyse_record(trace, limits) for trace in traces}
     if len(by_name) < len(traces):
         raise InputError("two traces have the same name; rename one, so that results can be told apart")
     inputs: dict[float, list[Trace]] = {}
-    for one in sorted(traces, key=lambda one: one.input_value):
-        inputs.setdefault(round(one.input_value, 9), []).append(one)
+    for trace in sorted(traces, key=lambda trace: trace.input_value):
+        inputs.setdefault(round(trace.input_value, 9), []).append(trace)
 
-    def of(some: Sequence[Trace], u: float | None) -> ResidualGroup:
-        return group(some, sum(by_name[one.name].effective for one in some), u)
+    def make_group(at_input: Sequence[Trace], u: float | None) -> ResidualGroup:
+        return group(at_input, sum(by_name[trace.name].effective for trace in at_input), u)
 
-    return Residuals(unit, tuple(by_name.values()), of(traces, None), tuple(of(some, u) for u, some in inputs.items()))
+    groups = tuple(make_group(at_input, u) for u, at_input in inputs.items())
+    return Residuals(unit, tuple(by_name.values()), make_group(traces, None), groups, thresholds=limits)
 
 
 def autocorrelation(residual: ArrayLike) -> Array:
@@ -246,7 +282,7 @@ def correlation_intervals(rho: Array) -> float:
     pairs = rho[: 2 * (rho.size // 2)].reshape(-1, 2).sum(axis=1)
     ends = np.flatnonzero(pairs <= 0.0)
     positive = pairs[: ends[0]] if ends.size else pairs
-    return max(2.0 * float(np.sum(positive)) - 1.0, 1.0)
+    return max(2.0 * float(np.sum(positive)) - 1.0, 1.0)  # rho_0 = 1 is in the first pair and counts once
 
 
 def noise_of(residual: ArrayLike) -> float:
@@ -254,27 +290,27 @@ def noise_of(residual: ArrayLike) -> float:
     return float(np.sqrt(0.5 * np.mean(np.diff(np.asarray(residual, dtype=float)) ** 2)))
 
 
-def _record(one: Trace) -> RecordResidual:
-    rho = autocorrelation(one.residual)
+def _analyse_record(trace: Trace, limits: FitThresholds) -> RecordResidual:
+    rho = autocorrelation(trace.residual)
     intervals = correlation_intervals(rho)
-    rms, noise = _rms(one.residual), noise_of(one.residual)
-    n_lags = min(one.time.size // 4, round(MAX_LAG / one.dt)) + 1
-    spread = float(np.std(one.force))
+    rms, noise = _rms(trace.residual), noise_of(trace.residual)
+    n_lags = min(trace.time.size // 4, round(MAX_LAG / trace.dt)) + 1
+    spread = float(np.std(trace.force))
     return RecordResidual(
-        name=one.name,
-        input_value=one.input_value,
-        stroke=one.stroke,
-        frequency=one.frequency,
-        samples=one.time.size,
-        duration=one.time.size * one.dt,
+        name=trace.name,
+        input_value=trace.input_value,
+        stroke=trace.stroke,
+        frequency=trace.frequency,
+        samples=trace.time.size,
+        duration=trace.time.size * trace.dt,
         rms=rms,
         relative=rms / spread if spread > 0.0 else float("nan"),
         noise=noise,
-        correlation_time=intervals * one.dt,
-        effective=one.time.size / intervals,
-        repeats=_repeats(rho, one),
-        misfit=bool(intervals > MISFIT_INTERVALS or rms > MISFIT_NOISE * noise > 0.0),
-        lags=np.linspace(0.0, one.dt * (n_lags - 1), n_lags),
+        correlation_time=intervals * trace.dt,
+        effective=trace.time.size / intervals,
+        repeats=_correlate_after_period(rho, trace),
+        misfit=bool(intervals > limits.correlated or rms > limits.beyond_noise * noise > 0.0),
+        lags=np.linspace(0.0, trace.dt * (n_lags - 1), n_lags),
         autocorrelation=rho[:n_lags],
     )
 
@@ -283,53 +319,54 @@ def _rms(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def _repeats(rho: Array, one: Trace) -> float:
+def _correlate_after_period(rho: Array, trace: Trace) -> float:
     """The autocorrelation after one period, unbiased."""
-    if not one.periods >= MIN_PERIODS:
+    if not trace.periods >= MIN_PERIODS:
         return float("nan")
-    lag = 1.0 / (one.frequency * one.dt)
+    lag = 1.0 / (trace.frequency * trace.dt)
+    # of n samples n - k pairs are k apart: without this a long period would look like one that does not repeat
     unbiased = rho * rho.size / (rho.size - np.arange(rho.size))
     return float(np.interp(lag, np.arange(rho.size), unbiased))
 
 
 def group(traces: Sequence[Trace], effective: float, input_value: float | None = None) -> ResidualGroup:
     """The residuals of some records by direction; ``effective`` is their effective sample size."""
-    r = np.concatenate([one.residual for one in traces])
-    v = np.concatenate([one.velocity for one in traces])
-    masks = [_masks(one) for one in traces]
+    r = np.concatenate([trace.residual for trace in traces])
+    v = np.concatenate([trace.velocity for trace in traces])
+    masks = [_sort_by_side(trace) for trace in traces]
     joined = {name: np.concatenate([mask[name] for mask in masks]) for name in SIDES}
     reach = float(np.max(np.abs(v)))
     curves = {}
     for branch in BRANCHES:
-        here = joined[f"out, {branch}"] | joined[f"in, {branch}"]
-        curves[branch] = _curve(v[here], r[here], reach)
+        on_branch = joined[f"out, {branch}"] | joined[f"in, {branch}"]
+        curves[branch] = _bin_by_velocity(v[on_branch], r[on_branch], reach)
     return ResidualGroup(
         input_value=input_value,
-        records=tuple(one.name for one in traces),
+        records=tuple(trace.name for trace in traces),
         rms=_rms(r),
-        sides={name: _side(r[mask]) for name, mask in joined.items()},
+        sides={name: _summarise_side(r[mask]) for name, mask in joined.items()},
         curves=curves,
-        asymmetry=_asymmetry(list(curves.values())),
+        asymmetry=_measure_asymmetry(list(curves.values())),
         chance=BINS / effective,
     )
 
 
-def _masks(one: Trace) -> dict[str, Mask]:
+def _sort_by_side(trace: Trace) -> dict[str, Mask]:
     """Which samples belong to each of `SIDES`."""
-    fast = np.abs(one.velocity) > SLOW * float(np.max(np.abs(one.velocity)))
-    t = one.time - one.time.mean()
-    middle = one.displacement.mean() + t * float(t @ one.displacement) / float(t @ t)
-    out, back, above = fast & (one.velocity > 0.0), fast & (one.velocity < 0.0), one.displacement > middle
+    fast = np.abs(trace.velocity) > SLOW * float(np.max(np.abs(trace.velocity)))
+    t = trace.time - trace.time.mean()
+    middle = trace.displacement.mean() + t * float(t @ trace.displacement) / float(t @ t)
+    out, back, above = fast & (trace.velocity > 0.0), fast & (trace.velocity < 0.0), trace.displacement > middle
     return dict(zip(SIDES, (out, back, out & ~above, out & above, back & above, back & ~above), strict=True))
 
 
-def _side(r: Array) -> Side:
+def _summarise_side(r: Array) -> Side:
     if r.size == 0:
         return Side(0, float("nan"), float("nan"))
     return Side(r.size, float(np.mean(r)), _rms(r))
 
 
-def _curve(v: Array, r: Array, reach: float) -> ResidualCurve:
+def _bin_by_velocity(v: Array, r: Array, reach: float) -> ResidualCurve:
     edges = np.linspace(-reach, reach, BINS + 1)
     number = np.clip(np.searchsorted(edges, v, side="right") - 1, 0, BINS - 1)
     quartiles = np.full((3, BINS), np.nan)
@@ -339,12 +376,13 @@ def _curve(v: Array, r: Array, reach: float) -> ResidualCurve:
     return ResidualCurve(0.5 * (edges[1:] + edges[:-1]), quartiles[0], quartiles[1], quartiles[2], counts)
 
 
-def _asymmetry(curves: Sequence[ResidualCurve]) -> float:
+def _measure_asymmetry(curves: Sequence[ResidualCurve]) -> float:
     """The rms of the medians' even part, weighted by the samples that both of its bins hold; 0 where there is none."""
     even = np.concatenate([0.5 * (c.median + c.median[::-1]) for c in curves])
     weights = np.concatenate([np.minimum(c.counts, c.counts[::-1]) for c in curves]).astype(float)
     finite = np.isfinite(even)
     if not np.any(weights[finite]):
         return 0.0
+    # less its mean, which each record's offset takes: a difference of the directions that is constant is no asymmetry
     even, weights = even[finite], weights[finite] / np.sum(weights[finite])
     return float(np.sqrt(weights @ (even - weights @ even) ** 2))

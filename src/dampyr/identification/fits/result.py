@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from dampyr.errors import FindingWarning, InputError
 from dampyr.findings import Finding, Findings, handed_on, worst_first
 from dampyr.identification.fits.data_sheet import SHEETS, contradictions
-from dampyr.identification.fits.diagnostics import no_interval, notes, residual_findings, trouble_of
+from dampyr.identification.fits.diagnostics import explain_no_interval, explain_trouble, notes, residual_findings
+from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.fit_verdict import FitVerdict, fit_verdict
 from dampyr.identification.fits.residuals import Residuals, Trace, analyse, motion
-from dampyr.identification.parameter_uncertainty.levels import PRIOR_SESSION, Levels, levels_and_error
+from dampyr.identification.parameter_uncertainty.levels import Levels, estimate_levels
 from dampyr.identification.parameter_uncertainty.uncertainty import Uncertainty, uncertainty
 from dampyr.identification.scoring.score import Score, compare
 from dampyr.identification.scoring.scoring_window import SETTLING, too_short
@@ -28,7 +29,10 @@ from dampyr.identification.search.fit_data import Piece
 from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Problem
 from dampyr.identification.search.variable_projection import Outcome
+from dampyr.identification.thresholds import FitThresholds
 from dampyr.models import Damper
+from dampyr.models.damper import mapped_covariance
+from dampyr.models.prediction_error import check_level
 from dampyr.models.sampling_error import sampling_error, sampling_words
 from dampyr.origin import Origin, combined
 from dampyr.phrases import listing
@@ -70,7 +74,7 @@ class Fit(Shown):
     ``leaderboard`` is the search that chose the model, None where one was named; ``validations`` are the predictions of records
     that were left out of a fit. ``predicted`` holds the scores of the records of the role "validation", or why one could not be
     predicted; ``beyond`` says which of them move more slowly or in smaller reversals than what was fitted
-    (`dampyr.identification.fits.motion_coverage`).
+    (`dampyr.identification.fits.motion_coverage`). ``thresholds`` are what the findings and the verdict are judged by.
     """
 
     bare: Damper | None
@@ -98,6 +102,7 @@ class Fit(Shown):
     predicted: Mapping[str, Score | str] = field(default_factory=dict)
     validation_records: tuple[Record, ...] = field(default=(), repr=False)
     beyond: Mapping[str, str] = field(default_factory=dict)
+    thresholds: FitThresholds = field(default_factory=FitThresholds, repr=False)
 
     @cached_property
     def damper(self) -> Damper | None:
@@ -117,8 +122,11 @@ class Fit(Shown):
     @cached_property
     def findings(self) -> tuple[Finding, ...]:
         """All that a reader should know of the fit and of all records, each once, the worst first."""
-        of_levels = [Finding("note", words) for words in _level_notes(self.levels)]
-        beyond = (Finding("doubt", words) for words in self.beyond.values())
+        of_levels = []
+        if levels := self.levels:
+            text = f"{levels.words}; to settle it, {levels.settles}" if levels.settles else levels.words
+            of_levels.append(Finding("note", text))
+        beyond = (Finding("doubt", statement) for statement in self.beyond.values())
         return worst_first(worst_first(self._of_damper, of_levels), handed_on(self.validation_records), beyond)
 
     @property
@@ -134,7 +142,7 @@ class Fit(Shown):
     @property
     def verdict(self) -> FitVerdict:
         """Whether the search converged and the model describes the records, in one sentence."""
-        return fit_verdict(self.scores, self.converged, self.reason)
+        return fit_verdict(self.scores, self.converged, self.reason, self.thresholds)
 
     @property
     def origin(self) -> Origin:
@@ -144,9 +152,14 @@ class Fit(Shown):
     @property
     def nuisance_spread(self) -> dict[str, float]:
         """The standard deviation across the records of each nuisance: N for the offset, factors, states without unit."""
-        each = list(self.nuisances.values())
-        table = {name: [getattr(one, name) for one in each] for name in ("offset", "gain", "temperature")}
-        table |= {name: [one.states[name] for one in each] for name in (each[0].states if each else {})}
+        nuisances = list(self.nuisances.values())
+        table = {
+            name: [getattr(nuisance, name) for nuisance in nuisances] for name in ("offset", "gain", "temperature")
+        }
+        table |= {
+            name: [nuisance.states[name] for nuisance in nuisances]
+            for name in (nuisances[0].states if nuisances else {})
+        }
         return {name: float(np.std(values, ddof=1)) if len(values) > 1 else np.nan for name, values in table.items()}
 
     def intervals(self, level: float = 0.95, between: str = "records") -> dict[str, tuple[float, float]]:
@@ -161,8 +174,7 @@ class Fit(Shown):
         is at its limit and where one or two records alone determine it (``within_records``): how records differ is not
         estimated from so few.
         """
-        if not 0.0 < level < 1.0:
-            raise InputError(f"level = {level:g} is not allowed; it must be between 0 and 1, such as 0.95")
+        check_level(level)
         from scipy.stats import t
 
         if between not in ("records", "sessions"):
@@ -186,7 +198,7 @@ class Fit(Shown):
 
     def why_no_interval(self, label: str) -> str:
         """Why a number has no interval, in words; empty where it has one."""
-        return no_interval(self.within_records[label]) if label in self.within_records else ""
+        return explain_no_interval(self.within_records[label]) if label in self.within_records else ""
 
     def save(self, path: str | Path) -> Path:
         """Write the card of the fitted damper, as `Damper.save`; :class:`~dampyr.errors.InputError` where there is none."""
@@ -207,7 +219,7 @@ class Fit(Shown):
             for p, residual, record in zip(self.problem.pieces, self.optimum.residuals, self.records, strict=True)
             for c in (p.comparable,)
         ]
-        return replace(analyse(traces, self.problem.pieces[0].unit), origin=self.origin)
+        return replace(analyse(traces, self.problem.pieces[0].unit, self.thresholds), origin=self.origin)
 
     @cached_property
     def scores(self) -> dict[str, Score]:
@@ -218,12 +230,12 @@ class Fit(Shown):
         the start of the motion are scored.
         """
         scores = {}
-        for record, one, force in zip(self.records, self.problem.pieces, self.forces, strict=True):
+        for record, piece, force in zip(self.records, self.problem.pieces, self.forces, strict=True):
             whole = np.concatenate((np.full(record.n - force.size, force[0]), force))
             settling, window = 0.0 if too_short(record, self.settling) else self.settling, None
-            if one.average is not None:
-                compared = one.t[one.comparable]
-                window = max(motion_start(record) + settling, float(compared[0])), float(compared[-1])
+            if piece.average is not None:
+                times = piece.t[piece.comparable]
+                window = max(motion_start(record) + settling, float(times[0])), float(times[-1])
             scores[record.name] = compare(record, whole, settling, window)
         return scores
 
@@ -231,13 +243,13 @@ class Fit(Shown):
 def reasons_of_choice(board: Any) -> dict[str, str]:
     """Why a model was chosen, for the provenance of a card: its error, and the runner-up with its own."""
     error, count, best = 100 * board.winner.error, len(board.screened), board.best
-    words = f"the lowest validation error, {error:.3g} %, of {count} models"
+    text = f"the lowest validation error, {error:.3g} %, of {count} models"
     if board.winner is not best:
-        words = (
+        text = (
             f"the simplest within one standard error of the lowest validation error of {count} models: "
             f"{error:.3g} %, against {100 * best.error:.3g} ± {100 * best.standard_error:.2g} % of {best.model}"
         )
-    reasons = {"chosen": words}
+    reasons = {"chosen": text}
     if board.runner_up:
         reasons["runner-up"] = f"{board.runner_up.model}, {100 * board.runner_up.error:.3g} %"
     return reasons
@@ -251,45 +263,47 @@ def residuals(fit: Fit) -> Residuals:
 def build_fit(
     outcome: Outcome,
     records: tuple[Record, ...],
-    bandwidth: float | None,
-    search_notes: tuple[str, ...] = (),
+    options: FitOptions,
     starts: tuple[int, int] = (1, 1),
-    settling: float = SETTLING,
-    session_prior: float = PRIOR_SESSION,
 ) -> Fit:
-    """The fit at the end of a search; ``search_notes`` are of what came before, ``starts`` how many there were and agreed."""
+    """The fit at the end of a search; ``starts``: how many there were, and how many of them ended in the same optimum."""
     optimum, problem = outcome.optimum, outcome.optimum.problem
     uncertainties = uncertainty(optimum, outcome.at_limit)
     labels = [label for c in problem.columns if c.size for label in c.labels(problem.pieces[0].unit)]
     unit_of = [c.quantity.unit for c in problem.columns for _ in range(c.size)]
-    stderr = _errors(labels, uncertainties.covariance, outcome.at_limit)
+    stderr = _label_errors(labels, uncertainties.covariance, outcome.at_limit)
     few = zip(labels, uncertainties.within, uncertainties.records, strict=True)
     within = {label: int(count) for label, cycles_only, count in few if cycles_only and np.isfinite(stderr[label])}
-    damper, trouble = _damper(optimum, uncertainties, records, bandwidth, tuple(within))
+    damper, trouble = _make_damper(optimum, uncertainties, records, options.bandwidth, tuple(within))
     levels = None
     if damper is not None and all(np.all(np.isfinite(force)) for force in optimum.forces):
-        levels, error = levels_and_error(optimum, uncertainties, records, session_prior)
+        levels, error = estimate_levels(optimum, uncertainties, records, options.session_prior)
         damper = replace(damper, prediction_error=error)
-    trouble = trouble or trouble_of(outcome)
+    trouble = trouble or explain_trouble(outcome)
     states = list(problem.composition.states)
+    of_starts = [f"{starts[1]} of {starts[0]} starts ended in the same optimum"] if starts[0] > 1 else []
+    sheets = {record.provenance.get("data_sheet", "") for record in records} & set(SHEETS)
+    broken_promises = [text for sheet in sorted(sheets) if damper for text in contradictions(damper, sheet)]
+    by_cycle = [label in within for label in labels if np.isfinite(stderr[label])]
+    clusters = "record" if not any(by_cycle) else "cycle" if all(by_cycle) else "record and cycle"
     return Fit(
         bare=damper,
         parameters=dict(zip(labels, map(float, optimum.point.theta), strict=True)),
         stderr=stderr,
-        naive_stderr=_errors(labels, uncertainties.naive, outcome.at_limit),
+        naive_stderr=_label_errors(labels, uncertainties.naive, outcome.at_limit),
         units=dict(zip(labels, unit_of, strict=True)),
-        correlation=_correlation(uncertainties.covariance),
+        correlation=_correlate(uncertainties.covariance),
         converged=outcome.converged and not trouble,
         reason=trouble or outcome.reason,
         remarks=(
-            *notes(outcome, uncertainties, labels, within),
-            *(Finding("note", words) for words in (*search_notes, *_short_notes(records, settling))),
+            *notes(outcome, uncertainties, labels, within, options.thresholds),
             *(
-                Finding("doubt", words)
-                for words in (*_data_sheet_notes(damper, records), *_sampling_notes(damper, problem))
+                Finding("note", statement)
+                for statement in (*of_starts, *_note_short_records(records, options.settling))
             ),
+            *(Finding("doubt", statement) for statement in (*broken_promises, *_note_sampling(damper, problem))),
         ),
-        clusters=_clusters([label in within for label in labels if np.isfinite(stderr[label])]),
+        clusters=clusters,
         freedom=dict(zip(labels, map(float, uncertainties.freedom), strict=True)),
         within_records=within,
         nuisances={
@@ -305,19 +319,13 @@ def build_fit(
         outcome=outcome,
         records=records,
         starts=starts,
-        settling=settling,
+        settling=options.settling,
         levels=levels,
+        thresholds=options.thresholds,
     )
 
 
-def _level_notes(levels: Levels | None) -> list[str]:
-    """What a lab must hear of the level between sessions."""
-    if levels is None:
-        return []
-    return [f"{levels.words}; to settle it, {levels.settles}" if levels.settles else levels.words]
-
-
-def _short_notes(records: tuple[Record, ...], settling: float) -> list[str]:
+def _note_short_records(records: tuple[Record, ...], settling: float) -> list[str]:
     """The records that are scored from the start of their motion, because settling would leave next to nothing of them."""
     short = [record.name for record in records if too_short(record, settling)]
     if not short:
@@ -328,39 +336,27 @@ def _short_notes(records: tuple[Record, ...], settling: float) -> list[str]:
     ]
 
 
-def _data_sheet_notes(damper: Damper | None, records: tuple[Record, ...]) -> list[str]:
-    """The contradictions of the fit with the data sheet, where the records name one."""
-    sheets = {record.provenance.get("data_sheet", "") for record in records} & set(SHEETS)
-    return [words for sheet in sorted(sheets) if damper for words in contradictions(damper, sheet)]
-
-
-def _sampling_notes(damper: Damper | None, problem: Problem) -> list[str]:
+def _note_sampling(damper: Damper | None, problem: Problem) -> list[str]:
     """What the records' samples make wrong in the force of this damper, of the worst record; warned of, too."""
     if damper is None or not any(part.speed for part in damper.composition.parts):
         return []
     at = [damper if math.isnan(p.temperature) else damper.at_temperature(p.temperature, True) for p in problem.pieces]
-    given = ((p, one.values(p.u, allow_extrapolation=True)) for p, one in zip(problem.pieces, at, strict=True))
-    words = {sampling_error(damper.composition, p.t, p.x, p.v, u): (p, u) for p, u in given}
-    p, values = words[max(words)]
+    values_of = ((p, warm.values(p.u, allow_extrapolation=True)) for p, warm in zip(problem.pieces, at, strict=True))
+    errors = {sampling_error(damper.composition, p.t, p.x, p.v, values): (p, values) for p, values in values_of}
+    p, values = errors[max(errors)]
     if not (text := sampling_words(damper.composition, p.t, p.x, p.v, values)):
         return []
     warnings.warn(f"{p.name}: {text}", FindingWarning, stacklevel=4)
     return [f"{p.name}: {text}"]
 
 
-def _clusters(within: list[bool]) -> str:
-    if not any(within):
-        return "record"
-    return "cycle" if all(within) else "record and cycle"
-
-
-def _errors(labels: list[str], covariance: Array, at_limit: tuple[int, ...]) -> dict[str, float]:
+def _label_errors(labels: list[str], covariance: Array, at_limit: tuple[int, ...]) -> dict[str, float]:
     errors = np.sqrt(np.diag(covariance))
     errors[list(at_limit)] = np.nan
     return dict(zip(labels, map(float, errors), strict=True))
 
 
-def _correlation(covariance: Array) -> Array:
+def _correlate(covariance: Array) -> Array:
     spread = np.sqrt(np.diag(covariance))
     with np.errstate(invalid="ignore", divide="ignore"):
         out = covariance / np.outer(spread, spread)
@@ -368,7 +364,7 @@ def _correlation(covariance: Array) -> Array:
     return np.asarray(out)
 
 
-def _damper(
+def _make_damper(
     optimum: Optimum,
     uncertainty: Uncertainty,
     records: tuple[Record, ...],
@@ -387,11 +383,11 @@ def _damper(
                 for c, k, theta in zip(problem.columns, problem.owners, optimum.point.of(problem), strict=True)
             },
             input=problem.pieces[0].unit,
-            ranges=_ranges(records, problem.pieces),
-            covariance=_law_covariance(optimum.law_matrix, uncertainty.covariance),
+            ranges=_measure_ranges(records, problem.pieces),
+            covariance=mapped_covariance(optimum.law_matrix, uncertainty.covariance),
             bandwidth=bandwidth,
             within_records=within,
-            provenance=_provenance(records),
+            provenance=_state_provenance(records),
             origin=combined(record.origin for record in records),
         )
     except InputError as problem_:
@@ -403,16 +399,7 @@ def _damper(
     return damper, ""
 
 
-def _law_covariance(T: Array, covariance: Array) -> Array:
-    """The covariance of the laws' own coefficients, which ``T`` makes of the fitted ones; fixed parameters are known."""
-    finite = np.where(np.isfinite(covariance), covariance, 0.0)
-    out = T @ finite @ T.T
-    for place in np.flatnonzero(~np.isfinite(np.diag(covariance))):
-        out[T[:, place] != 0.0, T[:, place] != 0.0] = np.inf
-    return np.asarray(0.5 * (out + out.T))
-
-
-def _ranges(records: tuple[Record, ...], pieces: list[Piece]) -> dict[str, tuple[float, float]]:
+def _measure_ranges(records: tuple[Record, ...], pieces: list[Piece]) -> dict[str, tuple[float, float]]:
     strokes = [0.5 * float(np.ptp(p.x)) for p in pieces]
     speeds = [float(np.max(np.abs(p.v))) for p in pieces]
     frequencies = []
@@ -426,11 +413,11 @@ def _ranges(records: tuple[Record, ...], pieces: list[Piece]) -> dict[str, tuple
     return ranges
 
 
-def _provenance(records: tuple[Record, ...]) -> dict[str, str]:
+def _state_provenance(records: tuple[Record, ...]) -> dict[str, str]:
     names, origins = [r.name for r in records], Counter(r.origin.kind for r in records)
     shown = ", ".join(names) if len(names) <= 50 else f"{len(names)} records"
     return {
         "method": "least squares over whole records (dampyr.identification.fit)",
         "records": shown,
-        **({"origins": ", ".join(f"{count} {each}" for each, count in origins.items())} if len(origins) > 1 else {}),
+        **({"origins": ", ".join(f"{count} {kind}" for kind, count in origins.items())} if len(origins) > 1 else {}),
     }

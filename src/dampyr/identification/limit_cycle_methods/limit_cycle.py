@@ -59,30 +59,63 @@ def limit_cycle(
 ) -> LimitCycle:
     """Identify the viscous Dahl model from the loading branch of a limit cycle.
 
-    ``x`` (n,) m rising from the smallest to the largest displacement, ``force`` (n,) N without offset, ``velocity`` (n,) m/s.
-    ``kx`` N s/m overrides (2.5). ``x_star1`` m: by default the point whose rho is the median of the arc. ``points`` samples
-    make each local polynomial (more than 5 smooth noise). Raises :class:`~dampyr.errors.InputError` where theta does not
-    change sign, where (2.5) is 0/0, or where the branch is no branch.
+    Parameters
+    ----------
+    x
+        (n,) m, rising from the smallest to the largest displacement.
+    force
+        (n,) N, without offset.
+    velocity
+        (n,) m/s.
+    kx
+        viscous coefficient in N s/m, in the place of (2.5).
+    x_star1
+        m, the point that gives rho; by default that whose rho is the median of the arc.
+    nearest
+        take the nearest sample and a central difference, as published, and not a local polynomial.
+    points
+        samples of each local polynomial; more than 5 smooth noise.
+
+    Returns
+    -------
+    LimitCycle
+        kx, kw and rho, and how much rho depends on ``x_star1``.
+
+    Raises
+    ------
+    InputError
+        theta does not change sign, (2.5) is 0/0, or ``x`` does not rise.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> x = np.linspace(-0.008, 0.008, 2001)
+    >>> v = 0.05 * np.sqrt(1.0 - (x / 0.0081) ** 2)
+    >>> w = 1.0 - 2.0 / (1.0 + np.exp(-16.0)) * np.exp(-1000.0 * (x + 0.008))  # Dahl on a closed loop, rho = 1000 1/m
+    >>> cycle = dp.identification.limit_cycle(x, 900.0 * v + 250.0 * w, v, kx=900.0)
+    >>> round(cycle.kw, 1), round(cycle.rho, 1)
+    (250.0, 1000.0)
     """
-    branch = _branch(x, force, velocity)
+    branch = _check_branch(x, force, velocity)
     x, force, velocity = branch
-    kx = _viscous(force, velocity) if kx is None else kx
+    kx = _estimate_viscous(force, velocity) if kx is None else kx
     theta = force - kx * velocity
-    zero = _zero(x, theta, nearest)
-    slope = _nearest_slope if nearest else _local_slope
+    zero = _locate_zero(x, theta, nearest)
+    slope = _take_nearest_slope if nearest else _fit_local_slope
     a = slope(x, theta, zero, points)[1]
-    arc = _arc(x, theta, zero)
-    trials = np.array([_rho(a, *slope(x, theta, at, points)) for at in x[arc]])
+    arc = _select_arc(x, theta, zero)
+    trials = np.array([_compute_rho(a, *slope(x, theta, at, points)) for at in x[arc]])
     if x_star1 is None:
         x_star1 = float(x[arc][int(np.argsort(trials)[trials.size // 2])])
     elif not zero < x_star1 <= x[-1]:
         raise InputError(f"x_star1 = {x_star1:g} must lie between x* = {zero:g} and the largest displacement {x[-1]:g}")
-    rho = _rho(a, *slope(x, theta, x_star1, points))
+    rho = _compute_rho(a, *slope(x, theta, x_star1, points))
     span = np.quantile(trials, (0.05, 0.95))
     return LimitCycle(float(kx), a, rho, a / rho, zero, x_star1, (float(span[0]), float(span[1])), x, theta)
 
 
-def _branch(x: ArrayLike, force: ArrayLike, velocity: ArrayLike) -> tuple[Array, Array, Array]:
+def _check_branch(x: ArrayLike, force: ArrayLike, velocity: ArrayLike) -> tuple[Array, Array, Array]:
     columns = [np.asarray(c, dtype=float) for c in (x, force, velocity)]
     if len({c.shape for c in columns}) > 1 or columns[0].ndim != 1 or columns[0].size < 2 * ORDER:
         shapes = ", ".join(str(c.shape) for c in columns)
@@ -95,7 +128,7 @@ def _branch(x: ArrayLike, force: ArrayLike, velocity: ArrayLike) -> tuple[Array,
     return columns[0], columns[1], columns[2]
 
 
-def _viscous(force: Array, velocity: Array) -> float:
+def _estimate_viscous(force: Array, velocity: Array) -> float:
     """kx by (2.5)."""
     below = velocity[0] + velocity[-1]
     if abs(below) < 1e-9 * float(np.abs(velocity).max()):
@@ -106,7 +139,7 @@ def _viscous(force: Array, velocity: Array) -> float:
     return float((force[0] + force[-1]) / below)
 
 
-def _zero(x: Array, theta: Array, nearest: bool) -> float:
+def _locate_zero(x: Array, theta: Array, nearest: bool) -> float:
     """x*, where theta changes sign."""
     below = np.flatnonzero((theta[:-1] < 0.0) & (theta[1:] >= 0.0))
     if below.size == 0:
@@ -121,30 +154,30 @@ def _zero(x: Array, theta: Array, nearest: bool) -> float:
 
     first = int(np.clip(k - 1, 0, x.size - ORDER))
     around = slice(first, first + ORDER)
-    if np.all(np.diff(theta[around]) > 0):
+    if np.all(np.diff(theta[around]) > 0):  # inverse interpolation, x over theta, needs theta to rise through all four
         return float(BarycentricInterpolator(theta[around], x[around])(0.0))
     return float(np.interp(0.0, theta[k : k + 2], x[k : k + 2]))
 
 
-def _nearest_slope(x: Array, theta: Array, at: float, points: int) -> tuple[float, float]:
+def _take_nearest_slope(x: Array, theta: Array, at: float, points: int) -> tuple[float, float]:
     """theta and its central difference at the sample nearest to ``at``."""
     k = int(np.clip(np.argmin(np.abs(x - at)), 1, x.size - 2))
     return float(theta[k]), float((theta[k + 1] - theta[k - 1]) / (x[k + 1] - x[k - 1]))
 
 
-def _local_slope(x: Array, theta: Array, at: float, points: int) -> tuple[float, float]:
+def _fit_local_slope(x: Array, theta: Array, at: float, points: int) -> tuple[float, float]:
     """theta and its slope at ``at``, of the polynomial through (or fitted to) the samples around it."""
     k = int(np.searchsorted(x, at))
     first = int(np.clip(k - points // 2, 0, x.size - points))
     around = slice(first, first + points)
-    width = 0.5 * float(np.ptp(x[around]))
+    width = 0.5 * float(np.ptp(x[around]))  # of order one: powers of millimetres in m would be ill conditioned
     polynomial = np.polynomial.Polynomial.fit(
         (x[around] - at) / width, theta[around], ORDER if points <= ORDER + 2 else 3
     ).convert()
     return float(polynomial.coef[0]), float(polynomial.coef[1] / width)
 
 
-def _arc(x: Array, theta: Array, zero: float) -> NDArray[np.int64]:
+def _select_arc(x: Array, theta: Array, zero: float) -> NDArray[np.int64]:
     """The samples from which x*1 is chosen: past x*, with theta from 20 to 80 % of its largest value."""
     largest = float(theta.max())
     inside = np.flatnonzero((x > zero) & (theta > ARC[0] * largest) & (theta < ARC[1] * largest))
@@ -157,5 +190,5 @@ def _arc(x: Array, theta: Array, zero: float) -> NDArray[np.int64]:
     return selected[:: max(1, selected.size // 200)] if selected.size else inside[:1]
 
 
-def _rho(a: float, theta: float, slope: float) -> float:
+def _compute_rho(a: float, theta: float, slope: float) -> float:
     return (a - slope) / theta

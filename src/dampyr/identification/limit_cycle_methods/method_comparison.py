@@ -24,7 +24,7 @@ from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.least_squares import fit_model
 from dampyr.identification.limit_cycle_methods.limit_cycle import LimitCycle, limit_cycle
 from dampyr.identification.limit_cycle_methods.plastic_region import plastic_region
-from dampyr.identification.scoring.score import Score, score
+from dampyr.identification.scoring.score import Score, score, score_or_reason
 from dampyr.models import Damper
 from dampyr.origin import Origin, combined
 from dampyr.records import Record, cycles, nominal_inputs, with_velocity
@@ -76,9 +76,38 @@ def compare_method(
 ) -> MethodComparison:
     """The viscous Dahl model of each record by a graphical method, beside least squares.
 
-    ``method`` is ``"limit-cycle"`` or ``"plastic-region"``. The velocity is the recorded one, or derived with ``bandwidth`` Hz.
-    What a record does not give is a reason in its row. Raises :class:`~dampyr.errors.InputError` for an unknown method or no
-    records.
+    Parameters
+    ----------
+    records
+        one record, or several: each by itself.
+    method
+        ``"limit-cycle"`` or ``"plastic-region"``.
+    bandwidth
+        of the velocity that is derived from the displacement, Hz; by default the recorded velocity where there is one.
+    progress
+        called with what is being done, and the fraction of it that is done.
+
+    Returns
+    -------
+    MethodComparison
+        a row a record; what a record does not give is a reason in its row.
+
+    Raises
+    ------
+    InputError
+        an unknown method, or no records.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> damper = dp.studies.raminelli_2020.damper()
+    >>> t = np.linspace(0.0, 4.0, 4001)
+    >>> x = 0.008 * np.sin(2 * np.pi * t)
+    >>> record = dp.records.Record(t, x, damper.force(t, x, voltage=1.98), voltage=1.98)
+    >>> (row,) = dp.identification.compare_method(record, "plastic-region").results
+    >>> abs(row.numbers["kw"] / row.least_squares["kw"] - 1.0) < 0.01
+    True
     """
     check_kinds("compare_method", Argument("records", records, (Record,), RECORDS, several=True))
     METHODS.check("method", method)
@@ -90,7 +119,7 @@ def compare_method(
     for k, record in enumerate(nominal):
         if progress:
             progress(f"by {method}", k / len(nominal))
-        results.append(_result(record, method, options))
+        results.append(_compare_record(record, method, options))
     return MethodComparison(method, nominal, tuple(results))
 
 
@@ -127,7 +156,7 @@ def limit_cycle_of(record: Record) -> LimitCycle:
     return limit_cycle(x, force - plastic.offset, velocity, kx=plastic.kx, points=LOCAL)
 
 
-def _result(record: Record, method: str, options: FitOptions) -> MethodResult:
+def _compare_record(record: Record, method: str, options: FitOptions) -> MethodResult:
     numbers: dict[str, float] = {}
     moving = record
     if record.velocity is None or options.bandwidth is not None:
@@ -140,10 +169,5 @@ def _result(record: Record, method: str, options: FitOptions) -> MethodResult:
         by_method = str(problem)
     fit = fit_model("dahl", record, options)
     least = {name.partition(".")[2].partition(" @")[0]: value for name, value in fit.parameters.items()}
-    by_least_squares: Score | str = fit.reason
-    if fit.damper is not None:
-        try:
-            by_least_squares = score(fit.damper, record)
-        except InputError as problem:
-            by_least_squares = str(problem)
+    by_least_squares = fit.reason if fit.damper is None else score_or_reason(fit.damper, record)
     return MethodResult(record.name, record.input_value, numbers, by_method, least, by_least_squares)

@@ -62,17 +62,17 @@ def plastic_region(record: Record, bandwidth: float | None = None) -> PlasticReg
     spans = cycles(record)
     if not spans:
         raise InputError(f"{record.name}: no whole cycle, so there is no plastic region; give at least one cycle")
-    here = slice(spans[0][0], spans[-1][1] + 1)
+    whole = slice(spans[0][0], spans[-1][1] + 1)
     points = turning_points(record)
-    points = points[(points >= here.start) & (points < here.stop)]
-    path = _path_since_turning(record, points)[here]
+    points = points[(points >= whole.start) & (points < whole.stop)]
+    path = _measure_path_since_turning(record, points)[whole]
     assert record.velocity is not None
-    force, speed = record.force[here], record.velocity[here]
+    force, speed = record.force[whole], record.velocity[whole]
     rho, result = 20.0 / float(np.median(np.abs(np.diff(record.displacement[points])))), None
-    for _ in range(20):
+    for _ in range(20):  # rho says where the plastic region begins, and that region gives rho: some rounds settle it
         plastic = (path > DEPTH / rho) & (np.abs(speed) > SPEED * np.quantile(np.abs(speed), 0.99))
-        offset, kx, kw = _line(record, force[plastic], speed[plastic])
-        slopes = _crossing_slopes(record, points, offset, kx, kw)
+        offset, kx, kw = _fit_line(record, force[plastic], speed[plastic])
+        slopes = _measure_crossing_slopes(record, points, offset, kx, kw)
         a = float(np.median(slopes))
         result = PlasticRegion(
             kx, kw, a / kw, a, offset, float(np.std(slopes / kw)), float(plastic.mean()), slopes.size
@@ -84,13 +84,13 @@ def plastic_region(record: Record, bandwidth: float | None = None) -> PlasticReg
     return result
 
 
-def _path_since_turning(record: Record, points: NDArray[np.int64]) -> Array:
+def _measure_path_since_turning(record: Record, points: NDArray[np.int64]) -> Array:
     """The distance in m from the last turning point, along the path."""
     last = np.searchsorted(points, np.arange(record.n), side="right") - 1
     return np.abs(record.displacement - record.displacement[points[np.maximum(last, 0)]])
 
 
-def _line(record: Record, force: Array, speed: Array) -> tuple[float, float, float]:
+def _fit_line(record: Record, force: Array, speed: Array) -> tuple[float, float, float]:
     """offset, kx, kw of (4.1) by least squares."""
     if force.size < 10 or not (np.any(speed > 0) and np.any(speed < 0)):
         raise InputError(f"{record.name}: only {force.size} samples are in the plastic region; the stroke is too small")
@@ -101,7 +101,7 @@ def _line(record: Record, force: Array, speed: Array) -> tuple[float, float, flo
     return float(offset), float(kx), float(kw)
 
 
-def _crossing_slopes(record: Record, points: NDArray[np.int64], offset: float, kx: float, kw: float) -> Array:
+def _measure_crossing_slopes(record: Record, points: NDArray[np.int64], offset: float, kx: float, kw: float) -> Array:
     """d theta/dx where theta crosses zero after each turning point, by a line through the samples around."""
     assert record.velocity is not None
     theta = record.force - offset - kx * record.velocity
@@ -112,7 +112,7 @@ def _crossing_slopes(record: Record, points: NDArray[np.int64], offset: float, k
         up = np.flatnonzero((side[:-1] < 0) & (side[1:] >= 0))
         if up.size == 0:
             continue
-        slope = _slope_around(record.displacement[first : last + 1], theta[first : last + 1], int(up[0]), kw)
+        slope = _fit_slope_around(record.displacement[first : last + 1], theta[first : last + 1], int(up[0]), kw)
         if slope > 0:
             slopes.append(slope)
     if not slopes:
@@ -122,7 +122,7 @@ def _crossing_slopes(record: Record, points: NDArray[np.int64], offset: float, k
     return np.array(slopes)
 
 
-def _slope_around(x: Array, theta: Array, k: int, kw: float) -> float:
+def _fit_slope_around(x: Array, theta: Array, k: int, kw: float) -> float:
     """The slope over the samples next to ``k`` with theta within half of kw; at least the two that cross zero."""
     first, last = k, k + 1
     while first > 0 and abs(theta[first - 1]) < CROSSING * kw and abs(theta[first - 1]) > abs(theta[first]):

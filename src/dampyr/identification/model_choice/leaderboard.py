@@ -49,14 +49,15 @@ from dampyr.identification.model_choice.screening import (
     CUT,
     PAIRS,
     Screened,
-    chosen_bandwidth,
-    held_in,
+    choose_bandwidth,
+    choose_splits,
+    list_held,
     screen_all,
     screening_set,
     validation_error,
 )
 from dampyr.identification.scoring.score import score
-from dampyr.identification.scoring.scoring_window import scorable, too_short
+from dampyr.identification.scoring.scoring_window import list_unscorable, too_short
 from dampyr.identification.scoring.splits import split_tasks
 from dampyr.identification.scoring.validation import Fold, Validation, validation_jobs
 from dampyr.identification.search.work import OUT_OF_WORK
@@ -104,13 +105,15 @@ class Finalist(Shown):
     @property
     def work(self) -> float:
         """What its fits have spent, counted s (`dampyr.identification.search.work`)."""
-        folds = sum(fold.work for one in self.validations for fold in one.folds)
+        folds = sum(fold.work for validation in self.validations for fold in validation.folds)
         return folds + (self.fit.outcome.work if self.fit is not None else 0.0)
 
     @property
     def relevelled(self) -> float:
         """The mean L1 ratio of records that were left out, with the level of each one's first cycles."""
-        return next((one.relevelled for one in self.validations if one.split == "record"), float("nan"))
+        return next(
+            (validation.relevelled for validation in self.validations if validation.split == "record"), float("nan")
+        )
 
 
 @dataclass(frozen=True, repr=False)
@@ -153,14 +156,14 @@ class Leaderboard(Shown):
     @property
     def runner_up(self) -> Finalist | None:
         """The lowest error but for the winner."""
-        return next((one for one in self.entries if one is not self.winner), None)
+        return next((entry for entry in self.entries if entry is not self.winner), None)
 
     @property
     def for_building(self) -> Finalist | None:
         """The winner where it may stand in for a damper of a building, else the best that may, chosen in the same way."""
         if not self.winner.not_for_buildings:
             return self.winner
-        suited = [one for one in self.entries if not one.not_for_buildings and np.isfinite(one.error)]
+        suited = [entry for entry in self.entries if not entry.not_for_buildings and np.isfinite(entry.error)]
         return simplest(suited) if suited else None
 
 
@@ -217,7 +220,7 @@ def leaderboard(
         raise InputError(f"{unknown[0]}: its voltage is not known; read it with voltage= (or current=)")
     whole = listed
     listed, pieces = enough_records(whole, options.settling)
-    scorable(listed, options.settling)
+    list_unscorable(listed, options.settling)
     begun = time.perf_counter()
     deadline = math.inf if options.seconds is None else time.time() + options.seconds
     budget = BUDGET if options.budget is None else options.budget
@@ -230,11 +233,11 @@ def leaderboard(
     in_trials = replace(of_fits, budget=TRIAL_SHARE * budget)
     spent = 0.0
     if bandwidth is None:
-        bandwidth, spent = chosen_bandwidth(
+        bandwidth, spent = choose_bandwidth(
             listed, in_trials, executor, lambda done: report("choosing the velocity", done)
         )
     small = screening_set(listed, bandwidth)  # with its velocity, so that no trial derives it from thinned samples
-    allowed, left_out = _allowed(options.add_ons, listed)
+    allowed, left_out = _select_add_ons(options.add_ons, listed)
     bases = [*options.models] or [*(name for name in available_parts() if not part(name).add_on), *PAIRS]
     screened, unfinished = screen_all(
         bases,
@@ -245,12 +248,13 @@ def leaderboard(
         SCREENING_SHARE * budget - spent,
         deadline,
     )
-    spent += sum(trial.work for one in screened for trial in one.trials)
-    cut = any(trial.reason == CUT for one in screened for trial in one.trials)
-    chosen = [] if cut else _finalists(screened, options.finalists)
+    trials = [trial for model in screened for trial in model.trials]
+    spent += sum(trial.work for trial in trials)
+    cut = any(trial.reason == CUT for trial in trials)
+    chosen = [] if cut else _select_finalists(screened, options.finalists)
     if not chosen and not cut:
         raise InputError(f"no model could be fitted; the first failed: {screened[0].bare.reason}")
-    entries = _judged(
+    entries = _judge(
         chosen,
         listed,
         whole,
@@ -261,10 +265,10 @@ def leaderboard(
         lambda done: report("validating the best", done),
         deadline,
     )
-    ranked = sorted(entries, key=lambda one: (one.error, one.model))
-    notes = [*pieces, *left_out, *([] if cut else _stopped(screened, unfinished, ranked))]
-    missing = [model for model in chosen if model not in {one.model for one in entries}]
-    spent += sum(one.work for one in entries)
+    ranked = sorted(entries, key=lambda entry: (entry.error, entry.model))
+    notes = [*pieces, *left_out, *([] if cut else _describe_stops(screened, unfinished, ranked))]
+    missing = [model for model in chosen if model not in {entry.model for entry in entries}]
+    spent += sum(entry.work for entry in entries)
     board = Leaderboard(
         tuple(ranked),
         tuple(screened),
@@ -272,13 +276,13 @@ def leaderboard(
         tuple(notes),
         time.perf_counter() - begun,
         optimism(ranked),
-        cut=_cut_words(screened, missing, options.seconds) if cut or missing else "",
+        cut=_describe_cut(screened, missing, options.seconds) if cut or missing else "",
         work=spent,
         origin=combined(r.origin for r in whole),
     )
     if not options.nested or board.cut:
         return board
-    error = _nested_error(listed, replace(options, nested=False), executor, report, deadline)
+    error = _estimate_nested_error(listed, replace(options, nested=False), executor, report, deadline)
     return replace(board, nested=error, seconds=time.perf_counter() - begun)
 
 
@@ -293,17 +297,17 @@ def enough_records(records: list[Record], settling: float) -> tuple[list[Record]
     short = next((piece for piece in pieces if too_short(piece, settling)), None)
     if short is not None:
         raise InputError(
-            f"a choice of models leaves five parts out in turn; {len(records)} record{'s' * (len(records) > 1)} would be cut "
+            f"a choice of models leaves five parts out in turn; {counted(len(records), 'record')} would be cut "
             f"into pieces, but {short.name} lasts {short.duration:.3g} s and settling takes {settling:g} s of it: give more or "
             "longer records, a shorter settling, or name a model"
         )
     return pieces, (
-        f"{len(records)} record{'s were' if len(records) > 1 else ' was'} cut into {len(pieces)} pieces, so that parts can be "
-        "left out: the errors are of more of the same tests, not of other ones",
+        f"{counted(len(records), 'record')} {'were' if len(records) > 1 else 'was'} cut into {len(pieces)} pieces, so that "
+        "parts can be left out: the errors are of more of the same tests, not of other ones",
     )
 
 
-def _allowed(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def _select_add_ons(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The add-ons that these records can identify, and why others are left out."""
     varies = any(isinstance(r.voltage if r.input == "V" else r.current, np.ndarray) for r in records)
     if "lag" in add_ons and not varies:
@@ -312,16 +316,16 @@ def _allowed(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[s
     return tuple(add_ons), ()
 
 
-def _finalists(screened: Sequence[Screened], count: int) -> list[str]:
+def _select_finalists(screened: Sequence[Screened], count: int) -> list[str]:
     """The best models of the screening; one more where none of them may stand in for a damper of a building."""
-    ranked = sorted((s.best for s in screened if np.isfinite(s.best.error)), key=lambda one: one.error)
-    models = [one.model for one in ranked]
+    ranked = sorted((s.best for s in screened if np.isfinite(s.best.error)), key=lambda trial: trial.error)
+    models = [trial.model for trial in ranked]
     best = models[:count]
     suited = [model for model in models if not compose(model).not_for_buildings]
     return best + suited[:1] * (not any(model in suited for model in best))
 
 
-def _judged(
+def _judge(
     models: Sequence[str],
     records: list[Record],
     whole: list[Record],
@@ -337,7 +341,7 @@ def _judged(
     The fits are to the ``whole`` records, of which ``records`` may be pieces. ``remaining`` is counted work, s, of which the
     fits have equal shares, twice over as most end before. Finalists that ``deadline`` cuts, of ``time.time``, are left out.
     """
-    splits = ["record"] + ["input"] * (len({r.input_value for r in records}) > 2)
+    splits = choose_splits(records)
     options = replace(options, folds=PARTS, steps=FINAL_STEPS)
     count = len(models) * (1 + sum(len(split_tasks(records, split, PARTS, options.seed)) for split in splits))
     share = 2.0 * max(remaining, 0.0) / max(count, 1)
@@ -345,40 +349,41 @@ def _judged(
     jobs: list[tuple[str, Callable[[], Any]]] = []
     planned = []
     for model in models:
-        own = replace(options, fixed=held_in(model) | dict(options.fixed))
-        parts = [validation_jobs(records, model, split, own) for split in splits]
-        jobs += [(model, job) for some, _ in parts for job in some] + [(model, partial(_timed_fit, model, whole, own))]
+        of_model = replace(options, fixed=list_held(model) | dict(options.fixed))
+        parts = [validation_jobs(records, model, split, of_model) for split in splits]
+        jobs += [(model, job) for folds, _ in parts for job in folds]
+        jobs.append((model, partial(_fit_timed, model, whole, of_model)))
         planned.append((model, parts))
     # The slowest first, so that no core waits for another at the end.
     order = sorted(range(len(jobs)), key=lambda k: -len(compose(jobs[k][0]).parameters))
-    done = parallel.run_all([partial(_quiet, jobs[k][1]) for k in order], executor, report, deadline=deadline)
+    done = parallel.run_all([partial(_run_quietly, jobs[k][1]) for k in order], executor, report, deadline=deadline)
     results = iter([result for _, result in sorted(zip(order, done, strict=True), key=lambda pair: pair[0])])
     entries = []
     for model, parts in planned:
-        folds, fitted = [[next(results) for _ in some] for some, _ in parts], next(results)
-        if fitted is not None and all(one is not None for each in folds for one in each):
-            validations = [assemble(each) for each, (_, assemble) in zip(folds, parts, strict=True)]
-            entries.append(_entry(model, validations, *fitted))
+        folds, fitted = [[next(results) for _ in folds] for folds, _ in parts], next(results)
+        if fitted is not None and all(fold is not None for of_split in folds for fold in of_split):
+            validations = [assemble(of_split) for of_split, (_, assemble) in zip(folds, parts, strict=True)]
+            entries.append(_make_entry(model, validations, *fitted))
     return entries
 
 
-def _quiet(job: Callable[[], Any]) -> Any:
+def _run_quietly(job: Callable[[], Any]) -> Any:
     """The job without its warnings: they are of fits that may never be shown."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)
         return job()
 
 
-def _timed_fit(model: str, records: list[Record], options: FitOptions) -> tuple[Fit, float]:
+def _fit_timed(model: str, records: list[Record], options: FitOptions) -> tuple[Fit, float]:
     begun = time.perf_counter()
     return fit_model(model, records, options), time.perf_counter() - begun
 
 
-def _entry(model: str, validations: list[Validation], fit_result: Fit, seconds: float) -> Finalist:
+def _make_entry(model: str, validations: list[Validation], fit_result: Fit, seconds: float) -> Finalist:
     scores = list(validations[0].scores.values())
 
     def mean(key: str) -> float:
-        values = np.array([abs(getattr(one, key)) for one in scores])
+        values = np.array([abs(getattr(of_record, key)) for of_record in scores])
         return float(np.nanmean(values)) if np.any(np.isfinite(values)) else float("nan")
 
     return Finalist(
@@ -406,16 +411,17 @@ def standard_error(validations: Sequence[Validation]) -> float:
     weights = (1.0,) if len(validations) == 1 else (1.0 - BETWEEN, BETWEEN)
     inputs = validations[0].inputs
     parts = dict.fromkeys(validations[0].scores, 0.0)
-    for weight, one in zip(weights, validations, strict=True):
-        counts = Counter(inputs[name] for name in one.scores)
-        for name, each in one.scores.items():
-            parts[name] = parts.get(name, 0.0) + weight * each.l1 / (len(counts) * counts[inputs[name]])
+    for weight, validation in zip(weights, validations, strict=True):
+        counts = Counter(inputs[name] for name in validation.scores)
+        for name, of_record in validation.scores.items():
+            parts[name] = parts.get(name, 0.0) + weight * of_record.l1 / (len(counts) * counts[inputs[name]])
     groups: dict[float, list[float]] = {}
     for name, value in parts.items():
         groups.setdefault(inputs[name], []).append(value)
-    own = [len(values) * float(np.var(values, ddof=1)) for values in groups.values() if len(values) > 1]
-    if len(own) == len(groups) and own:
-        return math.sqrt(sum(own))
+    # contributions of n records at an input add up: n times the variance of one; the differences between inputs are no scatter
+    within_inputs = [len(values) * float(np.var(values, ddof=1)) for values in groups.values() if len(values) > 1]
+    if len(within_inputs) == len(groups) and within_inputs:
+        return math.sqrt(sum(within_inputs))
     values = list(parts.values())
     return math.sqrt(len(values) * float(np.var(values, ddof=1))) if len(values) > 1 else float("nan")
 
@@ -425,31 +431,32 @@ def simplest(entries: Sequence[Finalist]) -> Finalist:
     with equally many one that is for buildings, then the lowest error."""
     first = entries[0]
     limit = first.error + (first.standard_error if np.isfinite(first.standard_error) else 0.0)
-    near = [one for one in entries if one.error <= limit] or [first]
-    return min(near, key=lambda one: (one.parameters, bool(one.not_for_buildings), one.error))
+    near = [entry for entry in entries if entry.error <= limit] or [first]
+    return min(near, key=lambda entry: (entry.parameters, bool(entry.not_for_buildings), entry.error))
 
 
 def optimism(entries: Sequence[Finalist]) -> float:
     """By how much the lowest error is too low: the choice by four parts of the records scored on the fifth, less that by all
     scored on all; NaN for a single finalist or parts without scores."""
-    ranked = [one for one in entries if np.isfinite(one.error)]
-    table = np.array([[_mean_l1(fold) for fold in one.validations[0].folds] for one in ranked])
+    ranked = [entry for entry in entries if np.isfinite(entry.error)]
+    table = np.array([[_average_l1(fold) for fold in entry.validations[0].folds] for entry in ranked])
     if len(ranked) < 2 or not np.all(np.isfinite(table)):
         return float("nan")
     counts = np.array([len(fold.scores) for fold in ranked[0].validations[0].folds])
     sums = table * counts
+    # chosen by what the model predicts of all other parts, judged by this one
     apart = [int(np.argmin(sums.sum(axis=1) - sums[:, k])) for k in range(len(counts))]
     honest = sum(sums[m, k] for k, m in enumerate(apart)) / counts.sum()
     return float(honest - np.min(sums.sum(axis=1)) / counts.sum())
 
 
-def _mean_l1(fold: Fold) -> float:
-    return float(np.mean([one.l1 for one in fold.scores.values()])) if fold.scores else float("nan")
+def _average_l1(fold: Fold) -> float:
+    return float(np.mean([of_record.l1 for of_record in fold.scores.values()])) if fold.scores else float("nan")
 
 
-def _cut_words(screened: Sequence[Screened], missing: Sequence[str], seconds: float | None) -> str:
+def _describe_cut(screened: Sequence[Screened], missing: Sequence[str], seconds: float | None) -> str:
     """What a limit in seconds has cut, and how to go on."""
-    trials = [trial for one in screened for trial in one.trials]
+    trials = [trial for model in screened for trial in model.trials]
     done = sum(trial.reason != CUT for trial in trials)
     what = f"{counted(len(missing), 'finalist')} not validated" if missing else f"{done} of {len(trials)} trials done"
     return (
@@ -458,10 +465,10 @@ def _cut_words(screened: Sequence[Screened], missing: Sequence[str], seconds: fl
     )
 
 
-def _stopped(screened: Sequence[Screened], unfinished: Sequence[str], entries: Sequence[Finalist]) -> list[str]:
+def _describe_stops(screened: Sequence[Screened], unfinished: Sequence[str], entries: Sequence[Finalist]) -> list[str]:
     """What the work did not suffice for."""
     notes = []
-    trials = [trial.model for one in screened for trial in one.trials if OUT_OF_WORK in trial.reason]
+    trials = [trial.model for model in screened for trial in model.trials if OUT_OF_WORK in trial.reason]
     if trials:
         notes.append(
             f"the trial fits of {listing(trials, 3)} were stopped by the budget of work: their errors may be lower"
@@ -469,10 +476,10 @@ def _stopped(screened: Sequence[Screened], unfinished: Sequence[str], entries: S
     if unfinished:
         notes.append(f"no work was left to try more add-ons with {listing(unfinished, 3)}; give a larger budget")
     slow = [
-        one.model
-        for one in entries
-        if OUT_OF_WORK in one.reason
-        or any(OUT_OF_WORK in fold.reason for each in one.validations for fold in each.folds)
+        entry.model
+        for entry in entries
+        if OUT_OF_WORK in entry.reason
+        or any(OUT_OF_WORK in fold.reason for validation in entry.validations for fold in validation.folds)
     ]
     if slow:
         notes.append(
@@ -481,7 +488,7 @@ def _stopped(screened: Sequence[Screened], unfinished: Sequence[str], entries: S
     return notes
 
 
-def _nested_error(
+def _estimate_nested_error(
     records: list[Record],
     options: FitOptions,
     executor: Executor | None,

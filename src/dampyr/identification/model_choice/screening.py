@@ -67,10 +67,10 @@ class Screened(Shown):
     @property
     def best(self) -> Trial:
         """With the add-ons that were worth it."""
-        return min(self.trials, key=lambda one: one.error)
+        return min(self.trials, key=lambda trial: trial.error)
 
 
-def chosen_bandwidth(
+def choose_bandwidth(
     records: list[Record],
     options: FitOptions,
     executor: Executor | None = None,
@@ -115,10 +115,10 @@ def screen_all(
     for k in range(rounds):
         if not going or tally.used_up:
             break
-        plan = {base: _next_models(ends[base], add_ons, bare=k == 0) for base in going}
+        plan = {base: _extend(ends[base], add_ons, bare=k == 0) for base in going}
         # Each add-on with all models before the next one, so that a lack of work is the same for all.
         tried = range(max(map(len, plan.values())))
-        models = [model for n in tried for each in plan.values() for model in each[n : n + 1]]
+        models = [model for n in tried for planned in plan.values() for model in planned[n : n + 1]]
         tasks = [partial(trial, m, small, options) for m in models]
         results = parallel.run_all(
             tasks,
@@ -128,12 +128,12 @@ def screen_all(
             deadline,
         )
         why = NOT_BEGUN if tally.used_up else CUT
-        by_model = {m: one or Trial(m, math.inf, 0.0, why) for m, one in zip(models, results, strict=True)}
-        for base, each in plan.items():
-            trials[base] += [by_model[model] for model in each]
-        going = _still_going(going, trials, ends) if k + 1 < rounds else []
+        by_model = {m: done or Trial(m, math.inf, 0.0, why) for m, done in zip(models, results, strict=True)}
+        for base, planned in plan.items():
+            trials[base] += [by_model[model] for model in planned]
+        going = _select_contenders(going, trials, ends) if k + 1 < rounds else []
     progress(1.0)
-    unfinished = [base for base in bases if any(one.reason in (NOT_BEGUN, CUT) for one in trials[base])]
+    unfinished = [base for base in bases if any(done.reason in (NOT_BEGUN, CUT) for done in trials[base])]
     return [Screened(base, tuple(trials[base])) for base in bases], [
         *unfinished,
         *(ends[base] for base in going if base not in unfinished),
@@ -159,19 +159,20 @@ class _Tally:
         return self.sure <= 0 and self.spent > self.limit
 
 
-def _next_models(model: str, add_ons: Sequence[str], bare: bool) -> list[str]:
+def _extend(model: str, add_ons: Sequence[str], bare: bool) -> list[str]:
     """The model with one add-on more, whichever it does not hold yet; itself too where it is still bare."""
-    held = _held(model)
+    parts = compose(model).parts
+    held = {p.name for p in parts} | {inner for p in parts for inner in p.holds}
     return [model] * bare + [f"{model} + {a}" for a in add_ons if a not in held]
 
 
-def _still_going(going: list[str], trials: dict[str, list[Trial]], ends: dict[str, str]) -> list[str]:
+def _select_contenders(going: list[str], trials: dict[str, list[Trial]], ends: dict[str, str]) -> list[str]:
     """The models that the last add-on was worth it for and that are not far behind the best; ``ends`` follows them."""
-    lead = min(one.error for tried in trials.values() for one in tried)
+    lead = min(trial.error for tried in trials.values() for trial in tried)
     remaining = []
     for base in going:
         before = min((t.error for t in trials[base] if t.model == ends[base]), default=float("inf"))
-        best = min(trials[base], key=lambda one: one.error)
+        best = min(trials[base], key=lambda trial: trial.error)
         if best.model != ends[base] and best.error < (1.0 - WORTH) * before:
             ends[base] = best.model
             if best.error <= CONTENDING * lead:
@@ -179,21 +180,15 @@ def _still_going(going: list[str], trials: dict[str, list[Trial]], ends: dict[st
     return remaining
 
 
-def _held(model: str) -> set[str]:
-    """The parts of a model, and the add-ons that they have inside."""
-    parts = compose(model).parts
-    return {p.name for p in parts} | {held for p in parts for held in p.holds}
-
-
-def of_model(options: FitOptions, model: str | Composition | Damper) -> FitOptions:
+def hold_pairs(options: FitOptions, model: str | Composition | Damper) -> FitOptions:
     """The options, with what a pair of parts within ``model`` holds unless one of them names it."""
     laws = options.laws if isinstance(options.laws, Mapping) else {}
     named = {*options.fixed, *laws, *options.tied, *options.tied.values()}
-    held = {name: value for name, value in held_in(model).items() if name not in named}
+    held = {name: value for name, value in list_held(model).items() if name not in named}
     return replace(options, fixed=held | dict(options.fixed)) if held else options
 
 
-def held_in(model: str | Composition | Damper) -> dict[str, float]:
+def list_held(model: str | Composition | Damper) -> dict[str, float]:
     """The parameters that a pair within ``model`` holds, in SI units."""
     composition = compose(model) if isinstance(model, str) else model
     parts = set((composition.composition if isinstance(composition, Damper) else composition).names)
@@ -207,9 +202,9 @@ def trial(model: str, small: list[Record], options: FitOptions) -> Trial:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DampyrWarning)  # of a model that may never be chosen
-            validations = validations_of(model, small, replace(options, folds=2, steps=STEPS))
-        reasons = [reason for one in validations for reason in one.failed.values()]
-        folds = [fold for one in validations for fold in one.folds]
+            validations = validate_model(model, small, replace(options, folds=2, steps=STEPS))
+        reasons = [reason for validation in validations for reason in validation.failed.values()]
+        folds = [fold for validation in validations for fold in validation.folds]
         reasons += [fold.reason for fold in folds if OUT_OF_WORK in fold.reason or OUT_OF_TIME in fold.reason]
         work = sum(fold.work for fold in folds)
         return Trial(model, validation_error(validations), time.perf_counter() - begun, "; ".join(reasons[:1]), work)
@@ -217,11 +212,15 @@ def trial(model: str, small: list[Record], options: FitOptions) -> Trial:
         return Trial(model, float("inf"), time.perf_counter() - begun, str(problem))
 
 
-def validations_of(model: str, records: list[Record], options: FitOptions) -> list[Validation]:
-    """By record, and by input where there are three or more."""
-    options = replace(options, fixed=held_in(model))
-    splits = ["record"] + ["input"] * (len({record.input_value for record in records}) > 2)
-    return [cross_validate(records, model, split, options) for split in splits]
+def validate_model(model: str, records: list[Record], options: FitOptions) -> list[Validation]:
+    """The validations of one model by `choose_splits` the records."""
+    options = replace(options, fixed=list_held(model))
+    return [cross_validate(records, model, split, options) for split in choose_splits(records)]
+
+
+def choose_splits(records: Sequence[Record]) -> list[str]:
+    """The splits that a model is ranked by: by record, and by input where there are three or more."""
+    return ["record"] + ["input"] * (len({record.input_value for record in records}) > 2)
 
 
 def validation_error(validations: Sequence[Validation]) -> float:
@@ -242,18 +241,16 @@ def screening_set(records: Sequence[Record], bandwidth: float | None = None) -> 
     for record in records:
         groups.setdefault(float(record.input_value or 0.0), []).append(record)
     chosen: list[Record] = []
-    for _, some in sorted(groups.items()):
-        ranked = sorted(some, key=_speed)
+    for _, at_input in sorted(groups.items()):
+        ranked = sorted(at_input, key=_measure_speed)
         places = np.unique(np.round(np.linspace(0, len(ranked) - 1, PER_INPUT)).astype(int))
-        chosen += [shortened(_moving(ranked[k], bandwidth)) for k in places]
+        for record in (ranked[k] for k in places):
+            as_recorded = record.velocity is not None and bandwidth is None
+            chosen.append(shortened(record if as_recorded else with_velocity(record, bandwidth)))
     return chosen
 
 
-def _moving(record: Record, bandwidth: float | None) -> Record:
-    return record if record.velocity is not None and bandwidth is None else with_velocity(record, bandwidth)
-
-
-def _speed(record: Record) -> float:
+def _measure_speed(record: Record) -> float:
     return float(np.sqrt(np.mean(np.gradient(record.displacement, record.time) ** 2)))
 
 

@@ -62,50 +62,51 @@ class CandidateMotion:
         return f"a {self.kind} of {size}, {f},"
 
 
-def envelope_of(pieces: Sequence[Piece]) -> MotionReach:
+def measure_reach(pieces: Sequence[Piece]) -> MotionReach:
     """What several records reach together."""
-    speed = max(float(np.quantile(np.abs(one.v), PEAK)) for one in pieces)
-    acceleration = max(float(np.quantile(np.abs(np.gradient(one.v, one.t)), PEAK)) for one in pieces)
-    return MotionReach(max(0.5 * float(np.ptp(one.x)) for one in pieces), speed, acceleration)
+    speed = max(float(np.quantile(np.abs(piece.v), PEAK)) for piece in pieces)
+    acceleration = max(float(np.quantile(np.abs(np.gradient(piece.v, piece.t)), PEAK)) for piece in pieces)
+    return MotionReach(max(0.5 * float(np.ptp(piece.x)) for piece in pieces), speed, acceleration)
 
 
 def candidate_motions(envelope: MotionReach, beyond: float = 1.0) -> Iterator[CandidateMotion]:
     """Sines, triangles, two sines and random motions inside an envelope; the stroke may be ``beyond`` times as large."""
     for share in AMPLITUDES:
-        amplitude = _rounded(beyond * share * envelope.amplitude)
+        amplitude = _round_down(beyond * share * envelope.amplitude)
         fastest = min(envelope.speed, math.sqrt(envelope.acceleration * amplitude))
         for part in SPEEDS:
-            frequency = _rounded(part * fastest / (2.0 * math.pi * amplitude))
-            yield _made("sine", amplitude, frequency)
+            frequency = _round_down(part * fastest / (2.0 * math.pi * amplitude))  # 2 pi f a is the peak speed
+            yield _make_motion("sine", amplitude, frequency)
         for part in SPEEDS[1:]:
-            yield _made("triangle", amplitude, _rounded(part * envelope.speed / (4.0 * amplitude)))
+            # four amplitudes a period, at constant speed; its corners ask for no acceleration that a drive has to follow
+            yield _make_motion("triangle", amplitude, _round_down(part * envelope.speed / (4.0 * amplitude)))
         if share >= 0.5:
-            yield _made("two sines", amplitude, _two_sines_frequency(envelope, amplitude))
-            yield _made("random", amplitude, _random_frequency(envelope, amplitude))
+            yield _make_motion("two sines", amplitude, _limit_two_sines(envelope, amplitude))
+            yield _make_motion("random", amplitude, _limit_random(envelope, amplitude))
 
 
-def _rounded(value: float) -> float:
+def _round_down(value: float) -> float:
     """Two digits, downwards, so that a proposal that is read from a page stays inside the envelope."""
     digits = 10.0 ** (math.floor(math.log10(value)) - 1)
     return float(f"{math.floor(value / digits + 1e-9) * digits:.6g}")
 
 
-def _two_sines_frequency(envelope: MotionReach, amplitude: float) -> float:
+def _limit_two_sines(envelope: MotionReach, amplitude: float) -> float:
     slow, fast = (1.0 - SHARE) * amplitude, SHARE * amplitude
     by_speed = envelope.speed / (2.0 * math.pi * (slow + RATIO * fast))
     by_acceleration = math.sqrt(envelope.acceleration / (slow + RATIO**2 * fast)) / (2.0 * math.pi)
-    return _rounded(min(by_speed, by_acceleration))
+    return _round_down(min(by_speed, by_acceleration))
 
 
-def _random_frequency(envelope: MotionReach, amplitude: float) -> float:
+def _limit_random(envelope: MotionReach, amplitude: float) -> float:
     """The highest one of a random motion inside the envelope: its speed goes with it, its acceleration with its square."""
-    one = _made("random", amplitude, 1.0)
-    by_speed = envelope.speed / float(np.max(np.abs(one.v)))
-    by_acceleration = math.sqrt(envelope.acceleration / float(np.max(np.abs(np.gradient(one.v, one.t)))))
-    return _rounded(min(by_speed, by_acceleration))
+    tried = _make_motion("random", amplitude, 1.0)
+    by_speed = envelope.speed / float(np.max(np.abs(tried.v)))
+    by_acceleration = math.sqrt(envelope.acceleration / float(np.max(np.abs(np.gradient(tried.v, tried.t)))))
+    return _round_down(min(by_speed, by_acceleration))
 
 
-def _made(kind: str, amplitude: float, frequency: float) -> CandidateMotion:
+def _make_motion(kind: str, amplitude: float, frequency: float) -> CandidateMotion:
     periods, fastest = PERIODS.get(kind, (CYCLES, 1.0))
     t = np.linspace(0.0, periods / frequency, int(periods * fastest * PER_CYCLE))
     w = 2.0 * math.pi * frequency * t

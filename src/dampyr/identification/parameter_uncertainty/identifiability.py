@@ -1,11 +1,11 @@
 r"""What the records of a fit cannot separate, and the test that would.
 
-*Pairs.* Two numbers whose effects on the force look alike on these motions trade against each other: in the information of
-the records (the nuisances eliminated) their correlation r is beyond `ALIKE`, and each interval is :math:`1/\sqrt{1 - r^2}`
-times as wide as if the other were known. The fit's clustered errors with and without the other say the same from how the
-records scatter; of few records that is rough. For each pair, motions that the same drive could make are tried: the
-information that the model expects from one more record of each, counted as the other records are, is added, and the motion
-that narrows both intervals most is proposed.
+*Pairs.* Two numbers whose effects on the force look alike on these motions trade against each other: in the information of the
+records (the nuisances eliminated) their correlation r is beyond ``trading`` of the fit's thresholds, and each interval is
+:math:`1/\sqrt{1 - r^2}` times as wide as if the other were known. The fit's clustered errors with and without the other say
+the same from how the records scatter; of few records that is rough. For each pair, motions that the same drive could make are
+tried: the information that the model expects from one more record of each, counted as the other records are, is added, and the
+motion that narrows both intervals most is proposed.
 
 *Amplitude and frequency* that go together leave open whether a residual, or a parameter, follows one or the other. *Voltage and
 measurement session* cannot be told apart where every input was measured in a session of its own: what changed between two days
@@ -21,14 +21,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.identification.fits.diagnostics import CONFOUNDED
+from dampyr.identification.fits.diagnostics import signed
 from dampyr.identification.fits.residuals import motion
 from dampyr.identification.fits.result import Fit
 from dampyr.identification.parameter_uncertainty.candidate_motions import (
     PEAK,
     CandidateMotion,
     candidate_motions,
-    envelope_of,
+    measure_reach,
 )
 from dampyr.identification.parameter_uncertainty.profile_likelihood import scaled_inverse
 from dampyr.identification.parameter_uncertainty.uncertainty import MIN_RECORDS, uncertainty
@@ -42,7 +42,6 @@ from dampyr.records import Record
 from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
-ALIKE = 0.8  # correlation by the motions: beyond it an interval is 1.7 times as wide as if the other were known
 MAX_PAIRS = 12  # that are looked into, the strongest first
 WORTH = 0.9  # of the width that another record like those at hand would leave: less of a gain is not worth a new motion
 SIMPLER = 1.1  # times the width of the best motion that a sine may leave and still be proposed
@@ -81,7 +80,7 @@ class Identifiability(Shown):
     @property
     def lines(self) -> tuple[str, ...]:
         """A short line for each finding."""
-        return tuple(one.brief for one in self.inseparable)
+        return tuple(finding.brief for finding in self.inseparable)
 
 
 def identifiability(fit: Fit) -> Identifiability:
@@ -90,19 +89,20 @@ def identifiability(fit: Fit) -> Identifiability:
     The correlations and widths are those of the fitted model; where the model misses the damper's behaviour they describe the
     model.
     """
-    results: list[Inseparable] = [
-        *_not_determined(fit),
-        *_pairs(fit),
-        *_amplitude_and_frequency(fit),
-        *_input_and_session(fit),
-    ]
-    return Identifiability(tuple(results))
+    return Identifiability(
+        (
+            *_list_undetermined(fit),
+            *_list_pairs(fit),
+            *_compare_amplitude_with_frequency(fit),
+            *_compare_input_with_session(fit),
+        )
+    )
 
 
 # ----------------------------------------------------------------------------------------------------------------- numbers
 
 
-def _not_determined(fit: Fit) -> list[Inseparable]:
+def _list_undetermined(fit: Fit) -> list[Inseparable]:
     """Directions of each block that the records do not determine, numbers at limits, and numbers of few records."""
     labels, results = list(fit.parameters), list[Inseparable]()
     limits = [label for label, error in fit.stderr.items() if math.isnan(error)]
@@ -113,65 +113,67 @@ def _not_determined(fit: Fit) -> list[Inseparable]:
             Inseparable("at a limit", tuple(limits), f"{names} of the allowed values", test, f"{names}: {test}")
         )
     for block in fit.optimum.blocks:
-        own = [labels[place] for place in block.places]
-        if any(math.isinf(fit.stderr[label]) for label in own):
-            results += _directions(fit, block, own)
+        own_labels = [labels[place] for place in block.places]
+        if any(math.isinf(fit.stderr[label]) for label in own_labels):
+            results += _list_directions(fit, block, own_labels)
     few = list(fit.within_records)
     if few:
         count = min(fit.within_records.values())
         by = f"{counted(count, 'record')} {'determines' if count == 1 else 'determine'}"
-        words = f"how records differ is not known for {listing(few, 4)}, which {by}"
+        text = f"how records differ is not known for {listing(few, 4)}, which {by}"
         test = f"record {MIN_RECORDS} or more at each {INPUTS[fit.problem.pieces[0].unit]}"
         brief = f"{by} {listing(few, 3)}: {test}"
-        results.append(Inseparable("few records", tuple(few), words, test, brief, {"records": float(count)}))
+        results.append(Inseparable("few records", tuple(few), text, test, brief, {"records": float(count)}))
     return results
 
 
-def _directions(fit: Fit, block: Optimum, own: list[str]) -> list[Inseparable]:
+def _list_directions(fit: Fit, block: Optimum, labels: list[str]) -> list[Inseparable]:
     """The directions without information, by the numbers that take part in them."""
     H = block.information
     scale = np.sqrt(np.maximum(np.diag(H), 0.0))
-    alone = [k for k in range(len(own)) if scale[k] <= math.sqrt(SINGULAR) * max(float(scale.max(initial=0.0)), 1e-300)]
-    results = [_undetermined(fit, block, (own[k],)) for k in alone]
-    rest = [k for k in range(len(own)) if k not in alone]
+    alone = [
+        k for k in range(len(labels)) if scale[k] <= math.sqrt(SINGULAR) * max(float(scale.max(initial=0.0)), 1e-300)
+    ]
+    results = [_describe_undetermined(fit, block, (labels[k],)) for k in alone]
+    rest = [k for k in range(len(labels)) if k not in alone]
     if rest:
         unit = np.outer(scale[rest], scale[rest])
         values, vectors = np.linalg.eigh(H[np.ix_(rest, rest)] / unit)
         for value, direction in zip(values, vectors.T, strict=True):
             if value <= SINGULAR * float(values.max()):
                 results.append(
-                    _undetermined(fit, block, tuple(own[rest[k]] for k in np.flatnonzero(np.abs(direction) > PART)))
+                    _describe_undetermined(
+                        fit, block, tuple(labels[rest[k]] for k in np.flatnonzero(np.abs(direction) > PART))
+                    )
                 )
-    named = {label for one in results for label in one.labels}
-    missing = [label for label in own if math.isinf(fit.stderr[label]) and label not in named]
+    named = {label for finding in results for label in finding.labels}
+    missing = [label for label in labels if math.isinf(fit.stderr[label]) and label not in named]
     if missing:
-        words = (
-            f"{listing(missing, 4)} {'has' if len(missing) == 1 else 'have'} no error: too few cycles determine them"
-        )
+        text = f"{listing(missing, 4)} {'has' if len(missing) == 1 else 'have'} no error: too few cycles determine them"
         test = "record longer tests"
-        results.append(Inseparable("not determined", tuple(missing), words, test, f"{words}: {test}"))
+        results.append(Inseparable("not determined", tuple(missing), text, test, f"{text}: {test}"))
     return results
 
 
-def _undetermined(fit: Fit, block: Optimum, labels: tuple[str, ...]) -> Inseparable:
+def _describe_undetermined(fit: Fit, block: Optimum, labels: tuple[str, ...]) -> Inseparable:
     """Numbers of which the records determine at most a combination, and the first motion that would determine them."""
     names = listing(list(labels), 4)
     combined = f"only a combination of {names} is determined"
-    words = combined if len(labels) > 1 else f"the records do not determine {names}"
+    text = combined if len(labels) > 1 else f"the records do not determine {names}"
     places = [block.places.index(list(fit.parameters).index(label)) for label in labels]
     for beyond in (1.0, *BEYOND):
-        (candidates,) = _candidates(fit.optimum, [block], beyond)
-        shares = [_share(block.information + candidate.information, places) for candidate in candidates]
+        (candidates,) = _weigh_candidates(fit.optimum, [block], beyond)
+        shares = [_measure_determination(block.information + candidate.information, places) for candidate in candidates]
         best, share = max(zip(candidates, shares, strict=True), key=lambda pair: pair[1])
         if share > DETERMINED:
             more = "" if beyond == 1.0 else f", {beyond:g} times the stroke of these records,"
             at = f"{best.motion.in_words()} at {best.input:g} {block.problem.pieces[0].unit}{more}"
-            return Inseparable("not determined", labels, words, f"{at} would", f"{words}; test {at}")
+            return Inseparable("not determined", labels, text, f"{at} would", f"{text}; test {at}")
     test = "none of the motions that were tried would: fix one of them (fixed=)"
-    return Inseparable("not determined", labels, words, test, f"{words}; fix one of them")
+    return Inseparable("not determined", labels, text, test, f"{text}; fix one of them")
 
 
-def _share(information: Array, places: list[int]) -> float:
+def _measure_determination(information: Array, places: list[int]) -> float:
     """How well numbers are determined: the smallest eigenvalue of their scaled information, or its share where it is one."""
     d = np.sqrt(np.maximum(np.diag(information), 1e-300))
     if len(places) == 1:
@@ -179,21 +181,21 @@ def _share(information: Array, places: list[int]) -> float:
     return float(np.linalg.eigvalsh((information / np.outer(d, d))[np.ix_(places, places)]).min())
 
 
-def _pairs(fit: Fit) -> list[Inseparable]:
+def _list_pairs(fit: Fit) -> list[Inseparable]:
     """Pairs of numbers that trade against each other on these motions."""
     labels, pairs = list(fit.parameters), list[_Pair]()
     for block in fit.optimum.blocks:
         usable = [k for k, place in enumerate(block.places) if math.isfinite(fit.stderr[labels[place]])]
-        r = _correlation(scaled_inverse(block.information[np.ix_(usable, usable)]))
-        alike = [(i, j) for j in range(len(usable)) for i in range(j) if abs(r[i, j]) >= ALIKE]
+        r = _correlate(scaled_inverse(block.information[np.ix_(usable, usable)]))
+        alike = [(i, j) for j in range(len(usable)) for i in range(j) if abs(r[i, j]) >= fit.thresholds.trading]
         pairs += [_Pair(block, usable, places, float(r[places])) for places in alike]
     pairs = sorted(pairs, key=lambda pair: -abs(pair.correlation))[:MAX_PAIRS]
     blocks = [block for block in fit.optimum.blocks if any(pair.block is block for pair in pairs)]
-    candidates = dict(zip(blocks, _candidates(fit.optimum, blocks), strict=True))
-    return [_pair_in_words(fit, pair, candidates[pair.block]) for pair in pairs]
+    candidates = dict(zip(blocks, _weigh_candidates(fit.optimum, blocks), strict=True))
+    return [_describe_pair(fit, pair, candidates[pair.block]) for pair in pairs]
 
 
-def _correlation(covariance: Array) -> Array:
+def _correlate(covariance: Array) -> Array:
     d = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     return np.asarray(covariance / np.outer(d, d))
 
@@ -208,40 +210,39 @@ class _Pair:
     correlation: float
 
 
-def _pair_in_words(fit: Fit, pair: _Pair, candidates: list[_Candidate]) -> Inseparable:
+def _describe_pair(fit: Fit, pair: _Pair, candidates: list[_Candidate]) -> Inseparable:
     labels, block, r = list(fit.parameters), pair.block, pair.correlation
     a, b = (pair.usable[place] for place in pair.places)
     places = block.places[a], block.places[b]
-    one, other = (labels[place] for place in places)
+    first, second = (labels[place] for place in places)
     between = float(fit.correlation[places])
     held = tuple(k for k in range(len(block.places)) if k not in pair.usable)
-    wider = [_wider(fit, block, (*held, fixed), k) for k, fixed in ((a, b), (b, a))]
+    wider = [_measure_widening(fit, block, (*held, fixed), k) for k, fixed in ((a, b), (b, a))]
     alone = 1.0 / math.sqrt(max(1.0 - r**2, 1e-12))
-    of_errors = f", {_signed(between)} by the records' scatter" if math.isfinite(between) else ""
-    words = (
-        f"{one} and {other} trade against each other on these motions (correlation {_signed(r)}{of_errors}): each interval is "
-        f"{alone:.2g} times as wide as if the other were known ({wider[0]:.2g} and {wider[1]:.2g} times by this fit's errors)"
+    of_errors = f", {signed(between)} by the records' scatter" if math.isfinite(between) else ""
+    text = (
+        f"{first} and {second} trade against each other on these motions (correlation {signed(r)}{of_errors}): each interval "
+        f"is {alone:.2g} times as wide as if the other were known ({wider[0]:.2g} and {wider[1]:.2g} times by this fit's "
+        "errors)"
     )
     numbers = {
         "correlation": r,
         "correlation_of_errors": between,
         "wider": alone,
-        f"wider {one}": wider[0],
-        f"wider {other}": wider[1],
+        f"wider {first}": wider[0],
+        f"wider {second}": wider[1],
     }
-    brief = (
-        f"{one} and {other}: correlation {_signed(r)}, each interval {alone:.2g} times as wide as with the other known"
-    )
-    best = _best_test(pair, candidates)
+    brief = f"{first} and {second}: correlation {signed(r)}, each interval {alone:.2g} times as wide as with the other known"
+    best = _choose_test(pair, candidates)
     if best is None:
         test = "no motion that was tried within the stroke and speed of these records would do more than a repeat"
-        return Inseparable("pair", (one, other), words, test, brief, numbers)
+        return Inseparable("pair", (first, second), text, test, brief, numbers)
     candidate, after, narrower, repeated = best
     tried, u = candidate.motion, candidate.input
     at = f"{tried.in_words()} at {u:g} {block.problem.pieces[0].unit}"
-    less, by_repeat = [f"{100 * (1 - each):.0f}" for each in narrower], f"{100 * (1 - repeated):.0f} %"
+    less, by_repeat = [f"{100 * (1 - width):.0f}" for width in narrower], f"{100 * (1 - repeated):.0f} %"
     test = (
-        f"{at} would: correlation {_signed(after)}, intervals narrower by {less[0]} and {less[1]} % ({by_repeat} by one more "
+        f"{at} would: correlation {signed(after)}, intervals narrower by {less[0]} and {less[1]} % ({by_repeat} by one more "
         "test like these)"
     )
     brief += f"; {at} would narrow them by {less[0]} and {less[1]} %"
@@ -250,24 +251,20 @@ def _pair_in_words(fit: Fit, pair: _Pair, candidates: list[_Candidate]) -> Insep
         "amplitude": tried.amplitude,
         "frequency": tried.frequency,
         "correlation_with_the_test": after,
-        f"narrower {one}": narrower[0],
-        f"narrower {other}": narrower[1],
+        f"narrower {first}": narrower[0],
+        f"narrower {second}": narrower[1],
         "narrower by a repeat": repeated,
     }
-    return Inseparable("pair", (one, other), words, test, brief, numbers)
+    return Inseparable("pair", (first, second), text, test, brief, numbers)
 
 
-def _wider(fit: Fit, block: Optimum, held: tuple[int, ...], k: int) -> float:
+def _measure_widening(fit: Fit, block: Optimum, held: tuple[int, ...], k: int) -> float:
     """The fit's standard error of the number ``k`` of a block over what it would be with those ``held`` known."""
     alone = float(np.sqrt(uncertainty(block, held).covariance[k, k]))
     return fit.stderr[list(fit.parameters)[block.places[k]]] / alone if alone > 0.0 else math.nan
 
 
-def _signed(value: float) -> str:
-    return f"{value:.2f}".replace("-", "−")
-
-
-def _best_test(
+def _choose_test(
     pair: _Pair, candidates: list[_Candidate]
 ) -> tuple[_Candidate, float, tuple[float, float], float] | None:
     """The test that narrows both intervals most: the correlation after it, what is left of both widths, and what one more
@@ -283,7 +280,7 @@ def _best_test(
         if candidate.motion.kind != "sine":  # every drive makes a sine
             score *= SIMPLER
         if best is None or score < best[0]:
-            best = score, candidate, float(_correlation(after)[pair.places]), (float(left[0]), float(left[1]))
+            best = score, candidate, float(_correlate(after)[pair.places]), (float(left[0]), float(left[1]))
     if best is None or best[0] >= WORTH * repeated:
         return None
     return *best[1:], repeated
@@ -298,13 +295,13 @@ class _Candidate:
     information: Array
 
 
-def _candidates(optimum: Optimum, blocks: Sequence[Optimum], beyond: float = 1.0) -> list[list[_Candidate]]:
+def _weigh_candidates(optimum: Optimum, blocks: Sequence[Optimum], beyond: float = 1.0) -> list[list[_Candidate]]:
     """The tests that could be made for each of some blocks, linearised all together.
 
     A record of each counts as those at hand do, its nuisances are eliminated. ``beyond`` as in `candidate_motions`.
     """
-    tests = [(block, tried, u) for block in blocks for tried, u in _motions_and_inputs(block.problem, beyond)]
-    pieces = [_candidate_piece(block.problem, tried, u) for block, tried, u in tests]
+    tests = [(block, tried, u) for block in blocks for tried, u in _list_motions_and_inputs(block.problem, beyond)]
+    pieces = [_make_piece(block.problem, tried, u) for block, tried, u in tests]
     if not pieces:
         return []
     problem = replace(optimum.problem, pieces=pieces)
@@ -325,20 +322,20 @@ def _candidates(optimum: Optimum, blocks: Sequence[Optimum], beyond: float = 1.0
     return list(candidates.values())
 
 
-def _motions_and_inputs(problem: Problem, beyond: float) -> list[tuple[CandidateMotion, float]]:
+def _list_motions_and_inputs(problem: Problem, beyond: float) -> list[tuple[CandidateMotion, float]]:
     """Motions and inputs that are tried for a block."""
-    inputs = sorted({round(float(np.mean(one.u)), 6) for one in problem.pieces})
+    inputs = sorted({round(float(np.mean(piece.u)), 6) for piece in problem.pieces})
     if len(inputs) > INPUTS_TRIED:
         inputs = [inputs[k] for k in np.unique(np.linspace(0, len(inputs) - 1, INPUTS_TRIED).round().astype(int))]
-    exact = {round(float(np.mean(one.u)), 6): one.u for one in problem.pieces if not np.ndim(one.u)}
-    motions = list(candidate_motions(envelope_of(problem.pieces), beyond))
-    return [(one, float(exact.get(u, u))) for u in inputs for one in motions]
+    exact = {round(float(np.mean(piece.u)), 6): piece.u for piece in problem.pieces if not np.ndim(piece.u)}
+    motions = list(candidate_motions(measure_reach(problem.pieces), beyond))
+    return [(tried, float(exact.get(u, u))) for u in inputs for tried in motions]
 
 
-def _candidate_piece(problem: Problem, motion: CandidateMotion, u: float) -> Piece:
+def _make_piece(problem: Problem, motion: CandidateMotion, u: float) -> Piece:
     """A motion as a record of a block whose force spreads by 1 N, with the median weight of the block's records."""
     n = motion.t.size
-    whole = float(np.median([np.mean(one.weight**2) * one.spread**2 * one.count for one in problem.pieces]))
+    whole = float(np.median([np.mean(piece.weight**2) * piece.spread**2 * piece.count for piece in problem.pieces]))
     return Piece(
         name="candidate",
         t=motion.t,
@@ -350,14 +347,14 @@ def _candidate_piece(problem: Problem, motion: CandidateMotion, u: float) -> Pie
         spread=1.0,
         cycle=np.zeros(n, dtype=np.int64),
         unit=problem.pieces[0].unit,
-        temperature=float(np.mean([one.temperature for one in problem.pieces])),
+        temperature=float(np.mean([piece.temperature for piece in problem.pieces])),
     )
 
 
 # ----------------------------------------------------------------------------------------------------------------- design
 
 
-def _amplitude_and_frequency(fit: Fit) -> list[Inseparable]:
+def _compare_amplitude_with_frequency(fit: Fit) -> list[Inseparable]:
     """The inputs at which amplitude and frequency of the records go together."""
     from scipy.stats import spearmanr
 
@@ -365,13 +362,13 @@ def _amplitude_and_frequency(fit: Fit) -> list[Inseparable]:
     for record in fit.records:
         stroke, frequency = motion(record)
         if math.isfinite(frequency):
-            groups.setdefault(_level(record), []).append((0.5 * stroke, frequency))
+            groups.setdefault(_round_input(record), []).append((0.5 * stroke, frequency))
     bound: dict[float, float] = {}
-    for u, some in groups.items():
-        table = np.log(np.array(some))
-        if len(some) >= MIN_TRIED and np.all(np.ptp(table, axis=0) > 0.0):
+    for u, sizes in groups.items():
+        table = np.log(np.array(sizes))
+        if len(sizes) >= MIN_TRIED and np.all(np.ptp(table, axis=0) > 0.0):
             r = float(spearmanr(table[:, 0], table[:, 1])[0])
-            if abs(r) >= CONFOUNDED:
+            if abs(r) >= fit.thresholds.confounded:
                 bound[u] = r
     if not bound:
         return []
@@ -383,8 +380,8 @@ def _amplitude_and_frequency(fit: Fit) -> list[Inseparable]:
     more = np.vstack((tested, [[amplitude, frequency]] * 2))
     after = float(spearmanr(more[:, 0], more[:, 1])[0])
     where = f"{listing([f'{u:.4g}' for u in sorted(bound)], 8)} {unit}"
-    rank = f"rank correlation {_signed(bound[worst])}"
-    words = (
+    rank = f"rank correlation {signed(bound[worst])}"
+    text = (
         f"amplitude and frequency go together at {where} ({rank} at {worst:.4g} {unit}): what looks like an effect of one may "
         "be an effect of the other"
     )
@@ -392,7 +389,7 @@ def _amplitude_and_frequency(fit: Fit) -> list[Inseparable]:
     edge = "lowest" if bound[worst] < 0.0 else "highest"
     test = (
         f"tests off that line would, such as two of {at} (the smallest stroke at the {edge} frequency; rank correlation "
-        f"{_signed(after)} with them)"
+        f"{signed(after)} with them)"
     )
     brief = f"amplitude and frequency at {where}: {rank}; test {at}"
     numbers = {
@@ -402,16 +399,16 @@ def _amplitude_and_frequency(fit: Fit) -> list[Inseparable]:
         "frequency": frequency,
         "correlation_with_the_test": after,
     }
-    return [Inseparable("amplitude and frequency", (), words, test, brief, numbers)]
+    return [Inseparable("amplitude and frequency", (), text, test, brief, numbers)]
 
 
-def _input_and_session(fit: Fit) -> list[Inseparable]:
+def _compare_input_with_session(fit: Fit) -> list[Inseparable]:
     """Inputs that share no measurement session, directly or through others."""
     unit, kind = fit.problem.pieces[0].unit, SESSION_FINDING
     word = INPUTS[unit]
-    both = zip(fit.records, fit.problem.pieces, strict=True)
-    records = [record for record, one in both if not np.ndim(one.u)]
-    inputs = sorted({_level(record) for record in records})
+    fitted = zip(fit.records, fit.problem.pieces, strict=True)
+    records = [record for record, piece in fitted if not np.ndim(piece.u)]
+    inputs = sorted({_round_input(record) for record in records})
     if len(inputs) < 2:
         return []
     labels = tuple(label for label in fit.parameters if " @ " in label)
@@ -421,44 +418,44 @@ def _input_and_session(fit: Fit) -> list[Inseparable]:
     if silent:
         low, high = inputs[0], inputs[-1]
         without = f"{len(silent)} of {len(records)} records name no session"
-        words = f"{apart}: {without}, so what changed between days {like_a_law}"
-        sentinel = f"{_sentinel([record for record in records if _level(record) == low])} ({low:g} {unit})"
+        text = f"{apart}: {without}, so what changed between days {like_a_law}"
+        sentinel = f"{_choose_sentinel([record for record in records if _round_input(record) == low])} ({low:g} {unit})"
         repeat = f"repeat {sentinel} in the session of {high:g} {unit}"
         test = f"state the session of each record (measurement_session); where each {word} has a session of its own, {repeat}"
         brief = f"{word} and session: {without}; state it, and {repeat}"
         return [
-            Inseparable(kind, labels, words, test, brief, {"inputs": float(len(inputs)), "without": float(len(silent))})
+            Inseparable(kind, labels, text, test, brief, {"inputs": float(len(inputs)), "without": float(len(silent))})
         ]
-    parts = _connected(records)
+    parts = _connect(records)
     if len(parts) < 2:
         return []
     named = [f"{listing([f'{u:g}' for u in sorted(us)], 4)} {unit} in {listing(sorted(ss), 3)}" for us, ss in parts]
     shown = listing(named, 3)
-    words = f"{apart}: {shown}; what changed between these sessions {like_a_law}"
+    text = f"{apart}: {shown}; what changed between these sessions {like_a_law}"
     at, session = max(parts[0][0]), sorted(parts[1][1])[0]
-    sentinel = f"{_sentinel([record for record in records if _level(record) == at])} ({at:g} {unit})"
+    sentinel = f"{_choose_sentinel([record for record in records if _round_input(record) == at])} ({at:g} {unit})"
     more = ", and one test in each of the others" if len(parts) > 2 else ""
     test = f"repeat {sentinel} in session {session}{more}"
     numbers = {"inputs": float(len(inputs)), "parts": float(len(parts))}
-    return [Inseparable(kind, labels, words, test, f"{word} and session: {shown}; {test}", numbers)]
+    return [Inseparable(kind, labels, text, test, f"{word} and session: {shown}; {test}", numbers)]
 
 
-def _level(record: Record) -> float:
+def _round_input(record: Record) -> float:
     """The input of a record, without rounding errors."""
     return round(record.input_value or 0.0, 6)
 
 
-def _sentinel(records: Sequence[Record]) -> str:
+def _choose_sentinel(records: Sequence[Record]) -> str:
     """The record in the middle of its input's speeds: neither the slowest nor the fastest says most of a level."""
-    speeds = [float(np.quantile(np.abs(np.gradient(one.displacement, one.time)), PEAK)) for one in records]
+    speeds = [float(np.quantile(np.abs(np.gradient(record.displacement, record.time)), PEAK)) for record in records]
     return records[int(np.argsort(speeds)[len(speeds) // 2])].name
 
 
-def _connected(records: Sequence[Record]) -> list[tuple[set[float], set[str]]]:
+def _connect(records: Sequence[Record]) -> list[tuple[set[float], set[str]]]:
     """Groups of inputs and sessions that are joined by records, by the lowest input."""
     parts: list[tuple[set[float], set[str]]] = []
     for record in records:
-        u, session = _level(record), str(record.measurement_session)
+        u, session = _round_input(record), str(record.measurement_session)
         joined = [part for part in parts if u in part[0] or session in part[1]]
         inputs = {u}.union(*(part[0] for part in joined))
         sessions = {session}.union(*(part[1] for part in joined))

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from dampyr.identification.parameter_uncertainty.uncertainty import Uncertainty, record_groups
 from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Problem
+from dampyr.models.damper import INPUTS
 from dampyr.models.prediction_error import PredictionError, ShapeError, assumed_words, phase_basis, spread_words
 from dampyr.phrases import counted, listing, percent
 from dampyr.records import Record
@@ -94,61 +95,59 @@ class Levels(Shown):
         from scipy.stats import t
 
         moved = self.session_sd * float(np.linalg.norm(self.by_session[:, number]))
-        own, sessions = t.ppf(0.5 + 0.5 * level, [freedom, self.session_freedom])
-        return math.hypot(own * error, sessions * moved)
+        quantile_of_error, quantile_of_sessions = t.ppf(0.5 + 0.5 * level, [freedom, self.session_freedom])
+        return math.hypot(quantile_of_error * error, quantile_of_sessions * moved)
 
 
-def levels_and_error(
+def estimate_levels(
     optimum: Optimum, uncertainty: Uncertainty, records: Sequence[Record], session_prior: float = PRIOR_SESSION
 ) -> tuple[Levels, PredictionError]:
     """The levels of the fitted records, and the prediction error that goes into the card."""
     problem, to_laws = optimum.problem, optimum.law_matrix
     groups = record_groups(problem)
     fitted = [_Level.of(optimum, pieces) for pieces in groups.values()]
-    session, named = _sessions(problem, records, groups)
+    session, named = _name_sessions(problem, records, groups)
     gains = [optimum.point.nuisance(problem, pieces[0], "gain") for pieces in groups.values()]
-    y = np.array([one.logarithm for one in fitted]) + np.log(gains)
+    y = np.array([record_level.logarithm for record_level in fitted]) + np.log(gains)
     names = list(dict.fromkeys(session.values()))
-    members = np.array([[session[name] == each for each in names] for name in groups], dtype=float)
-    repeats = _repeats(problem, groups, session) if named else {}
-    spread = _spread(y, np.eye(len(y)) - uncertainty.absorbed, members, bool(repeats), session_prior)
-    words, settles = _words(problem, groups, session, named, repeats, spread, session_prior)
+    members = np.array([[session[name] == session_name for session_name in names] for name in groups], dtype=float)
+    repeats = _list_repeats(problem, groups, session) if named else {}
+    spread = _estimate_spread(y, np.eye(len(y)) - uncertainty.absorbed, members, bool(repeats), session_prior)
+    text, settles = _describe(problem, groups, session, named, repeats, spread, session_prior)
     levels = Levels(
-        dict(zip(groups, map(float, np.exp(y)), strict=True)),
-        session,
-        spread.record,
-        spread.record_freedom,
-        spread.session,
-        spread.session_freedom,
-        spread.reml,
-        bool(repeats),
-        named,
-        words,
-        settles,
-        members.T @ uncertainty.by_level,
+        level=dict(zip(groups, map(float, np.exp(y)), strict=True)),
+        session=session,
+        **asdict(spread),
+        repeated=bool(repeats),
+        named=named,
+        words=text,
+        settles=settles,
+        by_session=members.T @ uncertainty.by_level,
     )
     counts = members.sum(axis=0)
-    own = spread.session**2 / np.maximum(spread.session**2 + spread.record**2 / counts, 1e-300)
+    shrinkage = spread.session_sd**2 / np.maximum(spread.session_sd**2 + spread.record_sd**2 / counts, 1e-300)
+    variances = np.diag(uncertainty.covariance)
+    determined = np.isfinite(variances) & (variances > 0.0)
     error = PredictionError(
-        record_sd=spread.record,
+        record_sd=spread.record_sd,
         record_freedom=spread.record_freedom,
-        session_sd=spread.session,
+        session_sd=spread.session_sd,
         session_freedom=spread.session_freedom,
-        session_source=words,
-        freedom=_freedom(uncertainty),
+        session_source=text,
+        freedom=float(np.median(uncertainty.freedom[determined])) if determined.any() else math.inf,
         sessions=tuple(names),
         directions=members.T @ uncertainty.by_level @ to_laws.T,
-        session_levels=tuple(map(float, own * (members.T @ y) / counts)),
-        session_errors=tuple(map(float, spread.record * np.sqrt(own / counts))),
-        shapes=_shapes(fitted),
-        within_sessions=_within_sessions(uncertainty, members, own * (members.T @ y) / counts, to_laws)
+        session_levels=tuple(map(float, shrinkage * (members.T @ y) / counts)),
+        session_errors=tuple(map(float, spread.record_sd * np.sqrt(shrinkage / counts))),
+        shapes=_average_shapes(fitted),
+        within_sessions=_take_out_sessions(uncertainty, members, shrinkage * (members.T @ y) / counts, to_laws)
         if repeats
         else None,
     )
     return levels, error
 
 
-def _within_sessions(uncertainty: Uncertainty, members: Array, levels: Array, to_laws: Array) -> Array | None:
+def _take_out_sessions(uncertainty: Uncertainty, members: Array, levels: Array, to_laws: Array) -> Array | None:
     """The covariance (m, m) of the laws' coefficients without what the levels of the sessions have added between records.
 
     Each record's influence less that of its session's level; None where a coefficient has no finite variance.
@@ -161,13 +160,6 @@ def _within_sessions(uncertainty: Uncertainty, members: Array, levels: Array, to
     values, vectors = np.linalg.eigh(0.5 * (whole + whole.T))
     positive = (vectors * np.maximum(values, 0.0)) @ vectors.T
     return np.asarray(to_laws @ positive @ to_laws.T)
-
-
-def _freedom(uncertainty: Uncertainty) -> float:
-    """The degrees of freedom of the coefficients, in the middle."""
-    variances = np.diag(uncertainty.covariance)
-    determined = np.isfinite(variances) & (variances > 0.0)
-    return float(np.median(uncertainty.freedom[determined])) if determined.any() else math.inf
 
 
 @dataclass(frozen=True)
@@ -208,42 +200,47 @@ class _Level:
             true = away <= max(FALSE * float(np.median(away)), STANDS_OUT * float(np.median(np.abs(rest))))
         pairs = [(true[k:] & true[: rest.size - k], rest[k:] * rest[: rest.size - k]) for k in range(3)]
         lags = np.array([float(np.sum(products[both])) / max(int(both.sum()), 1) for both, products in pairs])
-        one = problem.pieces[pieces[0]]
+        first_piece = problem.pieces[pieces[0]]
         u = float(np.mean([np.mean(problem.pieces[k].u) for k in pieces]))
-        return cls(u, math.log(level), shape, lags, float(np.median(np.diff(one.t))))
+        return cls(u, math.log(level), shape, lags, float(np.median(np.diff(first_piece.t))))
 
 
-def _shapes(fitted: Sequence[_Level]) -> tuple[ShapeError, ...]:
+def _average_shapes(fitted: Sequence[_Level]) -> tuple[ShapeError, ...]:
     """The residual by input; where fewer than three records are at one, its spread is that of all about their inputs' means."""
     by_input: dict[float, list[_Level]] = {}
-    for one in fitted:
-        by_input.setdefault(round(one.input, 6), []).append(one)
-    about = [one.shape - np.mean([each.shape for each in some], axis=0) for some in by_input.values() for one in some]
+    for record_level in fitted:
+        by_input.setdefault(round(record_level.input, 6), []).append(record_level)
+    about = [
+        record_level.shape - np.mean([level.shape for level in at_input], axis=0)
+        for at_input in by_input.values()
+        for record_level in at_input
+    ]
     freedom = len(fitted) - len(by_input)
     pooled = (
         np.sqrt(np.sum(np.square(about), axis=0) / freedom) if freedom else np.std([f.shape for f in fitted], axis=0)
     )
-    made = []
+    shape_errors = []
     for u in sorted(by_input):
-        some = by_input[u]
-        shapes = np.array([one.shape for one in some])
-        spread = np.std(shapes, axis=0, ddof=1) if len(some) >= MIN_GROUP else pooled
-        noise, time, white = _noise(some)
-        made.append(ShapeError(u, tuple(shapes.mean(axis=0)), tuple(spread), noise, time, white, len(some)))
-    return tuple(made)
+        at_input = by_input[u]
+        shapes = np.array([record_level.shape for record_level in at_input])
+        spread = np.std(shapes, axis=0, ddof=1) if len(at_input) >= MIN_GROUP else pooled
+        noise, time, white = _split_noise(at_input)
+        shape_errors.append(ShapeError(u, tuple(shapes.mean(axis=0)), tuple(spread), noise, time, white, len(at_input)))
+    return tuple(shape_errors)
 
 
-def _noise(some: Sequence[_Level]) -> tuple[float, float, float]:
+def _split_noise(at_input: Sequence[_Level]) -> tuple[float, float, float]:
     """The correlated noise, its time in s and the white noise whose covariances are those of the rest at 0, 1 and 2 samples."""
-    c0, c1, c2 = np.mean([one.covariances for one in some], axis=0)
-    dt = float(np.median([one.dt for one in some]))
+    c0, c1, c2 = np.mean([record_level.covariances for record_level in at_input], axis=0)
+    dt = float(np.median([record_level.dt for record_level in at_input]))
     if not (c1 > 0.0 and 0.0 < c2 < c1):
         return 0.0, 0.0, math.sqrt(max(float(c0), 0.0))
+    # the correlated part falls by the same factor from lag to lag, so c1^2/c2 is what it has at lag 0; white noise is the rest
     correlated = min(float(c1**2 / c2), float(c0))
     return math.sqrt(correlated), -dt / math.log(float(c2 / c1)), math.sqrt(max(float(c0) - correlated, 0.0))
 
 
-def _sessions(
+def _name_sessions(
     problem: Problem, records: Sequence[Record], groups: Mapping[str, Sequence[int]]
 ) -> tuple[dict[str, str], bool]:
     """The session of each record; where the records name none, each input counts as one."""
@@ -257,39 +254,38 @@ def _sessions(
     return sessions, named
 
 
-def _repeats(
+def _list_repeats(
     problem: Problem, groups: Mapping[str, Sequence[int]], session: Mapping[str, str]
 ) -> dict[float, list[str]]:
     """The inputs that were measured in two sessions or more, with these."""
-    spans = {name: (_low(problem, pieces), _high(problem, pieces)) for name, pieces in groups.items()}
+    spans = {
+        name: (_lowest_input(problem, pieces), max(float(np.max(problem.pieces[k].u)) for k in pieces))
+        for name, pieces in groups.items()
+    }
     inputs = sorted({round(end, 6) for span in spans.values() for end in span})
     at = {
         u: list(dict.fromkeys(session[name] for name, (low, high) in spans.items() if low - 1e-6 <= u <= high + 1e-6))
         for u in inputs
     }
-    return {u: each for u, each in at.items() if len(each) > 1}
+    return {u: sessions for u, sessions in at.items() if len(sessions) > 1}
 
 
-def _low(problem: Problem, pieces: Sequence[int]) -> float:
+def _lowest_input(problem: Problem, pieces: Sequence[int]) -> float:
     return min(float(np.min(problem.pieces[k].u)) for k in pieces)
-
-
-def _high(problem: Problem, pieces: Sequence[int]) -> float:
-    return max(float(np.max(problem.pieces[k].u)) for k in pieces)
 
 
 @dataclass(frozen=True)
 class LevelSpread:
     """Standard deviations of the logarithms of levels, and their degrees of freedom, infinite where they are stated."""
 
-    record: float
+    record_sd: float
     record_freedom: float
-    session: float
+    session_sd: float
     session_freedom: float
-    reml: float
+    session_reml: float
 
 
-def _spread(y: Array, shown: Array, members: Array, repeated: bool, prior: float) -> LevelSpread:
+def _estimate_spread(y: Array, shown: Array, members: Array, repeated: bool, prior: float) -> LevelSpread:
     """The spread of records and of sessions from the levels ``y`` (n,), of which a fit shows (I - H): ``shown``."""
     left, values, right = np.linalg.svd(shown)
     seen = values > SEEN
@@ -298,16 +294,17 @@ def _spread(y: Array, shown: Array, members: Array, repeated: bool, prior: float
     stated = prior, math.inf, math.nan
     if z.size == 0:
         return LevelSpread(PRIOR_RECORD, math.inf, *stated)
+    # rotated, the contrasts are independent: each has the records' variance and so many times that of the sessions
     strength, turned = np.linalg.eigh(V @ members @ members.T @ V.T)
     w = turned.T @ z
     strength = np.where(strength > SEEN, strength, 0.0)
     within = strength == 0.0
     if not repeated or within.all() or prior == 0.0:
         return LevelSpread(float(np.sqrt(np.mean(z**2))), float(z.size), *stated)
-    return _posterior(w, strength, prior)
+    return _integrate_posterior(w, strength, prior)
 
 
-def _posterior(w: Array, strength: Array, prior: float) -> LevelSpread:
+def _integrate_posterior(w: Array, strength: Array, prior: float) -> LevelSpread:
     """The posterior of both standard deviations on a grid, as scaled inverse chi-square distributions."""
     size = max(float(np.sqrt(np.mean(w**2))), 1e-4)
     record, session = np.geomspace(0.05 * size, 5.0 * size, GRID), np.geomspace(*SPAN, GRID)
@@ -315,22 +312,24 @@ def _posterior(w: Array, strength: Array, prior: float) -> LevelSpread:
     likelihood = -0.5 * np.sum(np.log(variance) + w**2 / variance, axis=-1)
     best = np.unravel_index(int(np.argmax(likelihood)), likelihood.shape)
     at_zero = -0.5 * np.sum(np.log(record[:, None] ** 2) + w**2 / record[:, None] ** 2, axis=-1)
+    # the grid has no 0: where the records alone explain the levels as well, the estimate is 0 and not the grid's end
     reml = 0.0 if at_zero.max() >= likelihood[best] - 1e-3 else float(session[best[1]])
     log_prior = -PRIOR_FREEDOM * np.log(session) - 0.5 * PRIOR_FREEDOM * prior**2 / session**2
     weight = np.exp(likelihood + log_prior - (likelihood + log_prior).max())
-    one = _inverse_chi_square(record, weight.sum(axis=1))
-    return LevelSpread(*one, *_inverse_chi_square(session, weight.sum(axis=0)), reml)
+    of_records = _fit_inverse_chi_square(record, weight.sum(axis=1))
+    return LevelSpread(*of_records, *_fit_inverse_chi_square(session, weight.sum(axis=0)), reml)
 
 
-def _inverse_chi_square(values: Array, weight: Array) -> tuple[float, float]:
+def _fit_inverse_chi_square(values: Array, weight: Array) -> tuple[float, float]:
     """The scale and the degrees of freedom of the distribution whose precision has this mean and this spread."""
     share = weight / weight.sum()
+    # the precision of a scaled inverse chi-square has the mean 1/s^2 and the variance 2/(nu s^4)
     mean = float(share @ values**-2.0)
     variance = float(share @ (values**-2.0 - mean) ** 2)
     return 1.0 / math.sqrt(mean), max(2.0 * mean**2 / max(variance, 1e-300), 1.0)
 
 
-def _words(
+def _describe(
     problem: Problem,
     groups: Mapping[str, Sequence[int]],
     session: Mapping[str, str],
@@ -341,23 +340,23 @@ def _words(
 ) -> tuple[str, str]:
     """What is known of the level between sessions, and the test that would settle it."""
     unit = problem.pieces[0].unit
-    word = {"V": "voltage", "A": "current"}[unit]
+    word = INPUTS[unit]
     if repeats:
         where = listing([f"{u:g}" for u in repeats], 4)
         count = len(set(session.values()))
         return (
-            f"the level of sessions differs by {percent(spread.session)} (standard deviation), estimated from "
+            f"the level of sessions differs by {percent(spread.session_sd)} (standard deviation), estimated from "
             f"{counted(count, 'session')} that were repeated at {where} {unit}",
             "",
         )
-    inputs = {name: round(_low(problem, pieces), 6) for name, pieces in groups.items()}
+    inputs = {name: round(_lowest_input(problem, pieces), 6) for name, pieces in groups.items()}
     if not named:
         why = f"the records do not say in which measurement session they were made, so level and {word} cannot be told apart"
     elif len(set(session.values())) == 1:
         why = "all records are of one measurement session, so nothing shows how another one differs"
     else:
         why = f"no {word} was measured in two sessions, so the level of a session and the {word} cannot be told apart"
-    name = min(inputs, key=lambda each: abs(inputs[each] - float(np.median(list(inputs.values())))))
+    name = min(inputs, key=lambda record: abs(inputs[record] - float(np.median(list(inputs.values())))))
     settles = f"repeat one test, such as {name} at {inputs[name]:g} {unit}, in every session"
     if not named:
         settles += ", and state the session of each record (measurement_session)"

@@ -32,8 +32,9 @@ from dampyr.identification.fits.result import Fit
 from dampyr.identification.parameter_uncertainty.profile_likelihood import coordinate_scale
 from dampyr.identification.search.normal_equations import linearise, step_point
 from dampyr.identification.search.optimum import Optimum
-from dampyr.identification.search.problem import SearchPoint, with_held
+from dampyr.identification.search.problem import SearchPoint, to_coordinates, to_values, with_held
 from dampyr.models import Damper
+from dampyr.models.prediction_error import check_level
 from dampyr.origin import Origin
 from dampyr.phrases import listing
 from dampyr.shown import Shown
@@ -89,11 +90,10 @@ class Posterior(Shown):
 
     def intervals(self, level: float = 0.95) -> dict[str, tuple[float, float]]:
         """Equal-tailed credible intervals at ``level`` by label, SI units."""
-        if not 0.0 < level < 1.0:
-            raise InputError(f"level = {level:g} is not allowed; it must be between 0 and 1, such as 0.95")
+        check_level(level)
         tail = 0.5 * (1.0 - level)
-        each = {label: np.quantile(values, (tail, 1.0 - tail)) for label, values in self.samples.items()}
-        return {label: (float(low), float(high)) for label, (low, high) in each.items()}
+        limits = {label: np.quantile(values, (tail, 1.0 - tail)) for label, values in self.samples.items()}
+        return {label: (float(low), float(high)) for label, (low, high) in limits.items()}
 
     @cached_property
     def correlation(self) -> Array:
@@ -105,26 +105,19 @@ class Posterior(Shown):
 
         Raises InputError where the fit made no damper, or where fewer than 1 % of the draws are admissible.
         """
-        if n < 1:
-            raise InputError(f"n = {n} is not allowed; give 1 or more")
         if self.fit.damper is None:
             raise InputError(f"this fit made no damper: {self.fit.reason}")
-        rng, dampers = np.random.default_rng(seed), list[Damper]()
-        labels = list(self.fit.parameters)
+        rng, labels = np.random.default_rng(seed), list(self.fit.parameters)
         theta = np.array([self.fit.parameters[label] for label in labels])
         places = [labels.index(label) for label in self.samples]
         table = np.stack(list(self.samples.values()), axis=-1)
-        for _ in range(100 * n):
+
+        def draw() -> Array:
             theta[places] = table[rng.integers(self.size)]
-            one = self.fit.optimum.admissible_damper(self.fit.damper, theta)
-            if one is not None:
-                dampers.append(one)
-            if len(dampers) == n:
-                return dampers
-        raise InputError(
-            f"only {len(dampers)} of {100 * n} draws were admissible: the laws leave the allowed values between the fitted "
-            "inputs; fit them by interpolation"
-        )
+            return theta
+
+        trouble = ": the laws leave the allowed values between the fitted inputs; fit them by interpolation"
+        return self.fit.optimum.draw_dampers(n, self.fit.damper, draw, trouble)
 
     def to_xarray(self) -> Any:
         """The samples as an ``xarray.DataArray`` with the dimensions sample and parameter, SI units."""
@@ -175,7 +168,7 @@ def sample_posterior(
         raise InputError(f"lengths = {lengths:g} is not allowed; give a number above 0, such as {LENGTHS:g}")
     if steps < CHUNK:
         raise InputError(f"steps = {steps} is not allowed; give {CHUNK} or more")
-    _check(fit)
+    _check_errors(fit)
     tell = progress or (lambda stage, done: None)
     labels, blocks = list(fit.parameters), fit.optimum.blocks
     sampled, held, notes = [], dict[str, float](), list[str]()
@@ -184,10 +177,10 @@ def sample_posterior(
         held |= {labels[block.places[k]]: float(target.start.theta[k]) for k in target.at_limit}
         if target.size:
 
-            def share(done: float, number: int = number) -> None:
+            def report(done: float, number: int = number) -> None:
                 tell("sampling", (number + done) / len(blocks))
 
-            sampled.append(_run(target, lengths, steps, seed + number, share))
+            sampled.append(_run_chain(target, lengths, steps, seed + number, report))
     tell("sampling", 1.0)
     if not sampled:
         raise InputError("every number of this fit stands at a limit, so there is nothing to sample")
@@ -216,7 +209,7 @@ def sample_posterior(
         findings=worst_first(
             handed_on([fit]),
             (Finding("doubt", f"did not converge: {chain.trouble}") for chain in poor[:1]),
-            (Finding("note", words) for words in notes),
+            (Finding("note", text) for text in notes),
         ),
         autocorrelation_time=by_label["time"],
         r_hat=by_label["r_hat"],
@@ -228,7 +221,7 @@ def sample_posterior(
     )
 
 
-def _check(fit: Fit) -> None:
+def _check_errors(fit: Fit) -> None:
     unknown = [label for label, error in fit.stderr.items() if math.isinf(error)]
     if unknown:
         raise InputError(
@@ -242,18 +235,18 @@ class _Target:
 
     def __init__(self, fit: Fit, block: Optimum, tails: str, notes: list[str]) -> None:
         labels = list(fit.parameters)
-        own = [labels[place] for place in block.places]
+        own_labels = [labels[place] for place in block.places]
         self.problem, self.start = block.problem, block.point
-        self.free = [k for k, label in enumerate(own) if math.isfinite(fit.stderr[label])]
-        self.at_limit = [k for k in range(len(own)) if k not in self.free]
-        self.labels = [own[k] for k in self.free]
+        self.free = [k for k, label in enumerate(own_labels) if math.isfinite(fit.stderr[label])]
+        self.at_limit = [k for k in range(len(own_labels)) if k not in self.free]
+        self.labels = [own_labels[k] for k in self.free]
         self.size = len(self.free)
         if not self.size:
             return
         self.log = self.problem.is_logarithmic[self.free]
         self.best = self.start.coordinates(self.problem)[self.free]
         low, high = (side[self.free] for side in self.problem.inner_limits)
-        self.low, self.high = self._coordinates(low), self._coordinates(high)
+        self.low, self.high = to_coordinates(low, self.log), to_coordinates(high, self.log)
         self.by_theta = block.equations.reduced.by_theta
         self.lowest = self._cost(self.best)
         errors = np.array([fit.stderr[label] for label in self.labels])
@@ -261,12 +254,12 @@ class _Target:
         errors = errors / coordinate_scale(self.problem, self.start)[self.free]
         covariance = fit.correlation[np.ix_(places, places)] * np.outer(errors, errors)
         self.hessian = self._hessian(block.information[np.ix_(self.free, self.free)], errors, notes)
-        samples = sum(one.count - self.problem.locals for one in self.problem.pieces)
+        samples = sum(piece.count - self.problem.locals for piece in self.problem.pieces)
         naive = 2.0 * self.lowest / max(samples - self.problem.size, 1)
-        records = len({one.cut_from or one.name for one in self.problem.pieces})
+        records = len({piece.cut_from or piece.name for piece in self.problem.pieces})
         by_record = not any(label in fit.within_records for label in self.labels)
         lacking = max(self.size - (records - 1), 0) if by_record else 0
-        self.precision, self.spread = _precision(covariance, self.hessian, naive, lacking)
+        self.precision, self.spread = _invert_covariance(covariance, self.hessian, naive, lacking)
         if lacking:
             notes.append(
                 f"{listing(self.labels, 3)}: {records} records show no variance between them in {lacking} of {self.size} "
@@ -276,31 +269,23 @@ class _Target:
             notes.append("the weights of the robust loss stay as they are at the optimum")
         self.freedom = min(fit.freedom[label] for label in self.labels) if tails == "t" else math.inf
 
-    def _coordinates(self, values: Array) -> Array:
-        with np.errstate(divide="ignore"):
-            return np.where(self.log, np.log(np.where(self.log, values, 1.0)), values)
-
-    def values(self, coordinates: Array) -> Array:
-        """The numbers (..., p) at coordinates, SI."""
-        return np.where(self.log, np.exp(np.where(self.log, coordinates, 0.0)), coordinates)
-
     def _cost(self, coordinates: Array) -> float:
         """The lowest cost over the nuisances, the numbers held there; infinite where the model gives no force."""
         theta = self.start.theta.copy()
-        theta[self.free] = self.values(coordinates)
+        theta[self.free] = to_values(coordinates, self.log)
         step = np.zeros(self.problem.size)
         step[self.free] = coordinates - self.best
         held = with_held(self.problem, dict(enumerate(theta.tolist())))
         local = np.clip(self.start.local - self.by_theta @ step, *self.problem.local_limits)
         point, cost = SearchPoint(theta, local), math.inf
         for _ in range(PASSES):
-            here = linearise(held, point)
-            if not here.finite or here.cost > cost:
+            equations = linearise(held, point)
+            if not equations.finite or equations.cost > cost:
                 break
-            inner = here.solve()
-            promised = here.reduction(inner)
-            cost = here.cost - promised if promised <= SETTLED * here.cost else here.cost
-            if promised <= SETTLED * here.cost:
+            inner = equations.solve()
+            promised = equations.reduction(inner)
+            cost = equations.cost - promised if promised <= SETTLED * equations.cost else equations.cost
+            if promised <= SETTLED * equations.cost:
                 break
             point = step_point(held, point, inner)
         return cost
@@ -308,6 +293,7 @@ class _Target:
     def _hessian(self, linear: Array, errors: Array, notes: list[str]) -> Array:
         """The Hessian of the cost at the optimum, by differences; that of the ``linear`` model where these are not convex."""
         h = DIFFERENCE * errors
+        # inside the limits on both sides: beyond them the nuisances answer, not the coefficients
         h = np.minimum(h, 0.5 * np.minimum(self.best - self.low, self.high - self.best))
         p, H = self.size, np.empty((self.size, self.size))
         axes = np.diag(h)
@@ -339,13 +325,15 @@ class _Target:
         cost = self._cost(coordinates)
         if not math.isfinite(cost):
             return -math.inf
+        # the objective's shape, scaled along this direction to the curvature of the clustered covariance; rounding may make the
+        # rise near the optimum negative, which the logarithm does not take
         q = max(2.0 * (cost - self.lowest) * float(d @ self.precision @ d) / curved, -0.5)
         if math.isinf(self.freedom):
             return -0.5 * q
         return -0.5 * (self.freedom + self.size) * math.log1p(q / max(self.freedom, 1.0))
 
 
-def _precision(covariance: Array, hessian: Array, naive: float, lacking: int) -> tuple[Array, Array]:
+def _invert_covariance(covariance: Array, hessian: Array, naive: float, lacking: int) -> tuple[Array, Array]:
     """The inverse of the covariance, and a root of the covariance.
 
     The clustered covariance of G records has at most G - 1 directions, as their scores add up to zero. The ``lacking`` ones
@@ -373,7 +361,7 @@ class _Chain:
     trouble: str
 
 
-def _run(target: _Target, lengths: float, steps: int, seed: int, tell: Callable[[float], None]) -> _Chain:
+def _run_chain(target: _Target, lengths: float, steps: int, seed: int, tell: Callable[[float], None]) -> _Chain:
     """emcee's walkers until their chains are long enough."""
     try:
         import emcee
@@ -384,7 +372,7 @@ def _run(target: _Target, lengths: float, steps: int, seed: int, tell: Callable[
     moves = [(emcee.moves.DEMove(), 0.7), (emcee.moves.DESnookerMove(), 0.1), (emcee.moves.StretchMove(), 0.2)]
     sampler = emcee.EnsembleSampler(walkers, target.size, target.log_density, moves=moves)
     sampler.random_state = np.random.RandomState(seed).get_state()
-    state: Any = _starts(target, walkers, rng)
+    state: Any = _draw_starts(target, walkers, rng)
     time, done = np.full(target.size, math.inf), 0
     while done < steps:
         state = sampler.run_mcmc(state, min(CHUNK, steps - done), skip_initial_state_check=True)
@@ -406,20 +394,20 @@ def _run(target: _Target, lengths: float, steps: int, seed: int, tell: Callable[
         trouble = f"{where} have not mixed (R-hat {np.max(r_hat):.3f}, above {MIXED:g}); ask for more lengths than {lengths:g}"
     thinned = chain[:: max(int(0.5 * slowest), 1)].reshape(-1, target.size)
     share = float(np.mean(sampler.acceptance_fraction))
-    return _Chain(target.labels, target.values(thinned), time, r_hat, share, done, trouble)
+    return _Chain(target.labels, to_values(thinned, target.log), time, r_hat, share, done, trouble)
 
 
-def _starts(target: _Target, walkers: int, rng: np.random.Generator) -> Array:
+def _draw_starts(target: _Target, walkers: int, rng: np.random.Generator) -> Array:
     """Where walkers begin: draws from the fit's covariance, nearer the optimum where these leave the limits."""
     starts = np.empty((walkers, target.size))
     for k in range(walkers):
         reach = 1.0
         while True:
-            one = target.best + reach * (target.spread @ rng.standard_normal(target.size))
-            if math.isfinite(target.log_density(one)):
+            start = target.best + reach * (target.spread @ rng.standard_normal(target.size))
+            if math.isfinite(target.log_density(start)):
                 break
             reach *= 0.8
-        starts[k] = one
+        starts[k] = start
     return starts
 
 

@@ -27,6 +27,7 @@ from dampyr.identification.fits.result import Fit
 from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Problem, SearchPoint, with_held
 from dampyr.identification.search.variable_projection import WARM_DAMPING, levenberg_marquardt
+from dampyr.models.prediction_error import check_level
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.phrases import listing
 from dampyr.shown import Shown
@@ -92,19 +93,35 @@ def profile(fit: Fit, label: str, level: float = 0.95, points: int = 21) -> Prof
     ------
     InputError
         an unknown label, a level outside 0 to 1, fewer than 5 points, or where no coefficient of the same records has an error.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> damper, rng = dp.studies.raminelli_2020.damper(), np.random.default_rng(0)
+    >>> t, records = np.linspace(0.0, 4.0, 801), []
+    >>> for f in (0.7, 1.0, 1.3, 1.6):
+    ...     x = 0.008 * np.sin(2 * np.pi * f * t)
+    ...     force = damper.force(t, x, voltage=1.98) + rng.normal(0.0, 5.0, t.size)
+    ...     records.append(dp.records.Record(t, x, force, voltage=1.98, name=f"{f} Hz"))
+    >>> fit = dp.identification.fit(records, "dahl")
+    >>> curve = dp.identification.profile(fit, "dahl.kw")
+    >>> curve.closed, curve.interval[0] < fit.parameters["dahl.kw"] < curve.interval[1]
+    ((True, True), True)
     """
+    from scipy.stats import t
+
     labels = list(fit.parameters)
     if label not in labels:
-        raise InputError(f"{label!r} is no number of this fit; choose from {listing(labels, 12)}")
-    if not 0.0 < level < 1.0:
-        raise InputError(f"level = {level:g} is not allowed; it must be between 0 and 1, such as 0.95")
+        raise InputError(f"{label!r} is not a number of this fit; choose from {listing(labels, 12)}")
+    check_level(level)
     if points < 5:
         raise InputError(f"points = {points} is not allowed; give 5 or more")
     place = labels.index(label)
     block = next(block for block in fit.optimum.blocks if place in block.places)
     path = _Path(fit, block, block.places.index(place), label)
     freedom = path.freedom
-    threshold = _threshold(level, freedom)
+    threshold = float(t.ppf(0.5 + 0.5 * level, freedom)) ** 2
     sides = [path.follow(side, math.sqrt(threshold), points // 2) for side in (-1.0, 1.0)]
     coordinates, rise = path.curve
     ends, reasons = [], []
@@ -112,7 +129,9 @@ def profile(fit: Fit, label: str, level: float = 0.95, points: int = 21) -> Prof
         limit = path.limits[0 if side == "below" else 1]
         ends.append(limit if crossed is None else path.value_of(crossed))
         if crossed is None:
-            reasons.append(f"open {side}: {path.why_open(limit)}")
+            bounded = math.isfinite(limit)
+            why = f"do not tell it from its limit {limit:g}" if bounded else "do not bound it"
+            reasons.append(f"open {side}: the records {why}")
     within = label in fit.within_records
     return Profile(
         origin=fit.origin,
@@ -131,16 +150,10 @@ def profile(fit: Fit, label: str, level: float = 0.95, points: int = 21) -> Prof
         reason="; ".join(reasons) or "both close",
         findings=worst_first(
             handed_on([fit]),
-            (Finding("note", words) for words in path.notes),
+            (Finding("note", text) for text in path.notes),
             [Finding("note", f"{fit.why_no_interval(label)}: no interval")] if within else [],
         ),
     )
-
-
-def _threshold(level: float, freedom: float) -> float:
-    from scipy.stats import t
-
-    return float(t.ppf(0.5 + 0.5 * level, freedom)) ** 2
 
 
 class _Path:
@@ -179,13 +192,13 @@ class _Path:
         """``per_unit``: what the cost rises by where the adjusted rise is 1; ``error``: the error in the coordinate."""
         ratios, freedoms = variance_ratios(fit, block)
         information = block.information
-        own, error = ratios.get(self.k), fit.stderr[label]
-        if own is None and not ratios:
+        ratio, error = ratios.get(self.k), fit.stderr[label]
+        if ratio is None and not ratios:
             raise InputError(
                 f"{label} has no standard error, and no other number that its records determine has one, so a rise of the "
                 "objective has no scale; add records"
             )
-        if own is None:
+        if ratio is None:
             middle = float(np.median(list(ratios.values())))
             self.freedom = min(freedoms.values())
             self.per_unit = 0.5 * middle
@@ -227,21 +240,21 @@ class _Path:
         threshold, end = half_width**2, self.ends[0 if side < 0 else 1]
         reach = min(half_width * self.error, FACTOR) if self.log else half_width * self.error
         step, farthest = reach / points, FACTOR if self.log else FAR * reach
-        here, last = self.best, self.best
+        coordinate, last = self.best, self.best
         crossed: tuple[float, float] | None = None
         for _ in range(MAX_POINTS):
-            here = last + side * step
-            at_end = side * (here - end) >= 0.0
-            here = end if at_end else here
-            if here == last:
+            coordinate = last + side * step
+            at_end = side * (coordinate - end) >= 0.0
+            coordinate = end if at_end else coordinate
+            if coordinate == last:
                 break
-            rise = self.rise(here)
+            rise = self.rise(coordinate)
             if crossed is None and rise >= threshold:
-                crossed = last, here
-            if at_end or rise >= BEYOND * threshold or abs(here - self.best) >= farthest:
+                crossed = last, coordinate
+            if at_end or rise >= BEYOND * threshold or abs(coordinate - self.best) >= farthest:
                 break
-            last = here
-            if abs(here - self.best) >= reach:
+            last = coordinate
+            if abs(coordinate - self.best) >= reach:
                 step *= WIDEN
         return None if crossed is None else self._refine(*crossed, threshold)
 
@@ -251,12 +264,6 @@ class _Path:
         if self.rise(inside) >= threshold:  # a lower point was found since
             return inside
         return float(brentq(lambda c: self.rise(c) - threshold, inside, outside, xtol=1e-4 * self.error, rtol=1e-10))
-
-    def why_open(self, limit: float) -> str:
-        """Why a side does not close, in words."""
-        if not math.isfinite(limit):
-            return "the records do not bound it"
-        return f"the records do not tell it from its limit {limit:g}"
 
     @property
     def curve(self) -> tuple[list[float], Array]:

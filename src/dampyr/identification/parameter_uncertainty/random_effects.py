@@ -28,6 +28,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
+from dampyr.models.prediction_error import check_level
 
 Array = NDArray[np.float64]
 MIN_GROUPS = 3  # of two, an interval of the spread reaches thirty times its estimate
@@ -65,16 +66,15 @@ def random_effects(estimates: ArrayLike, errors: ArrayLike, level: float = 0.95)
         raise InputError(f"{y.size} estimates with {s.size} errors give no spread; give {MIN_GROUPS} or more of each")
     if not (np.all(np.isfinite(y)) and np.all(np.isfinite(s)) and np.all(s > 0)):
         raise InputError("estimates must be finite, and their errors finite and greater than 0; leave the others out")
-    if not 0.0 < level < 1.0:
-        raise InputError(f"level = {level:g} is not allowed; it must be between 0 and 1, such as 0.95")
+    check_level(level)
     k, v = y.size, s**2
-    variance = _restricted_maximum(y, v)
+    variance = _maximise_likelihood(y, v)
     weights = 1.0 / (variance + v)
     mean = float(weights @ y / weights.sum())
     error = math.sqrt(max(float(weights @ (y - mean) ** 2) / (k - 1), 1.0) / float(weights.sum()))
     reach = float(t.ppf(0.5 + 0.5 * level, k - 1))
     ends = [
-        math.sqrt(_q_profile(y, v, float(chi2.ppf(share, k - 1)))) for share in (0.5 + 0.5 * level, 0.5 - 0.5 * level)
+        math.sqrt(_invert_q(y, v, float(chi2.ppf(share, k - 1)))) for share in (0.5 + 0.5 * level, 0.5 - 0.5 * level)
     ]
     return RandomEffects(
         mean=mean,
@@ -82,7 +82,7 @@ def random_effects(estimates: ArrayLike, errors: ArrayLike, level: float = 0.95)
         mean_interval=(mean - reach * error, mean + reach * error),
         spread=math.sqrt(variance),
         spread_interval=(ends[0], ends[1]),
-        prediction=_new_group(y, v, level),
+        prediction=_predict_new_group(y, v, level),
         shrunken=mean + variance * weights * (y - mean),
     )
 
@@ -90,11 +90,11 @@ def random_effects(estimates: ArrayLike, errors: ArrayLike, level: float = 0.95)
 def _minus_log_likelihood(y: Array, v: Array, variances: Array) -> Array:
     """Restricted, but for a constant, at each of the variances."""
     total = variances[:, None] + v
-    square = np.sum((y - _means(y, v, variances)[:, None]) ** 2 / total, axis=1)
+    square = np.sum((y - _weigh_means(y, v, variances)[:, None]) ** 2 / total, axis=1)
     return np.asarray(0.5 * (np.sum(np.log(total), axis=1) + np.log(np.sum(1.0 / total, axis=1)) + square))
 
 
-def _restricted_maximum(y: Array, v: Array) -> float:
+def _maximise_likelihood(y: Array, v: Array) -> float:
     """The variance between groups of the highest restricted likelihood, 0 where none is higher."""
     from scipy.optimize import minimize_scalar
 
@@ -102,17 +102,17 @@ def _restricted_maximum(y: Array, v: Array) -> float:
     if top == 0.0:
         return 0.0
 
-    def at(root: float) -> float:
+    def evaluate(root: float) -> float:
         return float(_minus_log_likelihood(y, v, np.array([root**2]))[0])
 
     roots = np.linspace(0.0, math.sqrt(top), GRID)
     best = int(np.argmin(_minus_log_likelihood(y, v, roots**2)))
     span = roots[max(best - 1, 0)], roots[min(best + 1, GRID - 1)]
-    end = minimize_scalar(at, bounds=span, method="bounded")
-    return float(end.x) ** 2 if end.fun < at(0.0) else 0.0
+    end = minimize_scalar(evaluate, bounds=span, method="bounded")
+    return float(end.x) ** 2 if end.fun < evaluate(0.0) else 0.0
 
 
-def _q_profile(y: Array, v: Array, wanted: float) -> float:
+def _invert_q(y: Array, v: Array, wanted: float) -> float:
     """The variance at which Q falls to ``wanted``; 0 where it is below that without any."""
     from scipy.optimize import brentq
 
@@ -125,7 +125,7 @@ def _q_profile(y: Array, v: Array, wanted: float) -> float:
     return float(brentq(excess, 0.0, (WIDEST * float(np.ptp(y))) ** 2, xtol=1e-14))
 
 
-def _new_group(y: Array, v: Array, level: float) -> tuple[float, float]:
+def _predict_new_group(y: Array, v: Array, level: float) -> tuple[float, float]:
     """The interval of a new group over the confidence distribution of the spread."""
     from scipy.optimize import brentq
     from scipy.stats import chi2, norm
@@ -134,20 +134,23 @@ def _new_group(y: Array, v: Array, level: float) -> tuple[float, float]:
     ends = np.append(
         0.0, np.geomspace(1e-4 * (size + math.sqrt(v.min())), WIDEST * (size + math.sqrt(v.max())), STEPS) ** 2
     )
-    q = np.sum((y - _means(y, v, ends)[:, None]) ** 2 / (ends[:, None] + v), axis=1)
+    q = np.sum((y - _weigh_means(y, v, ends)[:, None]) ** 2 / (ends[:, None] + v), axis=1)
     below = chi2.sf(q, y.size - 1)  # the distribution function of the variance; its first value is what lies at 0
     variance = np.append(0.0, np.sqrt(ends[1:] * np.append(0.25 * ends[1], ends[1:-1])))
     share = np.diff(np.append(0.0, below)) / below[-1]
-    middle, spread = _means(y, v, variance), np.sqrt(variance + 1.0 / np.sum(1.0 / (variance[:, None] + v), axis=1))
+    middle, spread = (
+        _weigh_means(y, v, variance),
+        np.sqrt(variance + 1.0 / np.sum(1.0 / (variance[:, None] + v), axis=1)),
+    )
 
-    def end(wanted: float) -> float:
+    def locate_end(wanted: float) -> float:
         reach = np.array([-1.0, 1.0]) * 1.01 * float(norm.ppf(0.5 + 0.5 * level)) * spread[:, None] + middle[:, None]
         return float(brentq(lambda x: share @ norm.cdf((x - middle) / spread) - wanted, reach.min(), reach.max()))
 
-    return end(0.5 - 0.5 * level), end(0.5 + 0.5 * level)
+    return locate_end(0.5 - 0.5 * level), locate_end(0.5 + 0.5 * level)
 
 
-def _means(y: Array, v: Array, variances: Array) -> Array:
+def _weigh_means(y: Array, v: Array, variances: Array) -> Array:
     """The weighted mean at each variance between groups."""
     weights = 1.0 / (variances[:, None] + v)
     return np.asarray(weights @ y / weights.sum(axis=1))

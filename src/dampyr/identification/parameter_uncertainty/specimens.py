@@ -31,11 +31,12 @@ from dampyr.findings import Finding, Findings, handed_on, worst_first
 from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.least_squares import check_records_and_model, fit_model
 from dampyr.identification.fits.result import Fit
-from dampyr.identification.model_choice.screening import of_model
+from dampyr.identification.model_choice.screening import hold_pairs
 from dampyr.identification.parameter_uncertainty.profile_likelihood import variance_ratios
 from dampyr.identification.parameter_uncertainty.random_effects import MIN_GROUPS, RandomEffects, random_effects
+from dampyr.identification.search.problem import to_coordinates, to_values
 from dampyr.models import Composition, Damper
-from dampyr.models.prediction_error import PredictionError, ShapeError
+from dampyr.models.prediction_error import PredictionError, ShapeError, check_level
 from dampyr.options import takes
 from dampyr.origin import Origin, check_one_kind, combined
 from dampyr.phrases import counted, listing
@@ -89,13 +90,13 @@ class Specimens(Shown):
     @property
     def origin(self) -> Origin:
         """That of all records together."""
-        return combined(one.origin for one in self.fits.values())
+        return combined(fit.origin for fit in self.fits.values())
 
     @property
     def about_sessions(self) -> str:
         """Whether the spread between specimens can be told from that between measurement sessions, and the test that would."""
-        levels = [one.levels for one in self.fits.values()]
-        if not all(one is not None and one.named for one in levels):
+        levels = [fit.levels for fit in self.fits.values()]
+        if not all(level is not None and level.named for level in levels):
             return (
                 "the records do not say in which measurement session each specimen was tested, so the spread between specimens "
                 "contains that of sessions; state the sessions (measurement_session), and test one specimen in those of others"
@@ -114,20 +115,19 @@ class Specimens(Shown):
     @property
     def _shared_sessions(self) -> set[str]:
         """The sessions in which every specimen was tested, of those that the records name."""
-        levels = [one.levels for one in self.fits.values()]
-        each = [set(one.sessions) if one is not None and one.named else set() for one in levels]
-        return set.intersection(*each)
+        levels = [fit.levels for fit in self.fits.values()]
+        return set.intersection(*(set(of.sessions) if of is not None and of.named else set() for of in levels))
 
     def _prediction_error(self) -> PredictionError | None:
         """That of a record of a new specimen: how records differ, by all specimens together, and sessions where the spread
         contains none of theirs; None where a card lacks it."""
-        dampers = [one.damper for one in self.fits.values()]
-        errors = [one.prediction_error for one in dampers if one is not None and one.prediction_error is not None]
+        dampers = [fit.damper for fit in self.fits.values()]
+        errors = [d.prediction_error for d in dampers if d is not None and d.prediction_error is not None]
         if len(errors) < len(dampers):
             return None
-        record_sd, record_freedom = _pooled([(one.record_sd, one.record_freedom) for one in errors])
+        record_sd, record_freedom = _pool([(error.record_sd, error.record_freedom) for error in errors])
         apart = bool(self._shared_sessions)
-        widest = max(errors, key=lambda one: one.session_sd)
+        widest = max(errors, key=lambda error: error.session_sd)
         return PredictionError(
             record_sd=record_sd,
             record_freedom=record_freedom,
@@ -139,20 +139,20 @@ class Specimens(Shown):
             directions=np.zeros((0, self._damper_of_reference.coefficients.size)),
             session_levels=(),
             session_errors=(),
-            shapes=_pooled_shapes([shape for one in errors for shape in one.shapes]),
+            shapes=_pool_shapes([shape for error in errors for shape in error.shapes]),
         )
 
     @property
     def findings(self) -> tuple[Finding, ...]:
         """What is wrong or in doubt in the fits and in their records, and which specimens and numbers are missing, and why."""
-        each = ((name, finding) for name, one in self.fits.items() for finding in handed_on([one]))
+        by_specimen = ((name, finding) for name, fit in self.fits.items() for finding in handed_on([fit]))
         missing = [f"{name} is left out: {why}" for name, why in self.left_out.items()]
         missing += [f"{label} has no spread: {why}" for label, why in self.not_estimated.items()]
         for spread in self.spreads.values():
             missing += [f"{spread.label}: {name} is left out: {why}" for name, why in spread.left_out.items()]
         return worst_first(
-            (finding if finding.about else replace(finding, about=(name,)) for name, finding in each),
-            (Finding("note", words) for words in (*missing, self.about_sessions)),
+            (finding if finding.about else replace(finding, about=(name,)) for name, finding in by_specimen),
+            (Finding("note", text) for text in (*missing, self.about_sessions)),
         )
 
     def damper(self) -> Damper:
@@ -160,15 +160,14 @@ class Specimens(Shown):
 
         Raises InputError where a number has no mean.
         """
-        theta, scale = self._mean, self._scale
-        optimum = self._reference.optimum
-        T = optimum.law_matrix * scale
-        dampers = [one.damper for one in self.fits.values() if one.damper is not None]
-        made = self._damper_of_reference.with_coefficients(optimum.law_coefficients(theta))
+        theta, optimum = self._mean, self._reference.optimum
+        T = optimum.law_matrix * np.where(self._relative, theta, 1.0)
+        dampers = [fit.damper for fit in self.fits.values() if fit.damper is not None]
+        mean_damper = self._damper_of_reference.with_coefficients(optimum.law_coefficients(theta))
         return replace(
-            made,
+            mean_damper,
             covariance=T @ self._covariance @ T.T,
-            ranges=_widest([one.ranges for one in dampers]),
+            ranges=_join_ranges([fit.ranges for fit in dampers]),
             within_records=(),
             prediction_error=self._prediction_error(),
             findings=Findings(lambda: handed_on([self])),
@@ -186,22 +185,18 @@ class Specimens(Shown):
         All are admissible, and go into `dampyr.structures.ensemble`. Raises InputError where a number has no mean, or where
         fewer than 1 % of the draws are admissible.
         """
-        if n < 1:
-            raise InputError(f"n = {n} is not allowed; give 1 or more")
-        mean, rng = self.damper(), np.random.default_rng(seed)
-        centre, freedom = self._to_coordinates(self._mean), len(self.fits) - 1
+        rng, freedom = np.random.default_rng(seed), len(self.fits) - 1
+        centre = to_coordinates(self._mean, self._relative)
         values, vectors = np.linalg.eigh(self._covariance)
         root = vectors * np.sqrt(np.maximum(values, 0.0))
-        dampers: list[Damper] = []
-        for _ in range(100 * n):
+
+        def draw() -> Array:
+            # Student's t in several dimensions: a normal draw over the root of a chi-square draw by its degrees of freedom
             width = math.sqrt(freedom / rng.chisquare(freedom))
-            drawn = centre + width * (root @ rng.standard_normal(centre.size))
-            one = self._reference.optimum.admissible_damper(mean, self._to_values(drawn))
-            if one is not None:
-                dampers.append(one)
-            if len(dampers) == n:
-                return dampers
-        raise InputError(f"only {len(dampers)} of {100 * n} draws were admissible; the spread is too wide to draw from")
+            return to_values(centre + width * (root @ rng.standard_normal(centre.size)), self._relative)
+
+        trouble = "; the spread is too wide to draw from"
+        return self._reference.optimum.draw_dampers(n, self.damper(), draw, trouble)
 
     @property
     def _reference(self) -> Fit:
@@ -222,21 +217,7 @@ class Specimens(Shown):
 
     @property
     def _relative(self) -> NDArray[np.bool_]:
-        return np.array([one.relative for one in self._in_order])
-
-    @property
-    def _in_order(self) -> list[SpecimenSpread]:
-        return [self.spreads[label] for label in self._reference.parameters]
-
-    @property
-    def _scale(self) -> Array:
-        return np.where(self._relative, self._mean, 1.0)
-
-    def _to_coordinates(self, values: Array) -> Array:
-        return np.where(self._relative, np.log(np.where(self._relative, values, 1.0)), values)
-
-    def _to_values(self, coordinates: Array) -> Array:
-        return np.where(self._relative, np.exp(np.where(self._relative, coordinates, 0.0)), coordinates)
+        return np.array([self.spreads[label].relative for label in self._reference.parameters])
 
     @cached_property
     def _covariance(self) -> Array:
@@ -246,6 +227,7 @@ class Specimens(Shown):
         _ = self._mean
         labels = list(self._reference.parameters)
         spans = [self.effects[label].prediction for label in labels]
+        # Student's t of this scale reaches as far as the interval of a new specimen, which holds the mean's own error too
         widths = 0.5 * np.diff(spans)[:, 0] / float(t.ppf(0.5 + 0.5 * self.level, len(self.fits) - 1))
         return np.asarray(self.between * np.outer(widths, widths))
 
@@ -265,12 +247,13 @@ class Specimens(Shown):
             return np.eye(len(labels))
         relative = self._relative
         table = np.array([[self.spreads[label].estimates[n] for label in labels] for n in complete])
-        table = np.where(relative, np.log(np.where(relative, table, 1.0)), table)
-        own = np.mean([_own_covariance(self.fits[n], relative) for n in complete], axis=0)
+        table = to_coordinates(table, relative)
+        of_fits = np.mean([_scale_covariance(self.fits[n], relative) for n in complete], axis=0)
         estimated = np.cov(table, rowvar=False).reshape(len(labels), len(labels))
         scale = np.sqrt(np.diag(estimated))
         unit = np.outer(1.0 / scale, 1.0 / scale)
-        values, vectors = np.linalg.eigh((estimated - own) * unit)
+        # a difference of two estimates may have negative eigenvalues: the nearest matrix without any, in units of the spreads
+        values, vectors = np.linalg.eigh((estimated - of_fits) * unit)
         positive = (vectors * np.maximum(values, 0.0)) @ vectors.T
         widths = np.sqrt(np.maximum(np.diag(positive), 0.0))
         seen = widths > 1e-6
@@ -319,42 +302,42 @@ def fit_specimens(
     InputError
         a record that names no specimen, or fewer than three specimens that can be used.
     """
-    if not 0.0 < level < 1.0:
-        raise InputError(f"level = {level:g} is not allowed; it must be between 0 and 1, such as 0.95")
+    check_level(level)
     if errors not in ERRORS:
         raise InputError(f"{errors!r} is an unknown kind of errors; choose {' or '.join(ERRORS)}")
     chosen = FitOptions.of("fit_specimens", options, keywords)
     if not isinstance(records, Mapping):
         check_records_and_model("fit_specimens", records, model)
-    groups = _fitted(records if isinstance(records, Mapping) else group_by_specimen(records))
+    by_specimen = records if isinstance(records, Mapping) else group_by_specimen(records)
+    # inputs that agree between specimens but for noise count as one, so all records are looked at together
+    nominal = iter(nominal_inputs([record for own_records in by_specimen.values() for record in own_records]))
+    groups = {
+        name: [record for record in (next(nominal) for _ in own_records) if record.role != "validation"]
+        for name, own_records in by_specimen.items()
+    }
     if len(groups) < MIN_GROUPS:
         raise InputError(
             f"{counted(len(groups), 'specimen')} ({listing(list(groups), 4)}) cannot give a spread between specimens; "
             f"give the records of {MIN_GROUPS} or more"
         )
     if not chosen.mixed_origins:
-        check_one_kind(record for some in groups.values() for record in some)
+        check_one_kind(record for own_records in groups.values() for record in own_records)
     tell = progress or (lambda stage, done: None)
     fits, left_out = dict[str, Fit](), dict[str, str]()
-    for k, (name, some) in enumerate(groups.items()):
+    for k, (name, own_records) in enumerate(groups.items()):
         tell(f"fitting {name}", k / len(groups))
-        one = fit_model(model, some, of_model(chosen, model))
-        if one.damper is None or not one.converged:
-            left_out[name] = f"its search {one.reason}" if one.damper is not None else one.reason
+        specimen_fit = fit_model(model, own_records, hold_pairs(chosen, model))
+        if specimen_fit.damper is None or not specimen_fit.converged:
+            left_out[name] = (
+                f"its search {specimen_fit.reason}" if specimen_fit.damper is not None else specimen_fit.reason
+            )
         else:
-            fits[name] = one
+            fits[name] = specimen_fit
     tell("fitting", 1.0)
     if len(fits) < MIN_GROUPS:
         why = "; ".join(f"{name}: {reason}" for name, reason in left_out.items())
         raise InputError(f"only {counted(len(fits), 'specimen')} gave a damper, of which there is no spread ({why})")
-    return _over_specimens(fits, left_out, level, errors == "pooled")
-
-
-def _fitted(groups: Mapping[str, Sequence[Record]]) -> dict[str, list[Record]]:
-    """The records for fitting of each specimen, with inputs that agree between specimens but for noise as one."""
-    nominal = iter(nominal_inputs([record for some in groups.values() for record in some]))
-    by_specimen = {name: [next(nominal) for _ in some] for name, some in groups.items()}
-    return {name: [record for record in some if record.role != "validation"] for name, some in by_specimen.items()}
+    return _combine_fits(fits, left_out, level, errors == "pooled")
 
 
 def group_by_specimen(records: Sequence[Record]) -> dict[str, list[Record]]:
@@ -370,37 +353,42 @@ def group_by_specimen(records: Sequence[Record]) -> dict[str, list[Record]]:
     return groups
 
 
-def _over_specimens(fits: dict[str, Fit], left_out: dict[str, str], level: float, pooled: bool) -> Specimens:
-    factors = _pooling_factors(fits) if pooled else {}
-    labels = list(dict.fromkeys(label for one in fits.values() for label in one.parameters))
+def _combine_fits(fits: dict[str, Fit], left_out: dict[str, str], level: float, pooled: bool) -> Specimens:
+    factors = _pool_errors(fits) if pooled else {}
+    labels = list(dict.fromkeys(label for fit in fits.values() for label in fit.parameters))
     spreads, effects, missing = dict[str, SpecimenSpread](), dict[str, RandomEffects](), dict[str, str]()
     for label in labels:
-        some = {name: one for name, one in fits.items() if not _why_not(one, label)}
-        without = {name: why for name, one in fits.items() if (why := _why_not(one, label))}
-        if len(some) < MIN_GROUPS:
+        determined = {name: fit for name, fit in fits.items() if not _explain_exclusion(fit, label)}
+        without = {name: why for name, fit in fits.items() if (why := _explain_exclusion(fit, label))}
+        if len(determined) < MIN_GROUPS:
             reasons = "; ".join(f"{name}: {why}" for name, why in without.items())
-            missing[label] = f"{counted(len(some), 'specimen')} determine it, of {MIN_GROUPS} at least ({reasons})"
+            missing[label] = (
+                f"{counted(len(determined), 'specimen')} determine it, of {MIN_GROUPS} at least ({reasons})"
+            )
             continue
-        relative = _is_relative(next(iter(some.values())), label)
-        values = np.array([one.parameters[label] for one in some.values()])
-        errors = np.array([one.stderr[label] * factors.get((name, label), 1.0) for name, one in some.items()])
+        first = next(iter(determined.values()))
+        # a number that cannot be negative has its spread in the logarithm
+        low = first.problem.limits[0][list(first.parameters).index(label)]
+        relative = bool(low >= 0.0) and first.parameters[label] > 0.0
+        values = np.array([fit.parameters[label] for fit in determined.values()])
+        errors = np.array([fit.stderr[label] * factors.get((name, label), 1.0) for name, fit in determined.items()])
         y = np.log(values) if relative else values
-        made = random_effects(y, errors / values if relative else errors, level)
+        effect = random_effects(y, errors / values if relative else errors, level)
         back: Callable[[float], float] = math.exp if relative else float
-        effects[label] = made
+        effects[label] = effect
         spreads[label] = SpecimenSpread(
             label=label,
-            unit=next(iter(some.values())).units[label],
+            unit=first.units[label],
             relative=relative,
             level=level,
-            mean=back(made.mean),
-            mean_interval=(back(made.mean_interval[0]), back(made.mean_interval[1])),
-            spread=made.spread,
-            spread_interval=made.spread_interval,
-            new_specimen=(back(made.prediction[0]), back(made.prediction[1])),
-            estimates=dict(zip(some, map(float, values), strict=True)),
-            errors=dict(zip(some, map(float, errors), strict=True)),
-            shrunken={name: back(float(one)) for name, one in zip(some, made.shrunken, strict=True)},
+            mean=back(effect.mean),
+            mean_interval=(back(effect.mean_interval[0]), back(effect.mean_interval[1])),
+            spread=effect.spread,
+            spread_interval=effect.spread_interval,
+            new_specimen=(back(effect.prediction[0]), back(effect.prediction[1])),
+            estimates=dict(zip(determined, map(float, values), strict=True)),
+            errors=dict(zip(determined, map(float, errors), strict=True)),
+            shrunken={name: back(float(value)) for name, value in zip(determined, effect.shrunken, strict=True)},
             left_out=without,
         )
     if not spreads:
@@ -408,54 +396,50 @@ def _over_specimens(fits: dict[str, Fit], left_out: dict[str, str], level: float
     return Specimens(spreads, fits, left_out, missing, level, effects)
 
 
-def _pooling_factors(fits: dict[str, Fit]) -> dict[tuple[str, str], float]:
+def _pool_errors(fits: dict[str, Fit]) -> dict[tuple[str, str], float]:
     """By specimen and number: the pooled standard error over that of the specimen's own fit."""
     ratios: dict[str, dict[str, tuple[float, float]]] = {}
-    for name, one in fits.items():
-        labels = list(one.parameters)
-        for block in one.optimum.blocks:
-            own, freedoms = variance_ratios(one, block)
-            for k, ratio in own.items():
+    for name, fit in fits.items():
+        labels = list(fit.parameters)
+        for block in fit.optimum.blocks:
+            ratios_of_fit, freedoms = variance_ratios(fit, block)
+            for k, ratio in ratios_of_fit.items():
                 label = labels[block.places[k]]
-                if not _why_not(one, label):
+                if not _explain_exclusion(fit, label):
                     ratios.setdefault(label, {})[name] = ratio, freedoms[k]
     factors = dict[tuple[str, str], float]()
-    for label, some in ratios.items():
-        mean = sum(ratio * freedom for ratio, freedom in some.values()) / sum(freedom for _, freedom in some.values())
-        factors |= {(name, label): math.sqrt(mean / ratio) for name, (ratio, _) in some.items()}
+    for label, by_specimen in ratios.items():
+        mean = sum(ratio * freedom for ratio, freedom in by_specimen.values()) / sum(
+            freedom for _, freedom in by_specimen.values()
+        )
+        factors |= {(name, label): math.sqrt(mean / ratio) for name, (ratio, _) in by_specimen.items()}
     return factors
 
 
-def _why_not(one: Fit, label: str) -> str:
+def _explain_exclusion(fit: Fit, label: str) -> str:
     """Why a specimen's fit says nothing of a number; empty where it does."""
-    if label not in one.parameters:
+    if label not in fit.parameters:
         return "it was not tested at this input"
-    error = one.stderr[label]
+    error = fit.stderr[label]
     if math.isnan(error):
         return "it stands at its limit"
     if math.isinf(error):
         return "its records do not determine it"
     if not error > 0.0:
         return "its error is zero"
-    if label in one.within_records:
-        return one.why_no_interval(label)
+    if label in fit.within_records:
+        return fit.why_no_interval(label)
     return ""
 
 
-def _is_relative(one: Fit, label: str) -> bool:
-    """Whether a number cannot be negative, so that its spread is one of the logarithm."""
-    low = one.problem.limits[0][list(one.parameters).index(label)]
-    return bool(low >= 0.0) and one.parameters[label] > 0.0
-
-
-def _own_covariance(one: Fit, relative: NDArray[np.bool_]) -> Array:
+def _scale_covariance(fit: Fit, relative: NDArray[np.bool_]) -> Array:
     """The covariance of one fit in the coordinates."""
-    errors, values = np.array(list(one.stderr.values())), np.array(list(one.parameters.values()))
+    errors, values = np.array(list(fit.stderr.values())), np.array(list(fit.parameters.values()))
     spread = errors / np.where(relative, values, 1.0)
-    return np.asarray(one.correlation * np.outer(spread, spread))
+    return np.asarray(fit.correlation * np.outer(spread, spread))
 
 
-def _pooled(spreads: Sequence[tuple[float, float]]) -> tuple[float, float]:
+def _pool(spreads: Sequence[tuple[float, float]]) -> tuple[float, float]:
     """One standard deviation of several with their degrees of freedom; that of the stated ones where none was estimated."""
     estimated = [(sd, freedom) for sd, freedom in spreads if math.isfinite(freedom)]
     if not estimated:
@@ -464,18 +448,20 @@ def _pooled(spreads: Sequence[tuple[float, float]]) -> tuple[float, float]:
     return math.sqrt(sum(freedom * sd**2 for sd, freedom in estimated) / total), total
 
 
-def _pooled_shapes(shapes: Sequence[ShapeError]) -> tuple[ShapeError, ...]:
+def _pool_shapes(shapes: Sequence[ShapeError]) -> tuple[ShapeError, ...]:
     """The residual by input: its mean over the specimens, and its spread between their records and between them."""
     by_input: dict[float, list[ShapeError]] = {}
-    for one in shapes:
-        by_input.setdefault(round(one.input, 6), []).append(one)
-    made = []
-    for u, some in sorted(by_input.items()):
-        means = np.array([one.shape_mean for one in some])
-        within = np.mean(np.square([one.shape_sd for one in some]), axis=0)
-        noise, white = (math.sqrt(np.mean([getattr(one, name) ** 2 for one in some])) for name in ("noise", "white"))
-        times = [one.noise_time for one in some if one.noise_time > 0.0]
-        made.append(
+    for shape in shapes:
+        by_input.setdefault(round(shape.input, 6), []).append(shape)
+    pooled = []
+    for u, at_input in sorted(by_input.items()):
+        means = np.array([shape.shape_mean for shape in at_input])
+        within = np.mean(np.square([shape.shape_sd for shape in at_input]), axis=0)
+        noise, white = (
+            math.sqrt(np.mean([getattr(shape, name) ** 2 for shape in at_input])) for name in ("noise", "white")
+        )
+        times = [shape.noise_time for shape in at_input if shape.noise_time > 0.0]
+        pooled.append(
             ShapeError(
                 input=u,
                 shape_mean=tuple(means.mean(axis=0)),
@@ -483,14 +469,14 @@ def _pooled_shapes(shapes: Sequence[ShapeError]) -> tuple[ShapeError, ...]:
                 noise=noise,
                 noise_time=float(np.median(times)) if times else 0.0,
                 white=white,
-                records=sum(one.records for one in some),
+                records=sum(shape.records for shape in at_input),
             )
         )
-    return tuple(made)
+    return tuple(pooled)
 
 
-def _widest(ranges: Sequence[Mapping[str, tuple[float, float]]]) -> dict[str, tuple[float, float]]:
+def _join_ranges(ranges: Sequence[Mapping[str, tuple[float, float]]]) -> dict[str, tuple[float, float]]:
     """The calibrated ranges of all specimens together."""
-    names = dict.fromkeys(name for each in ranges for name in each)
-    some = {name: [each[name] for each in ranges if name in each] for name in names}
-    return {name: (min(low for low, _ in each), max(high for _, high in each)) for name, each in some.items()}
+    names = dict.fromkeys(name for of_specimen in ranges for name in of_specimen)
+    ends = {name: [of_specimen[name] for of_specimen in ranges if name in of_specimen] for name in names}
+    return {name: (min(low for low, _ in spans), max(high for _, high in spans)) for name, spans in ends.items()}

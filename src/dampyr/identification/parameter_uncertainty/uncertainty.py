@@ -68,24 +68,27 @@ class Uncertainty:
 def uncertainty(optimum: Optimum, held: tuple[int, ...] = ()) -> Uncertainty:
     """The covariance of the coefficients at the optimum; those ``held`` at a limit count as known."""
     problem = optimum.problem
-    both = zip(optimum.cluster_sums, optimum.curvature_sums, strict=True)
-    reduced = [_reduced(problem, sums, curvature, held) for sums, curvature in both]
-    information = _above_rounding(reduced, problem.size)
-    samples = sum(one.count - problem.locals for one in problem.pieces)
-    bread, unidentifiable = _inverse(information, held)
-    squares = sum(one.squares for one in reduced) / max(samples - problem.size, 1)
-    naive = bread * (_variance(optimum, samples) if optimum.is_robust else squares)
-    reduced = _by_record(problem, reduced)
+    of_records = zip(optimum.cluster_sums, optimum.curvature_sums, strict=True)
+    reduced = [_eliminate_nuisances(problem, sums, curvature, held) for sums, curvature in of_records]
+    information = _sum_information(reduced, problem.size)
+    samples = sum(piece.count - problem.locals for piece in problem.pieces)
+    bread, unidentifiable = _invert(information, held)
+    squares = sum(record.squares for record in reduced) / max(samples - problem.size, 1)
+    naive = bread * (_estimate_variance(optimum, samples) if optimum.is_robust else squares)
+    reduced = _join_pieces(problem, reduced)
     whole = [Reduced(r.scores.sum(axis=0)[None], r.information.sum(axis=0)[None], r.squares, r.raw) for r in reduced]
-    records, cycles = _clusters(whole, information), _clusters(reduced, information)
+    records, cycles = _count_clusters(whole, information), _count_clusters(reduced, information)
     within = records.counts < MIN_RECORDS
     counts = np.where(within, cycles.counts, records.counts)
-    between = 0.5 * (records.freedom + _freedom_by_gains(optimum, whole, bread, records.freedom))
+    linear = np.where(problem.is_linear, optimum.point.theta, 0.0)
+    A = np.stack([record.information.sum(axis=0) for record in whole])
+    between = 0.5 * (records.freedom + freedom_by_gains(A, bread, linear, records.freedom))
     freedom = np.where(within, cycles.freedom, between)
     inflation = np.where(within, cycles.freedom, records.freedom)
     # One stack of influences, so that the matrix is positive semidefinite whatever each coefficient is clustered by: over the
     # cycles of a record its influence as a whole is spread evenly, which keeps the sum of its squares.
-    sizes = [one.scores.shape[0] for one in reduced]
+    sizes = [record.scores.shape[0] for record in reduced]
+    # the degrees of freedom are G - 1, so this is the root of the sandwich's G/(G - 1)
     by_record, wide = records.scores @ bread, np.sqrt((inflation + 1.0) / inflation)
     even = np.repeat(by_record / np.sqrt(sizes)[:, None], sizes, axis=0)
     influence = np.where(within, cycles.scores @ bread, even) * wide
@@ -93,15 +96,15 @@ def uncertainty(optimum: Optimum, held: tuple[int, ...] = ()) -> Uncertainty:
     few = tuple(k for k in map(int, np.flatnonzero(counts < MIN_CYCLES)) if k not in (*held, *unidentifiable))
     unknown = (*unidentifiable, *few)
     return Uncertainty(
-        _with_infinite(covariance, unknown),
-        _with_infinite(naive, unknown),
+        _mark_infinite(covariance, unknown),
+        _mark_infinite(naive, unknown),
         counts,
         freedom,
         unidentifiable,
         few,
         records.counts,
         within,
-        *_of_levels(optimum, whole, bread),
+        *_respond_to_levels(optimum, whole, bread),
         by_record * wide,
     )
 
@@ -114,7 +117,7 @@ def record_groups(problem: Problem) -> dict[str, list[int]]:
     return groups
 
 
-def _of_levels(optimum: Optimum, parts: list[Reduced], bread: Array) -> tuple[Array, Array]:
+def _respond_to_levels(optimum: Optimum, parts: list[Reduced], bread: Array) -> tuple[Array, Array]:
     """``by_level`` and ``absorbed`` of `Uncertainty`."""
     problem = optimum.problem
     static = problem.composition.static
@@ -127,21 +130,22 @@ def _of_levels(optimum: Optimum, parts: list[Reduced], bread: Array) -> tuple[Ar
     if (
         "gain" in problem.common
     ):  # the records' own gains have taken their part: the mean level at an input is the fit's
-        return _of_mean_levels(problem, b)
-    own = np.stack([one.information.sum(axis=0) @ b for one in parts])
-    by_level = own @ bread
-    weight = np.maximum(own @ b, TINY)
-    return by_level, own @ by_level.T / weight[:, None]
+        return _respond_to_mean_levels(problem, b)
+    by_record = np.stack([record.information.sum(axis=0) @ b for record in parts])
+    by_level = by_record @ bread
+    # what a record's level looks like in its own residual: the projection of the coefficients' change on its force
+    weight = np.maximum(by_record @ b, TINY)
+    return by_level, by_record @ by_level.T / weight[:, None]
 
 
-def _of_mean_levels(problem: Problem, b: Array) -> tuple[Array, Array]:
-    """As `_of_levels` where every record has a gain of its own, so that the fit is at the mean level of each input's
+def _respond_to_mean_levels(problem: Problem, b: Array) -> tuple[Array, Array]:
+    """As `_respond_to_levels` where every record has a gain of its own, so that the fit is at the mean level of each input's
     records."""
     groups = list(record_groups(problem).values())
-    levels = np.array([round(float(np.mean([np.mean(problem.pieces[k].u) for k in some])), 6) for some in groups])
+    levels = np.array([round(float(np.mean([np.mean(problem.pieces[k].u) for k in pieces])), 6) for pieces in groups])
     if problem.varying:
         return np.tile(b / len(groups), (len(groups), 1)), np.full((len(groups),) * 2, 1.0 / len(groups))
-    first = [some[0] for some in groups]
+    first = [pieces[0] for pieces in groups]
     by_level = np.zeros((len(groups), problem.size))
     for k, owned in enumerate(problem.slices):
         basis = problem.matrix[first, k, owned]
@@ -162,61 +166,62 @@ class Reduced:
     raw: Array
 
 
-def _by_record(problem: Problem, reduced: list[Reduced]) -> list[Reduced]:
+def _join_pieces(problem: Problem, reduced: list[Reduced]) -> list[Reduced]:
     """The pieces of a record that was cut as one: they share its gain and its temperature, as its cycles do."""
     groups = [[reduced[k] for k in pieces] for pieces in record_groups(problem).values()]
     return [
         Reduced(
-            np.concatenate([one.scores for one in some]),
-            np.concatenate([one.information for one in some]),
-            sum(one.squares for one in some),
-            sum((one.raw for one in some), np.zeros(problem.size)),
+            np.concatenate([piece.scores for piece in pieces]),
+            np.concatenate([piece.information for piece in pieces]),
+            sum(piece.squares for piece in pieces),
+            sum((piece.raw for piece in pieces), np.zeros(problem.size)),
         )
-        for some in groups
+        for pieces in groups
     ]
 
 
-def _variance(optimum: Optimum, samples: int) -> float:
+def _estimate_variance(optimum: Optimum, samples: int) -> float:
     """Of a loss that is not squares: the mean square of its first derivative over the mean of its second."""
     problem, first, second = optimum.problem, 0.0, 0.0
-    for one, residual in zip(problem.pieces, optimum.residuals, strict=True):
-        assert one.second_weight is not None
-        slope = (one.weight * one.spread) ** 2 * residual / one.spread
-        first += float(slope[one.comparable] @ slope[one.comparable])
-        second += float(np.sum((one.second_weight[one.comparable] * one.spread) ** 2))
-    total = sum(one.count for one in problem.pieces)
+    for piece, residual in zip(problem.pieces, optimum.residuals, strict=True):
+        assert piece.second_weight is not None
+        slope = (piece.weight * piece.spread) ** 2 * residual / piece.spread
+        first += float(slope[piece.comparable] @ slope[piece.comparable])
+        second += float(np.sum((piece.second_weight[piece.comparable] * piece.spread) ** 2))
+    total = sum(piece.count for piece in problem.pieces)
     return first / max(second, TINY) * total / max(samples - problem.size, 1)
 
 
-def _reduced(problem: Problem, sums: Array, second: Array, held: tuple[int, ...]) -> Reduced:
+def _eliminate_nuisances(problem: Problem, sums: Array, second: Array, held: tuple[int, ...]) -> Reduced:
     L = problem.locals
     whole = second.sum(axis=0)
-    taken = np.vstack((-_taken(whole[:L, :L], whole[:L, L:-1]), np.eye(problem.size)))
+    taken = np.vstack((-_solve_nuisances(whole[:L, :L], whole[:L, L:-1]), np.eye(problem.size)))
     taken[:, list(held)] = 0.0
     raw = np.diag(whole)[L:-1]
     squares = float(np.sum(sums[:, -1, -1]))
     return Reduced(sums[:, :-1, -1] @ taken, taken.T @ second[:, :-1, :-1] @ taken, squares, raw)
 
 
-def _above_rounding(reduced: list[Reduced], size: int) -> Array:
+def _sum_information(reduced: list[Reduced], size: int) -> Array:
     """The information of all records; none where the nuisances took all of a derivative but its rounding."""
-    information = sum((one.information.sum(axis=0) for one in reduced), np.zeros((size, size)))
-    lost = np.diag(information) <= SAME * sum((one.raw for one in reduced), np.zeros(size))
+    information = sum((record.information.sum(axis=0) for record in reduced), np.zeros((size, size)))
+    lost = np.diag(information) <= SAME * sum((record.raw for record in reduced), np.zeros(size))
     information[lost, :] = information[:, lost] = 0.0
     return np.asarray(information)
 
 
-def _taken(own: Array, across: Array) -> Array:
+def _solve_nuisances(of_nuisances: Array, across: Array) -> Array:
     """The nuisances' change with each coefficient: least squares on what the record determines of them."""
-    d = np.sqrt(np.diag(own))
+    # Newtons beside factors: scaled to ones on the diagonal, or the largest unit would decide what is rounding
+    d = np.sqrt(np.diag(of_nuisances))
     scale = np.where(d > 0, 1.0 / np.where(d > 0, d, 1.0), 0.0)
-    values, vectors = np.linalg.eigh(own * np.outer(scale, scale))
+    values, vectors = np.linalg.eigh(of_nuisances * np.outer(scale, scale))
     seen = values > SAME * max(float(values.max(initial=0.0)), 1e-300)
     weights = np.where(seen, 1.0 / np.where(seen, values, 1.0), 0.0)
     return np.asarray(scale[:, None] * (vectors @ (weights[:, None] * (vectors.T @ (scale[:, None] * across)))))
 
 
-def _inverse(information: Array, held: tuple[int, ...]) -> tuple[Array, tuple[int, ...]]:
+def _invert(information: Array, held: tuple[int, ...]) -> tuple[Array, tuple[int, ...]]:
     """The inverse on what is determined, and the coefficients that take part in a direction that is not."""
     scale = np.sqrt(np.diag(information))
     free = scale > 1e-12 * max(float(scale.max(initial=0.0)), 1e-300)
@@ -224,6 +229,7 @@ def _inverse(information: Array, held: tuple[int, ...]) -> tuple[Array, tuple[in
     values, vectors = np.linalg.eigh(information * np.outer(unit, unit))
     determined = values > UNDETERMINED**1.5 * max(float(values.max(initial=0.0)), 1e-300)
     inverse = (vectors[:, determined] / values[determined]) @ vectors[:, determined].T * np.outer(unit, unit)
+    # a direction is lost to every coefficient that takes a visible part in it, not to its largest one alone
     lost = np.abs(vectors[:, ~determined & (values > -np.inf)]) > 1e-3
     unidentifiable = {int(k) for k in np.flatnonzero(~free | (lost.any(axis=1) & free)) if k not in held}
     return inverse, tuple(sorted(unidentifiable))
@@ -242,28 +248,27 @@ class Clusters:
     freedom: Array
 
 
-def _clusters(parts: list[Reduced], information: Array) -> Clusters:
-    scores = np.concatenate([one.scores for one in parts])
-    diagonals = np.concatenate([np.diagonal(one.information, axis1=1, axis2=2) for one in parts])
+def _count_clusters(parts: list[Reduced], information: Array) -> Clusters:
+    scores = np.concatenate([part.scores for part in parts])
+    diagonals = np.concatenate([np.diagonal(part.information, axis1=1, axis2=2) for part in parts])
     total = np.diag(information)
     shares = np.where(total > TINY, diagonals / np.where(total > TINY, total, 1.0), 0.0)
     effective = 1.0 / np.maximum(np.sum(shares**2, axis=0), TINY)
     return Clusters(scores, np.sum(shares > 1e-3, axis=0), np.maximum(np.minimum(effective, len(scores)), 1.5) - 1.0)
 
 
-def _freedom_by_gains(optimum: Optimum, parts: list[Reduced], bread: Array, instead: Array) -> Array:
-    r"""The degrees of freedom (G,) where records differ by a gain; ``instead`` where no coefficient is a gain's.
+def freedom_by_gains(A: Array, bread: Array, linear: Array, instead: Array) -> Array:
+    r"""The degrees of freedom (G,) where records differ by a gain; ``instead`` (G,) where no coefficient is a gain's.
 
     With the gains :math:`\gamma_h` of the records the scores are :math:`s_g = A_g b \gamma_g - A_g B \sum_h A_h b \gamma_h`, A
-    the information of a record, B the bread, b the linear coefficients, which a gain multiplies. The variance of a coefficient
-    is then a quadratic form Q of the gains, of which Satterthwaite's degrees of freedom are tr(Q)^2 / tr(Q^2).
+    (n, G, G) the information of each record, B the ``bread``, b the ``linear`` coefficients (G,), which a gain multiplies. The
+    variance of a coefficient is then a quadratic form Q of the gains, of which Satterthwaite's degrees of freedom are
+    tr(Q)^2 / tr(Q^2).
     """
-    b = np.where(optimum.problem.is_linear, optimum.point.theta, 0.0)
-    A = np.stack([one.information.sum(axis=0) for one in parts])
-    own = A @ b
-    influence = -np.einsum("gij,hj->ghi", A @ bread, own)
-    places = np.arange(len(parts))
-    influence[places, places] += own
+    by_gain = A @ linear
+    influence = -np.einsum("gij,hj->ghi", A @ bread, by_gain)  # the fit follows the gains of all records
+    places = np.arange(len(A))
+    influence[places, places] += by_gain
     influence = influence @ bread  # (g, h, G): of the gain of record h on the influence of record g
     Q = np.einsum("ghk,gik->khi", influence, influence)
     trace, square = np.trace(Q, axis1=1, axis2=2), np.einsum("khi,kih->k", Q, Q)
@@ -271,7 +276,7 @@ def _freedom_by_gains(optimum: Optimum, parts: list[Reduced], bread: Array, inst
     return np.where(seen, np.maximum(trace**2 / np.where(seen, square, 1.0), 0.5), instead)
 
 
-def _with_infinite(covariance: Array, unidentifiable: tuple[int, ...]) -> Array:
+def _mark_infinite(covariance: Array, unidentifiable: tuple[int, ...]) -> Array:
     out = covariance.copy()
     for k in unidentifiable:
         out[k, :] = out[:, k] = 0.0

@@ -21,9 +21,9 @@ from numpy.typing import NDArray
 
 from dampyr.argument_kinds import DAMPER, RECORD, Argument, check_kinds
 from dampyr.errors import InputError
-from dampyr.identification.scoring.scoring_window import SETTLING, Window, scoring_window, whole_cycles
+from dampyr.identification.scoring.scoring_window import SETTLING, Window, loop_work, scoring_window, whole_cycles
 from dampyr.models import Damper
-from dampyr.models.prediction_error import force_draws, prior_words
+from dampyr.models.prediction_error import check_level, force_draws, prior_words
 from dampyr.origin import NOT_STATED, Origin, combined
 from dampyr.phrases import percent
 from dampyr.records import Record, with_velocity
@@ -84,14 +84,8 @@ class Band(Shown):
     @property
     def words(self) -> str:
         """What it holds and how wide it is."""
-        words = f"holds {percent(self.holds)} of the samples, width ± {percent(self.width)} of the mean force"
-        return f"{words}, {self.prior}" if self.prior else words
-
-
-def check_level(level: float) -> None:
-    """:class:`~dampyr.errors.InputError` unless ``level`` is a share between 0 and 1."""
-    if not 0.0 < level < 1.0:
-        raise InputError(f"band = {level:g} is not allowed; it must lie between 0 and 1, such as 0.9 for 90 %")
+        text = f"holds {percent(self.holds)} of the samples, width ± {percent(self.width)} of the mean force"
+        return f"{text}, {self.prior}" if self.prior else text
 
 
 def why_no_band(damper: Damper) -> str:
@@ -105,7 +99,7 @@ def why_no_band(damper: Damper) -> str:
     return ""
 
 
-def drawn_forces(
+def draw_forces(
     damper: Damper, record: Record, draws: int = DRAWS, seed: int = 0, allow_extrapolation: bool = False
 ) -> tuple[Array, Array, str | None]:
     """Forces (draws, n) in N of the damper along a record, without its offset, the white noise (draws, n) that is measured
@@ -132,12 +126,12 @@ def drawn_forces(
     return *force_draws(damper, path, draws, seed, session, allow_extrapolation, averaging), session
 
 
-def _interval(draws: Array, measured: float, tails: tuple[float, float]) -> Interval:
+def _make_interval(draws: Array, measured: float, tails: tuple[float, float]) -> Interval:
     low, high = np.quantile(draws, tails)
     return Interval(float(low), float(high), measured)
 
 
-def _white(residual: Array, seed: int, draws: int) -> Array:
+def _draw_white_noise(residual: Array, seed: int, draws: int) -> Array:
     """White noise (draws, n) as large as that of a residual (n,): the median tells it without false samples."""
     second = residual[1:-1] - 0.5 * (residual[:-2] + residual[2:])  # of white noise it has 1.5 times the variance
     size = 1.4826 * float(np.median(np.abs(second))) / np.sqrt(1.5)
@@ -157,31 +151,73 @@ def prediction_band(
     """The band of a record's force, of its peak and of its energy, and whether they hold what was measured.
 
     A record whose ``measurement_session`` is one that the damper was fitted on has the level of that session; any other
-    counts as of a new session. ``settling`` and ``window`` as in `dampyr.identification.score`. Raises
-    :class:`~dampyr.errors.InputError` where the damper's card has no prediction error.
+    counts as of a new session.
+
+    Parameters
+    ----------
+    damper
+        with a `prediction_error`, as every fit gives it.
+    record
+        whose force is to be held.
+    level
+        share of the force that the band is to hold, between 0 and 1.
+    settling, window
+        which samples count, in s: as of `dampyr.identification.score`.
+    draws, seed
+        how many draws the quantiles are taken of, and the seed of the draws.
+    allow_extrapolation
+        also at an input, or a motion, beyond what the damper was calibrated on.
+
+    Returns
+    -------
+    Band
+        its limits (n,) in N along the whole record, and what they hold of the window.
+
+    Raises
+    ------
+    InputError
+        the damper's card has no prediction error, or the record cannot be scored.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> damper, rng = dp.studies.raminelli_2020.damper(), np.random.default_rng(0)
+    >>> t = np.linspace(0.0, 4.0, 801)
+    >>> def record(f):
+    ...     x = 0.008 * np.sin(2 * np.pi * f * t)
+    ...     force = damper.force(t, x, voltage=1.98) + rng.normal(0.0, 5.0, t.size)
+    ...     return dp.records.Record(t, x, force, voltage=1.98, name=f"{f} Hz")
+    >>> fitted = dp.identification.fit([record(0.7), record(1.0), record(1.6)], "dahl").damper
+    >>> dp.identification.prediction_band(fitted, record(1.3), level=0.95).holds > 0.95
+    True
     """
     check_kinds(
         "prediction_band", Argument("damper", damper, (Damper,), DAMPER), Argument("record", record, (Record,), RECORD)
     )
-    check_level(level)
+    check_level(level, "band")
     where = scoring_window(record, settling, window)
-    forces, noise, session = drawn_forces(damper, record, draws, seed, allow_extrapolation)
+    forces, noise, session = draw_forces(damper, record, draws, seed, allow_extrapolation)
     inside = where.slice
     measured = record.force
+    # the offset is the record's own, as in a score: each draw has the measured mean
     forces += (np.mean(measured[inside]) - np.mean(forces[:, inside], axis=1))[:, None]
     tails = 0.5 * (1.0 - level), 0.5 * (1.0 + level)
     low, high = np.quantile(forces + noise, tails, axis=0)
     seen = (low[inside] <= measured[inside]) & (measured[inside] <= high[inside])
     spread = np.mean(np.abs(measured[inside] - 0.5 * sum(np.quantile(measured[inside], (0.01, 0.99)))))
     peaks = 0.5 * np.ptp(forces[:, inside], axis=1)
-    rough = forces[:, inside] + _white(measured[inside] - np.median(forces[:, inside], axis=0), seed, len(forces))
+    rough = forces[:, inside] + _draw_white_noise(
+        measured[inside] - np.median(forces[:, inside], axis=0), seed, len(forces)
+    )
+    # the largest of many noisy samples lies above the force's own peak: by how much, noise of this size on the draws tells
     from_noise = float(np.median(0.5 * np.ptp(rough, axis=1) - peaks))
     energy = None
     if span := whole_cycles(record, where):
         part, count = span
-        x = record.displacement[part] - np.mean(record.displacement[part])
-        work = [np.trapezoid(one[part] - np.mean(one[part]), x) / count for one in (*(forces + noise), measured)]
-        energy = _interval(np.array(work[:-1]), float(work[-1]), tails)
+        x = record.displacement[part]
+        work = [loop_work(force[part], x) / count for force in (*(forces + noise), measured)]
+        energy = _make_interval(np.array(work[:-1]), float(work[-1]), tails)
     return Band(
         level=level,
         origin=combined([damper.origin, record.origin]),
@@ -192,7 +228,7 @@ def prediction_band(
         high=high,
         holds=float(np.mean(seen)),
         width=float(0.5 * np.mean(high[inside] - low[inside]) / spread),
-        peak=_interval(peaks, 0.5 * float(np.ptp(measured[inside])) - from_noise, tails),
+        peak=_make_interval(peaks, 0.5 * float(np.ptp(measured[inside])) - from_noise, tails),
         energy=energy,
         session=session,
         window=where,

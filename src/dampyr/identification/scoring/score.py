@@ -34,9 +34,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from dampyr.argument_kinds import DAMPER, RECORD, Argument, check_kinds
 from dampyr.errors import InputError
-from dampyr.identification.scoring.prediction_band import Band, check_level, prediction_band
-from dampyr.identification.scoring.scoring_window import MIN_SCORED, SETTLING, Window, scoring_window, whole_cycles
+from dampyr.identification.scoring.prediction_band import Band, prediction_band
+from dampyr.identification.scoring.scoring_window import (
+    MIN_SCORED,
+    SETTLING,
+    Window,
+    loop_work,
+    scoring_window,
+    whole_cycles,
+)
 from dampyr.models import Damper
+from dampyr.models.prediction_error import check_level
 from dampyr.records import Record, cycles, with_velocity
 from dampyr.records.conditioning.moving_average import averaged
 from dampyr.records.conditioning.nominal_input import without_noise_beyond
@@ -86,12 +94,35 @@ def score(
 ) -> Score:
     """Run ``damper`` freely along ``record`` and compare.
 
-    The window goes from ``settling`` s after the motion starts to the end, or is ``window`` = (from, to) in s. ``centre`` is
-    what the L1 ratio measures the force from: the middle of its ``"quantiles"``, or the ``"midrange"`` as (3.1) of Raminelli
-    (2020). ``band`` = 0.9 adds the `prediction_band` that is to hold 90 % of the force, and what it holds;
-    ``session_prior`` = 0.05 makes it with 5 % between measurement sessions in the place of what the card states. Raises
-    :class:`~dampyr.errors.InputError` where the record's input is not the damper's, too little is left of the motion, or the
-    card has nothing to make a band of.
+    Parameters
+    ----------
+    damper
+        whose force is predicted; only the offset is taken from the record.
+    record
+        with an input in the damper's unit, inside its calibrated range.
+    settling
+        s after the motion starts that are not scored: the unknown past is forgotten by then.
+    window
+        (from, to) in s, in the place of what ``settling`` leaves.
+    allow_extrapolation
+        also score at an input, or a motion, beyond what the damper was calibrated on.
+    centre
+        what the L1 ratio measures the force from: the middle of its ``"quantiles"``, or the ``"midrange"`` as (3.1) of
+        Raminelli (2020).
+    band
+        share of the force, such as 0.9, that a `prediction_band` is to hold; without it there is no band.
+    session_prior
+        how much the force differs between measurement sessions (0.05 is 5 %), for the band; that of the card by default.
+
+    Returns
+    -------
+    Score
+        ratios without unit over the samples of its ``window``.
+
+    Raises
+    ------
+    InputError
+        the record's input is not the damper's, too little is left of the motion, or the card has nothing to make a band of.
 
     Examples
     --------
@@ -106,13 +137,21 @@ def score(
     """
     check_kinds("score", Argument("damper", damper, (Damper,), DAMPER), Argument("record", record, (Record,), RECORD))
     if band is not None:
-        check_level(band)
+        check_level(band, "band")
     plain = compare(record, prediction(damper, record, allow_extrapolation), settling, window, centre)
     if band is None:
         return plain
     stated = damper if session_prior is None else damper.with_session_prior(session_prior)
-    made = prediction_band(stated, record, band, settling, window, allow_extrapolation=allow_extrapolation)
-    return replace(plain, band=made)
+    predictive_band = prediction_band(stated, record, band, settling, window, allow_extrapolation=allow_extrapolation)
+    return replace(plain, band=predictive_band)
+
+
+def score_or_reason(damper: Damper, record: Record, settling: float = SETTLING) -> Score | str:
+    """The score of a record, or why it has none."""
+    try:
+        return score(damper, record, settling)
+    except InputError as problem:
+        return str(problem)
 
 
 def prediction(damper: Damper, record: Record, allow_extrapolation: bool = False) -> Array:
@@ -181,14 +220,14 @@ def compare(
             f"{record.name}: the force is constant at {measured[0]:g} N in the window; nothing to compare with"
         )
     nrmse = float(np.sqrt(np.mean(error**2))) / spread
-    level, relevelled = _relevelled(record, np.asarray(force, dtype=float), where, centre)
+    level, relevelled = _relevel(record, np.asarray(force, dtype=float), where, centre)
     return Score(
         l1=float(np.sum(np.abs(error)) / np.sum(np.abs(centred))),
         nrmse=nrmse,
         r2=1.0 - nrmse**2,
         pointwise=float(np.mean(np.abs(error[seen]) / np.abs(centred[seen]))),
         peak_force=float(np.ptp(model) / np.ptp(measured) - 1.0),
-        energy=_energy_error(record, np.asarray(force, dtype=float), where),
+        energy=_compare_energy(record, np.asarray(force, dtype=float), where),
         offset=offset,
         window=where,
         level=level,
@@ -205,13 +244,13 @@ def relevelling_part(record: Record, where: Window) -> slice:
     return slice(where.first, where.first + max(int(RELEVEL_SHARE * count), 1))
 
 
-def _relevelled(record: Record, force: Array, where: Window, centre: Centre) -> tuple[float, float]:
+def _relevel(record: Record, force: Array, where: Window, centre: Centre) -> tuple[float, float]:
     """The level by the first cycles and the L1 ratio of the rest with it, NaN where one of the two holds next to nothing."""
     part = relevelling_part(record, where)
     rest = slice(part.stop, where.last + 1)
     if part.stop - part.start < MIN_SCORED or rest.stop - rest.start < MIN_SCORED:
         return math.nan, math.nan
-    measured, model = (one[part] - np.mean(one[part]) for one in (record.force, force))
+    measured, model = (force_trace[part] - np.mean(force_trace[part]) for force_trace in (record.force, force))
     square = float(model @ model)
     level = float(measured @ model) / square if square > 0.0 else math.nan
     if not level > 0.0:
@@ -222,13 +261,10 @@ def _relevelled(record: Record, force: Array, where: Window, centre: Centre) -> 
     return level, float(np.sum(np.abs(error - np.mean(error))) / max(np.sum(np.abs(centred)), 1e-300))
 
 
-def _energy_error(record: Record, force: Array, where: Window) -> float:
+def _compare_energy(record: Record, force: Array, where: Window) -> float:
     whole = whole_cycles(record, where)
     if whole is None:
         return float("nan")
     span, _ = whole
     x = record.displacement[span]
-    middle = float(np.mean(x))
-    measured = np.trapezoid(record.force[span] - np.mean(record.force[span]), x - middle)
-    model = np.trapezoid(force[span] - np.mean(force[span]), x - middle)
-    return float(model / measured - 1.0)
+    return float(loop_work(force[span], x) / loop_work(record.force[span], x) - 1.0)

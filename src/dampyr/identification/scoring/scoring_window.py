@@ -6,11 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.records import Record, cycles, motion_start
 from dampyr.records.conditioning.smoothing import comparable, force_average
 
+Array = NDArray[np.float64]
 SETTLING = 2.0  # s after the motion starts: the unknown past is forgotten by then
 MIN_SCORED = 8  # samples: fewer make no loop
 SCORED_SHARE = 0.25  # of the motion: where settling leaves less, what is scored does not stand for the record
@@ -76,7 +78,7 @@ def too_short(record: Record, settling: float = SETTLING) -> str:
     )
 
 
-def scorable(records: Sequence[Record], settling: float = SETTLING) -> dict[str, str]:
+def list_unscorable(records: Sequence[Record], settling: float = SETTLING) -> dict[str, str]:
     """The records that cannot be scored, and why; :class:`~dampyr.errors.InputError` where none can."""
     reasons = {record.name: reason for record in records if (reason := too_short(record, settling))}
     if reasons and len(reasons) == len(records):
@@ -89,3 +91,8 @@ def whole_cycles(record: Record, where: Window) -> tuple[slice, int] | None:
     """The samples of the whole cycles in a window, and how many cycles these are; None where there is none."""
     spans = [(a, b) for a, b in cycles(record) if a >= where.first and b <= where.last]
     return (slice(spans[0][0], spans[-1][1] + 1), len(spans)) if spans else None
+
+
+def loop_work(force: Array, displacement: Array) -> np.float64:
+    """The work on the damper in J along a motion, of force and displacement (n,) less their means: an offset does none."""
+    return np.float64(np.trapezoid(force - np.mean(force), displacement - np.mean(displacement)))

@@ -35,17 +35,17 @@ def split_tasks(records: Sequence[Record], split: str, folds: int = 5, seed: int
         raise InputError(f"{split!r} is an unknown split; choose {', '.join([*PARTS, 'time'])}")
     listed = list(records)
     if split == "time":
-        return [_early(listed)]
-    return [_apart(listed, part) for part in PARTS[split](listed, folds, seed)]
+        return [_split_time(listed)]
+    return [_leave_out(listed, part) for part in PARTS[split](listed, folds, seed)]
 
 
-def _apart(records: list[Record], part: list[int]) -> FoldTask:
+def _leave_out(records: list[Record], part: list[int]) -> FoldTask:
     held = set(part)
     rest = tuple(record for k, record in enumerate(records) if k not in held)
     return FoldTask(rest, tuple(Target(records[k]) for k in part))
 
 
-def _early(records: list[Record]) -> FoldTask:
+def _split_time(records: list[Record]) -> FoldTask:
     """Every record's first part is fitted and its last part predicted."""
     cuts = []
     for record in records:
@@ -55,20 +55,20 @@ def _early(records: list[Record]) -> FoldTask:
     return FoldTask(fitted, tuple(Target(record, cut) for record, cut in zip(records, cuts, strict=True)))
 
 
-def _enough(records: list[Record], folds: int) -> None:
+def _check_folds(records: list[Record], folds: int) -> None:
     if not 2 <= folds <= len(records):
         raise InputError(f"{folds} folds of {len(records)} records: give at least 2 folds and as many records")
 
 
-def _by_record(records: list[Record], folds: int, seed: int) -> list[list[int]]:
+def _split_by_record(records: list[Record], folds: int, seed: int) -> list[list[int]]:
     """Random parts; the records of each input are distributed in turn, so that no part holds all of one."""
-    _enough(records, folds)
+    _check_folds(records, folds)
     shuffled = np.random.default_rng(seed).permutation(len(records))
     order = sorted((int(i) for i in shuffled), key=lambda i: records[i].input_value or 0.0)
     return [sorted(order[k::folds]) for k in range(folds)]
 
 
-def _by_input(records: list[Record], folds: int, seed: int) -> list[list[int]]:
+def _split_by_input(records: list[Record], folds: int, seed: int) -> list[list[int]]:
     values = [record.input_value for record in records]
     distinct = sorted({v for v in values if v is not None})
     if len(distinct) < 3:
@@ -76,32 +76,32 @@ def _by_input(records: list[Record], folds: int, seed: int) -> list[list[int]]:
     return [[k for k, v in enumerate(values) if v == u] for u in distinct[1:-1]]
 
 
-def _by_frequency(records: list[Record], folds: int, seed: int) -> list[list[int]]:
-    return _in_order(records, folds, [measure(record).frequency_hz for record in records])
+def _split_by_frequency(records: list[Record], folds: int, seed: int) -> list[list[int]]:
+    return _split_in_order(records, folds, [measure(record).frequency_hz for record in records])
 
 
-def _by_amplitude(records: list[Record], folds: int, seed: int) -> list[list[int]]:
-    return _in_order(records, folds, [measure(record).peak_to_peak_m for record in records])
+def _split_by_amplitude(records: list[Record], folds: int, seed: int) -> list[list[int]]:
+    return _split_in_order(records, folds, [measure(record).peak_to_peak_m for record in records])
 
 
-def _in_order(records: list[Record], folds: int, size: list[float]) -> list[list[int]]:
-    _enough(records, folds)
+def _split_in_order(records: list[Record], folds: int, size: list[float]) -> list[list[int]]:
+    _check_folds(records, folds)
     return [[int(i) for i in part] for part in np.array_split(np.argsort(size, kind="stable"), folds)]
 
 
-def _by_waveform(records: list[Record], folds: int, seed: int) -> list[list[int]]:
+def _split_by_waveform(records: list[Record], folds: int, seed: int) -> list[list[int]]:
     kinds = [waveform(record) for record in records]
     distinct = sorted(set(kinds))
     if len(distinct) < 2:
         raise InputError(f"leaving a waveform out needs two kinds of motion; all records are of the kind {distinct[0]}")
-    return [[k for k, kind in enumerate(kinds) if kind == one] for one in distinct]
+    return [[k for k, kind in enumerate(kinds) if kind == left_out] for left_out in distinct]
 
 
 #: which records each fold predicts
 PARTS: dict[str, Callable[[list[Record], int, int], list[list[int]]]] = {
-    "record": _by_record,
-    "input": _by_input,
-    "frequency": _by_frequency,
-    "amplitude": _by_amplitude,
-    "waveform": _by_waveform,
+    "record": _split_by_record,
+    "input": _split_by_input,
+    "frequency": _split_by_frequency,
+    "amplitude": _split_by_amplitude,
+    "waveform": _split_by_waveform,
 }

@@ -13,11 +13,12 @@ from typing import Annotated, Any
 from dampyr.argument_kinds import DAMPER, RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.findings import OF_DAMPER, Finding, handed_on, worst_first
-from dampyr.identification.scoring.prediction_band import LEVEL, Band, check_level, prediction_band, why_no_band
+from dampyr.identification.scoring.prediction_band import LEVEL, Band, prediction_band, why_no_band
 from dampyr.identification.scoring.score import Array, Score, compare, prediction
 from dampyr.identification.scoring.scoring_window import SETTLING
 from dampyr.identification.scoring.validation import mean_relevelled
 from dampyr.models import Damper
+from dampyr.models.prediction_error import check_level
 from dampyr.options import Options, ShownIn, takes
 from dampyr.origin import Origin, combined
 from dampyr.phrases import listing
@@ -32,7 +33,7 @@ class ScoreOptions(Options):
     """Options of `validate`."""
 
     settling: Annotated[float, Quantity("s", low=0), "Time after the motion starts that is not scored"] = SETTLING
-    allow_extrapolation: Annotated[bool, "Also inputs that the card was not calibrated on"] = False
+    allow_extrapolation: Annotated[bool, "Predict at inputs that the card was not calibrated on, too"] = False
     band: Annotated[
         float | None,
         Quantity("", low=0, high=1, open_low=True),
@@ -50,7 +51,7 @@ class ScoreOptions(Options):
     def check(self) -> None:
         """Refuse a band of all of the force."""
         if self.band is not None:
-            check_level(self.band)
+            check_level(self.band, "band")
 
 
 @dataclass(frozen=True, repr=False)
@@ -73,7 +74,7 @@ class Validated(Shown):
 
     def measured_and_predicted(self, record: str) -> tuple[Record, Array]:
         """A record by its name and the force N that is predicted for it, with the record's offset."""
-        names = [one.name for one in self.records]
+        names = [listed.name for listed in self.records]
         if record not in names:
             raise InputError(f"{record!r} is not among the records; choose from {listing(names, 8)}")
         return self.records[names.index(record)], self.forces[record] + self.scores[record].offset
@@ -152,8 +153,41 @@ def validate(
     """Score a damper on records that it predicts in a free run; only the offset is taken from each record.
 
     Measured inputs that are constant but for noise count as constants, those close to an end of the calibrated range as that
-    end. ``card`` is what the damper is called. Raises :class:`~dampyr.errors.InputError` where two records have one name, and
-    where an input lies outside of the calibrated range unless extrapolation is allowed.
+    end.
+
+    Parameters
+    ----------
+    damper
+        that is validated.
+    records
+        which it predicts, one or more.
+    options
+        the further arguments as one object; those that are given by name take their places.
+    card
+        what the damper is called.
+    progress
+        called with what is being done, and the fraction of it that is done.
+
+    Returns
+    -------
+    Validated
+        scores, forces and predictive bands by record; ``no_band`` says why there are none of the latter.
+
+    Raises
+    ------
+    InputError
+        two records of one name, or an input outside of the calibrated range unless extrapolation is allowed.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> damper = dp.studies.raminelli_2020.damper()
+    >>> t = np.linspace(0.0, 4.0, 801)
+    >>> x = 0.008 * np.sin(2 * np.pi * t)
+    >>> record = dp.records.Record(t, x, 1.1 * damper.force(t, x, voltage=1.98), voltage=1.98, name="stronger")
+    >>> round(dp.identification.validate(damper, [record]).scores["stronger"].l1, 2)
+    0.09
     """
     check_kinds(
         "validate",

@@ -18,7 +18,7 @@ from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.least_squares import check_records_and_model, fit_model, one_thread
 from dampyr.identification.scoring.score import Score, score
-from dampyr.identification.scoring.scoring_window import scorable
+from dampyr.identification.scoring.scoring_window import list_unscorable
 from dampyr.identification.scoring.splits import FoldTask, Target, split_tasks
 from dampyr.models import Composition, Damper
 from dampyr.origin import NOT_STATED, Origin, check_one_kind, combined
@@ -59,7 +59,7 @@ class Validation(Shown):
     @property
     def scores(self) -> dict[str, Score]:
         """Every predicted record's score."""
-        return {name: one for fold in self.folds for name, one in fold.scores.items()}
+        return {name: of_record for fold in self.folds for name, of_record in fold.scores.items()}
 
     @property
     def failed(self) -> dict[str, str]:
@@ -70,18 +70,18 @@ class Validation(Shown):
     def by_input(self) -> dict[float, float]:
         """The mean L1 ratio of the predicted records of each input, by rising input."""
         groups: dict[float, list[float]] = {}
-        for name, one in self.scores.items():
-            groups.setdefault(self.inputs.get(name, 0.0), []).append(one.l1)
+        for name, of_record in self.scores.items():
+            groups.setdefault(self.inputs.get(name, 0.0), []).append(of_record.l1)
         return {u: float(np.mean(groups[u])) for u in sorted(groups)}
 
     @property
     def relevelled(self) -> float:
         """The mean L1 ratio with the level of each record's first cycles, every input counting the same; NaN without any."""
         groups: dict[float, list[float]] = {}
-        for name, one in self.scores.items():
-            if np.isfinite(one.relevelled_l1):
-                groups.setdefault(self.inputs.get(name, 0.0), []).append(one.relevelled_l1)
-        return float(np.mean([np.mean(each) for each in groups.values()])) if groups else float("nan")
+        for name, of_record in self.scores.items():
+            if np.isfinite(of_record.relevelled_l1):
+                groups.setdefault(self.inputs.get(name, 0.0), []).append(of_record.relevelled_l1)
+        return float(np.mean([np.mean(ratios) for ratios in groups.values()])) if groups else float("nan")
 
     @property
     def error(self) -> float:
@@ -91,7 +91,7 @@ class Validation(Shown):
 
 def mean_relevelled(scores: Mapping[str, Score]) -> float:
     """The mean L1 ratio with the level of each record's first cycles; NaN where no record has one."""
-    values = [one.relevelled_l1 for one in scores.values() if np.isfinite(one.relevelled_l1)]
+    values = [of_record.relevelled_l1 for of_record in scores.values() if np.isfinite(of_record.relevelled_l1)]
     return float(np.mean(values)) if values else float("nan")
 
 
@@ -104,15 +104,33 @@ def cross_validate(
 ) -> Validation:
     """Predict every record by a damper that was not fitted to it: ``predict`` of `dampyr.identification.fit`.
 
-    ``split`` is ``"record"``: ``options.folds`` random parts by ``options.seed``; ``"input"``: one voltage (or current) left
-    out at a time, the lowest and the highest excepted, which would be extrapolated; ``"frequency"`` or ``"amplitude"``: as
-    many parts in the order of the measured frequency or stroke, so that the outer ones are predicted beyond what was fitted;
-    ``"waveform"``: one kind of motion (`dampyr.records.waveform`) left out at a time; ``"time"``: the first 60 % of every
-    motion fitted, the rest predicted. ``progress`` is called with the fraction done. Records of which the settling leaves
-    less than a quarter are fitted and not scored; the result says which.
+    Parameters
+    ----------
+    records
+        that are fitted and predicted in turn.
+    model
+        as of `dampyr.identification.fit`.
+    split
+        ``"record"``: ``options.folds`` random parts by ``options.seed``; ``"input"``: one voltage (or current) left out at a
+        time, the lowest and the highest excepted, which would be extrapolated; ``"frequency"`` or ``"amplitude"``: as many
+        parts in the order of the measured frequency or stroke, so that the outer ones are predicted beyond what was fitted;
+        ``"waveform"``: one kind of motion (`dampyr.records.waveform`) left out at a time; ``"time"``: the first 60 % of every
+        motion fitted, the rest predicted.
+    options
+        of each fit.
+    progress
+        called with the fraction that is done.
 
-    Raises :class:`~dampyr.errors.InputError` for an unknown split, fewer records than folds, fewer than three inputs, a single
-    kind of motion, or where no record is long enough to be scored.
+    Returns
+    -------
+    Validation
+        records of which the settling leaves less than a quarter are fitted and not scored; it says which.
+
+    Raises
+    ------
+    InputError
+        an unknown split, fewer records than folds, fewer than three inputs, a single kind of motion, or no record that is
+        long enough to be scored.
     """
     jobs, assemble = validation_jobs(records, model, split, options)
     done = []
@@ -136,26 +154,28 @@ def validation_jobs(
     options, listed = options or FitOptions(), list(records)
     if not options.mixed_origins:
         check_one_kind(listed)
-    not_scored = scorable(listed, options.settling)
+    not_scored = list_unscorable(listed, options.settling)
     tasks = split_tasks(listed, split, options.folds, options.seed)
     if options.bandwidth is not None:
         check_bandwidth(listed, options.bandwidth)
     inputs = {r.name: float(r.input_value or 0.0) for r in listed}
     unit, origin = listed[0].input or "", combined(r.origin for r in listed)
-    jobs: list[Callable[[], Fold]] = [partial(_fold_by_one_thread, model, task, not_scored, options) for task in tasks]
+    jobs: list[Callable[[], Fold]] = [
+        partial(_run_fold_on_one_thread, model, task, not_scored, options) for task in tasks
+    ]
     return jobs, lambda done: Validation(split, tuple(done), inputs, unit, not_scored, origin)
 
 
-def _fold_by_one_thread(*arguments: Any) -> Fold:
+def _run_fold_on_one_thread(*arguments: Any) -> Fold:
     with one_thread():  # the scores too
-        return _fold(*arguments)
+        return _run_fold(*arguments)
 
 
-def _fold(
+def _run_fold(
     model: str | Composition | Damper, task: FoldTask, not_scored: Mapping[str, str], options: FitOptions
 ) -> Fold:
     fit_result = fit_model(model, list(task.fitted), options)
-    names = tuple(_named(r, task) for r in task.fitted)
+    names = tuple(_name_fitted(r, task) for r in task.fitted)
     skipped = tuple(t.record.name for t in task.predicted if t.record.name in not_scored)
     scores: dict[str, Score] = {}
     outside: dict[str, str] = {}
@@ -168,7 +188,7 @@ def _fold(
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", DampyrWarning)
             try:
-                scores[target.record.name] = _predicted(fit_result.damper, target, options.settling)
+                scores[target.record.name] = _predict(fit_result.damper, target, options.settling)
             except InputError as problem:  # a law that leaves its allowed values beyond the fitted inputs
                 return Fold(names, {}, False, str(problem), outside, work=work)
         if caught:
@@ -176,13 +196,13 @@ def _fold(
     return Fold(names, scores, fit_result.converged, fit_result.reason, outside, skipped, work)
 
 
-def _named(record: Record, task: FoldTask) -> str:
+def _name_fitted(record: Record, task: FoldTask) -> str:
     """What was fitted, in words: a name, and until when where the rest of the record is predicted."""
     again = any(t.record.name == record.name for t in task.predicted)
     return f"{record.name} until {record.time[-1]:.4g} s" if again else record.name
 
 
-def _predicted(damper: Damper, target: Target, settling: float) -> Score:
+def _predict(damper: Damper, target: Target, settling: float) -> Score:
     low, high = damper.range
     record, u = target.record, target.record.input_value
     window = None

@@ -69,6 +69,19 @@ class Piece:
         """How many samples a part of it needs at least: four windows, where only whole ones count."""
         return 0 if self.average is None else 4 * (sum(self.average) + 1)
 
+    def part(self, samples: slice) -> Piece:
+        """Some of its samples: the first ones, or every k-th."""
+        t, x, v, force = (np.ascontiguousarray(a[samples]) for a in (self.t, self.x, self.v, self.force))
+        u = self.u[samples] if np.ndim(self.u) else self.u  # type: ignore[index]
+        weight, second_weight = self.weight, self.second_weight
+        if weight.size > 1:
+            weight = np.ascontiguousarray(weight[samples])
+        if second_weight is not None:
+            second_weight = np.ascontiguousarray(second_weight[samples])
+        return replace(
+            self, t=t, x=x, v=v, force=force, u=u, weight=weight, cycle=self.cycle[samples], second_weight=second_weight
+        )
+
     @property
     def ends(self) -> NDArray[np.int64]:
         """Where each cluster of samples ends."""
@@ -96,39 +109,39 @@ def piece(record: Record, bandwidth: float | None) -> Piece:
     u = record.voltage if record.input == "V" else record.current
     assert u is not None
     assert record.input is not None
-    varies = np.ndim(u) > 0 and float(np.ptp(u)) > 1e-9
-    given: Array | float = np.asarray(u)[window] if varies else float(np.mean(u))
-    commanded = commanded_input(np.asarray(given)) if varies else None
+    varies = np.ndim(u) > 0 and float(np.ptp(u)) > 1e-9  # else a channel that only repeats one number, to rounding
+    u_of_fit: Array | float = np.asarray(u)[window] if varies else float(np.mean(u))
+    commanded = commanded_input(np.asarray(u_of_fit)) if varies else None
     if commanded is not None:
         one_level = commanded.low == commanded.high
-        given = commanded.low if one_level else np.clip(given, commanded.low, commanded.high)
+        u_of_fit = commanded.low if one_level else np.clip(u_of_fit, commanded.low, commanded.high)
     return Piece(
         name=record.name,
         t=np.ascontiguousarray(record.time[window]),
         x=np.ascontiguousarray(record.displacement[window]),
         v=np.ascontiguousarray(record.velocity[window]),
         force=np.ascontiguousarray(force),
-        u=given,
+        u=u_of_fit,
         weight=np.array([1.0 / spread]),
         spread=spread,
-        cycle=_cycle_numbers(record)[window],
+        cycle=_number_cycles(record)[window],
         unit=record.input,
         temperature=math.nan if record.temperature is None else float(np.mean(record.temperature)),
         average=reach,
         smoothed_motion=average_of_motion(record),
         cut_from=record.provenance.get("piece_of", record.name),
-        commanded=commanded if np.ndim(given) else None,
+        commanded=commanded if np.ndim(u_of_fit) else None,
     )
 
 
 def with_common_levels(pieces: list[Piece]) -> list[Piece]:
     """The pieces with plateaus of their inputs that agree at the same levels, so that no law follows the difference."""
-    noisy = [k for k, one in enumerate(pieces) if one.commanded is not None]
-    stated = [float(one.u) for one in pieces if not np.ndim(one.u)]
-    made = list(pieces)
-    for k, meant in zip(noisy, in_common([pieces[k].commanded for k in noisy], stated), strict=True):  # type: ignore[misc]
-        made[k] = replace(pieces[k], commanded=meant, u=np.clip(pieces[k].u, meant.low, meant.high))
-    return made
+    noisy = [k for k, piece in enumerate(pieces) if piece.commanded is not None]
+    stated = [float(piece.u) for piece in pieces if not np.ndim(piece.u)]
+    levelled = list(pieces)
+    for k, command in zip(noisy, in_common([pieces[k].commanded for k in noisy], stated), strict=True):  # type: ignore[misc]
+        levelled[k] = replace(pieces[k], commanded=command, u=np.clip(pieces[k].u, command.low, command.high))
+    return levelled
 
 
 def average_of_motion(record: Record) -> float:
@@ -141,11 +154,11 @@ def weighted(pieces: list[Piece], weighting: str) -> list[Piece]:
     """The pieces with the weight of their records: see ``weighting`` of `dampyr.identification.fit`."""
     if weighting == "samples":
         return pieces
-    mean = sum(one.count for one in pieces) / len(pieces)
-    return [replace(one, weight=one.weight * np.sqrt(mean / one.count)) for one in pieces]
+    mean = sum(piece.count for piece in pieces) / len(pieces)
+    return [replace(piece, weight=piece.weight * np.sqrt(mean / piece.count)) for piece in pieces]
 
 
-def _cycle_numbers(record: Record) -> NDArray[np.int64]:
+def _number_cycles(record: Record) -> NDArray[np.int64]:
     """Which cycle each sample belongs to; what comes before and after joins the nearest."""
     starts = np.array([i0 for i0, _ in cycles(record)], dtype=int)
     if starts.size == 0:
@@ -153,30 +166,18 @@ def _cycle_numbers(record: Record) -> NDArray[np.int64]:
     return np.maximum(np.searchsorted(starts, np.arange(record.n), side="right") - 1, 0).astype(np.int64)
 
 
-def thinned(one: Piece, samples: int) -> Piece:
+def thinned(piece: Piece, samples: int) -> Piece:
     """Every k-th sample of a record, so that at most ``samples`` are left; all where a moving average counts them."""
-    k = -(-one.t.size // samples)
-    if k < 2 or one.average is not None:
-        return one
-    u = one.u[::k] if np.ndim(one.u) else one.u  # type: ignore[index]
-    t, x, v, force = (np.ascontiguousarray(a[::k]) for a in (one.t, one.x, one.v, one.force))
-    weight = one.weight[::k].copy() if one.weight.size > 1 else one.weight
-    second_weight = None if one.second_weight is None else one.second_weight[::k].copy()
-    return replace(
-        one, t=t, x=x, v=v, force=force, u=u, weight=weight, cycle=one.cycle[::k], second_weight=second_weight
-    )
+    k = -(-piece.t.size // samples)
+    if k < 2 or piece.average is not None:
+        return piece
+    return piece.part(slice(None, None, k))
 
 
-def first_part(one: Piece, samples: int) -> Piece:
+def first_part(piece: Piece, samples: int) -> Piece:
     """The first ``samples`` of a record, twice as many and so on until they hold nearly its whole motion; at most all."""
-    whole = np.array([np.ptp(one.x), np.ptp(one.v)])
-    n = max(samples, one.shortest)
-    while n < one.t.size and np.any(np.array([np.ptp(one.x[:n]), np.ptp(one.v[:n])]) < MOTION_SHARE * whole):
+    whole = np.array([np.ptp(piece.x), np.ptp(piece.v)])
+    n = max(samples, piece.shortest)
+    while n < piece.t.size and np.any(np.array([np.ptp(piece.x[:n]), np.ptp(piece.v[:n])]) < MOTION_SHARE * whole):
         n *= 2
-    if n >= one.t.size:
-        return one
-    u = one.u[:n] if np.ndim(one.u) else one.u  # type: ignore[index]
-    weight = one.weight[:n] if one.weight.size > 1 else one.weight
-    second_weight = None if one.second_weight is None else one.second_weight[:n]
-    t, x, v, force, cycle = one.t[:n], one.x[:n], one.v[:n], one.force[:n], one.cycle[:n]
-    return replace(one, t=t, x=x, v=v, force=force, u=u, weight=weight, cycle=cycle, second_weight=second_weight)
+    return piece if n >= piece.t.size else piece.part(slice(n))

@@ -33,12 +33,12 @@ def begin(problem: Problem, work: Work | None = None) -> SearchPoint:
     """
     work = Work() if work is None else work
     if problem.composition.in_series:
-        return _from_rigid(problem, work)
-    neutral = _neutral(problem)
+        return _begin_from_rigid(problem, work)
+    neutral = _make_neutral(problem)
     groups: dict[float, list[int]] = {}
-    for k, one in enumerate(problem.pieces):
-        groups.setdefault(float(np.mean(one.u)), []).append(k)
-    best = {u: _best_start(problem, members, work) for u, members in groups.items()}
+    for k, piece in enumerate(problem.pieces):
+        groups.setdefault(float(np.mean(piece.u)), []).append(k)
+    best = {u: _choose_start(problem, members, work) for u, members in groups.items()}
     theta = neutral.theta.copy()
     inputs = np.array(sorted(best))
     for column, span in zip(problem.columns, problem.slices, strict=True):
@@ -52,7 +52,7 @@ def begin(problem: Problem, work: Work | None = None) -> SearchPoint:
     return replace(neutral, theta=theta)
 
 
-def _from_rigid(problem: Problem, work: Work) -> SearchPoint:
+def _begin_from_rigid(problem: Problem, work: Work) -> SearchPoint:
     """The fit without what stretches, and a stretch that is small against the stroke."""
     soft = [p.name for p in problem.composition.parts if p.stretch]
     chosen = [k for k, c in enumerate(problem.columns) if c.name.partition(".")[0] not in soft]
@@ -60,7 +60,7 @@ def _from_rigid(problem: Problem, work: Work) -> SearchPoint:
     columns = [replace(problem.columns[k], quantity=inner.quantities[problem.columns[k].name]) for k in chosen]
     rigid = replace(problem, composition=inner, columns=columns)
     rigid_point = search(rigid, begin(rigid, work), tolerance=COARSE_TOLERANCE, work=work).point
-    point = _with(problem, _neutral(problem), _proposals(problem, problem.pieces)[0])
+    point = _apply_proposal(problem, _make_neutral(problem), _list_proposals(problem, problem.pieces)[0])
     theta, local = point.theta.copy(), point.local.copy()
     for k, span in zip(chosen, rigid.slices, strict=True):
         theta[problem.slices[k]] = rigid_point.theta[span]
@@ -68,7 +68,7 @@ def _from_rigid(problem: Problem, work: Work) -> SearchPoint:
     return SearchPoint(problem.inside(theta), local)
 
 
-def _neutral(problem: Problem) -> SearchPoint:
+def _make_neutral(problem: Problem) -> SearchPoint:
     theta = np.maximum(problem.inner_limits[0], 0.0)
     local = np.zeros((len(problem.pieces), problem.locals))
     if "offset" in problem.common:
@@ -76,7 +76,7 @@ def _neutral(problem: Problem) -> SearchPoint:
     return SearchPoint(theta, local)
 
 
-def best_of(problem: Problem, starts: int, seed: int, work: Work) -> tuple[SearchPoint, int]:
+def search_several_starts(problem: Problem, starts: int, seed: int, work: Work) -> tuple[SearchPoint, int]:
     """The best of several starts, and how many ended in the same optimum (in the block where fewest did).
 
     Each independent block has its own starts: from the parts' proposals, the best first, then from random points
@@ -86,19 +86,19 @@ def best_of(problem: Problem, starts: int, seed: int, work: Work) -> tuple[Searc
     theta, local = point.theta.copy(), point.local.copy()
     for k, block in enumerate(independent_blocks(problem)):
         rng = np.random.default_rng([seed, k])
-        thin = replace(block.problem, pieces=[thinned(one, THINNED_SAMPLES) for one in block.problem.pieces])
-        points = _several(thin, starts, rng, work)
-        ends = [levenberg_marquardt(thin, each, None, COARSE_TOLERANCE, work=work) for each in points]
+        thin = replace(block.problem, pieces=[thinned(piece, THINNED_SAMPLES) for piece in block.problem.pieces])
+        points = _choose_starts(thin, starts, rng, work)
+        ends = [levenberg_marquardt(thin, start, None, COARSE_TOLERANCE, work=work) for start in points]
         best = min(ends, key=lambda end: end.cost)
         agreed = min(agreed, sum(end.cost <= (1.0 + SAME) * best.cost + 1e-12 for end in ends))
         theta[block.coefficients], local[block.records] = best.point.theta, best.point.local
     return SearchPoint(theta, local), agreed
 
 
-def _several(problem: Problem, starts: int, rng: np.random.Generator, work: Work) -> list[SearchPoint]:
+def _choose_starts(problem: Problem, starts: int, rng: np.random.Generator, work: Work) -> list[SearchPoint]:
     """The best proposals in their order, then random points around the first."""
-    neutral = _neutral(problem)
-    points = [_with(problem, neutral, proposal) for proposal in _proposals(problem, problem.pieces)]
+    neutral = _make_neutral(problem)
+    points = [_apply_proposal(problem, neutral, proposal) for proposal in _list_proposals(problem, problem.pieces)]
     points.sort(key=lambda point: projected_cost(problem, point, work))
     start_points = points[:starts]
     nonlinear = problem.is_logarithmic | ~problem.is_linear
@@ -110,7 +110,7 @@ def _several(problem: Problem, starts: int, rng: np.random.Generator, work: Work
     return start_points
 
 
-def _with(problem: Problem, neutral: SearchPoint, proposal: dict[str, float]) -> SearchPoint:
+def _apply_proposal(problem: Problem, neutral: SearchPoint, proposal: dict[str, float]) -> SearchPoint:
     theta = neutral.theta.copy()
     for column, span in zip(problem.columns, problem.slices, strict=True):
         if column.size and column.name in proposal:
@@ -118,29 +118,23 @@ def _with(problem: Problem, neutral: SearchPoint, proposal: dict[str, float]) ->
     return replace(neutral, theta=problem.inside(theta))
 
 
-def _best_start(problem: Problem, members: list[int], work: Work) -> dict[str, float]:
+def _choose_start(problem: Problem, members: list[int], work: Work) -> dict[str, float]:
     """The proposal with the lowest cost on the records at one input, of which at most two are tried, shortened."""
-    chosen = members[:: max(1, len(members) // 2)][:2]
-    pieces = [_shortened(problem.pieces[k]) for k in chosen]
+    chosen = members[:: max(1, len(members) // 2)][:2]  # the first and one of the middle: in campaigns, two motions
+    pieces = [p.part(slice(max(SCANNED_SAMPLES, p.shortest))) for p in (problem.pieces[k] for k in chosen)]
     inputs = [float(np.mean(p.u)) for p in pieces]
     singles = [replace(c, kind="constant", knots=(inputs[0],), temperatures=None) for c in problem.columns]
     small = Problem(problem.composition, singles, pieces, problem.nuisances)
-    at = _neutral(small)
+    at = _make_neutral(small)
     best: tuple[float, dict[str, float]] = (np.inf, {})
-    for proposal in _proposals(problem, pieces):
-        cost = projected_cost(small, _with(small, at, proposal), work)
+    for proposal in _list_proposals(problem, pieces):
+        cost = projected_cost(small, _apply_proposal(small, at, proposal), work)
         if cost < best[0]:
             best = (cost, proposal)
     return best[1]
 
 
-def _shortened(one: Piece) -> Piece:
-    n = min(one.t.size, max(SCANNED_SAMPLES, one.shortest))
-    u = one.u[:n] if np.ndim(one.u) else one.u  # type: ignore[index]
-    return replace(one, t=one.t[:n], x=one.x[:n], v=one.v[:n], force=one.force[:n], u=u, cycle=one.cycle[:n])
-
-
-def _proposals(problem: Problem, pieces: list[Piece]) -> list[dict[str, float]]:
+def _list_proposals(problem: Problem, pieces: list[Piece]) -> list[dict[str, float]]:
     stroke = float(np.median([np.ptp(p.x) for p in pieces]))
     speed = float(np.median([np.quantile(np.abs(p.v), 0.95) for p in pieces]))
     scale = Scale(stroke, max(speed, 1e-9), float(np.median([np.median(np.diff(p.t)) for p in pieces])))

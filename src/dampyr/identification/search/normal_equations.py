@@ -46,6 +46,7 @@ Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Integers = NDArray[np.int64]
 LAG_STEP = 1e-6  # s, of the difference that gives the derivative by a lag
+CURVATURE_RANGE = (0.2, 10.0)  # of H: a secant estimate beyond it is of another place, or of noise
 MAX_TURNS = 12  # of letting nuisances go to their limits and back
 RIDGE = 1e-13  # of each record's nuisances, so that two with the same derivatives share their step
 
@@ -55,39 +56,39 @@ def products(problem: Problem, point: SearchPoint, by_cluster: bool = False) -> 
 
     One group, or one per cluster of the record's samples. The residual is measured less model.
     """
-    return [_products_of_record(problem, point, r, by_cluster) for r in range(len(problem.pieces))]
+    return [_sum_record(problem, point, r, by_cluster) for r in range(len(problem.pieces))]
 
 
-def _products_of_record(problem: Problem, point: SearchPoint, r: int, by_cluster: bool) -> Array:
-    one, u = problem.pieces[r], input_at(problem, point, r)
+def _sum_record(problem: Problem, point: SearchPoint, r: int, by_cluster: bool) -> Array:
+    piece, u = problem.pieces[r], input_at(problem, point, r)
     values, gain = values_at(problem, point, r, u), point.nuisance(problem, r, "gain")
-    states, force = point.states(problem, r), one.force - point.nuisance(problem, r, "offset")
+    states, force = point.states(problem, r), piece.force - point.nuisance(problem, r, "offset")
     lags = has_lag(problem)
-    plan = summation_plan(problem, bases(problem.columns, u, one.temperature)) if lags else problem.plans[r]
-    factor, matrix = _with_gain_and_temperature(problem, point, r, plan, values, gain)
-    ends = one.ends if by_cluster else np.array([one.t.size])
+    plan = summation_plan(problem, bases(problem.columns, u, piece.temperature)) if lags else problem.plans[r]
+    factor, matrix = _scale_plan(problem, point, r, plan, values, gain)
+    ends = piece.ends if by_cluster else np.array([piece.t.size])
     remembers = values.ndim > 1 and bool(problem.composition.delay is not None or len(states) or lags)
-    if remembers or one.average is not None:
-        by_lag = _derivative_by_lag(problem, point, r) if lags else None
-        sums = _products_of_stored(problem, one, values, states, force, plan.source, factor, gain, ends, by_lag)
+    if remembers or piece.average is not None:
+        by_lag = _differentiate_by_lag(problem, point, r) if lags else None
+        sums = _sum_stored(problem, piece, values, states, force, plan.source, factor, gain, ends, by_lag)
     else:
-        path = (one.t, one.x, one.v, problem.accelerations[r])
+        path = (piece.t, piece.x, piece.v, problem.accelerations[r])
         sums = products_along(
-            problem.composition, path, values, states, force, one.weight, plan.source, factor, gain, ends
+            problem.composition, path, values, states, force, piece.weight, plan.source, factor, gain, ends
         )
     return np.asarray(matrix.T @ sums @ matrix)
 
 
-def _derivative_by_lag(problem: Problem, point: SearchPoint, r: int) -> Array:
+def _differentiate_by_lag(problem: Problem, point: SearchPoint, r: int) -> Array:
     """The derivative (n,) of the force of the parts by the lag, by a difference."""
-    one, sides = problem.pieces[r], []
+    piece, sides = problem.pieces[r], []
     for more in (LAG_STEP, 0.0):
         values = values_at(problem, point, r, input_at(problem, point, r, more))
-        sides.append(along(problem.composition, one.t, one.x, one.v, values, point.states(problem, r)))
+        sides.append(along(problem.composition, piece.t, piece.x, piece.v, values, point.states(problem, r)))
     return np.asarray((sides[0] - sides[1]) / LAG_STEP)
 
 
-def _with_gain_and_temperature(
+def _scale_plan(
     problem: Problem, point: SearchPoint, r: int, plan: SummationPlan, values: Array, gain: float
 ) -> tuple[Array, Array]:
     """The factors and the matrix of a plan with what changes from point to point: gain, temperature."""
@@ -100,12 +101,14 @@ def _with_gain_and_temperature(
         is_viscous = np.where(plan.parameter >= 0, problem.is_viscous[plan.parameter], False)
         factor = factor * np.where(is_viscous, warmth, 1.0)
         matrix = matrix.copy()
-        by_temperature = np.where(is_viscous, _by_temperature(problem, point, plan, values, warmth), 0.0)
+        by_temperature = np.where(is_viscous, _differentiate_by_temperature(problem, point, plan, values, warmth), 0.0)
         matrix[:-1, problem.common.index("temperature")] = by_temperature
     return np.ascontiguousarray(factor), matrix
 
 
-def _by_temperature(problem: Problem, point: SearchPoint, plan: SummationPlan, values: Array, warmth: float) -> Array:
+def _differentiate_by_temperature(
+    problem: Problem, point: SearchPoint, plan: SummationPlan, values: Array, warmth: float
+) -> Array:
     """What multiplies each column so that their sum is the derivative by the logarithm of the viscosity's factor."""
     if not problem.varying:
         return np.where(plan.parameter >= 0, values[plan.parameter], 0.0) / warmth
@@ -114,9 +117,9 @@ def _by_temperature(problem: Problem, point: SearchPoint, plan: SummationPlan, v
     return np.asarray(theta + fixed)
 
 
-def _products_of_stored(
+def _sum_stored(
     problem: Problem,
-    one: Piece,
+    piece: Piece,
     values: Array,
     states: Array,
     force: Array,
@@ -131,25 +134,25 @@ def _products_of_stored(
     For an input that varies while states remember it, or a delay; and for a force that went through a moving average, which is
     linear, so that the derivatives go through it too: only samples with whole windows count.
     """
-    model, J = along_with_columns(problem.composition, one.t, one.x, one.v, values, states)
-    early = np.column_stack((J, model, np.ones(one.t.size)))[:, source] * factor
+    model, J = along_with_columns(problem.composition, piece.t, piece.x, piece.v, values, states)
+    early = np.column_stack((J, model, np.ones(piece.t.size)))[:, source] * factor
     mine = source < len(problem.columns)
     if len(states) and values.ndim > 1:
         wide = np.ascontiguousarray(np.broadcast_to(factor, (factor.shape[0], source.size))[:, mine])
-        given = (one.t, one.x, one.v, values, states, source[mine], wide)
-        early[:, mine] = along_with_laws(problem.composition, *given)[1]
+        arguments = (piece.t, piece.x, piece.v, values, states, source[mine], wide)
+        early[:, mine] = along_with_laws(problem.composition, *arguments)[1]
     if by_lag is not None:
         early[:, source == problem.composition.lag] = by_lag[:, None]
     k, rows = problem.composition.delay, early
     if k is not None:
-        slope = delayed_by_tau(one.t, model, values[..., k])[:, None]
-        rows = np.where(source == k, slope * factor, delayed(one.t, early, values[..., k]))
-        model = delayed(one.t, model, values[..., k])
-    weight = one.weight
-    if one.average is not None:
-        rows, model = averaged(rows, *one.average), averaged(model, *one.average)
-        counts = np.zeros(one.t.size)
-        counts[one.comparable] = 1.0
+        slope = delayed_by_tau(piece.t, model, values[..., k])[:, None]
+        rows = np.where(source == k, slope * factor, delayed(piece.t, early, values[..., k]))
+        model = delayed(piece.t, model, values[..., k])
+    weight = piece.weight
+    if piece.average is not None:
+        rows, model = averaged(rows, *piece.average), averaged(model, *piece.average)
+        counts = np.zeros(piece.t.size)
+        counts[piece.comparable] = 1.0
         weight = weight * counts
     table = weight[:, None] * np.column_stack((rows, force - gain * model))
     return np.stack([part.T @ part for part in np.split(table, ends[:-1])])
@@ -161,6 +164,7 @@ def with_priors(problem: Problem, point: SearchPoint, sums: Array) -> Array:
     for name, spread in PRIOR.items():
         if name in problem.common:
             j, row = problem.common.index(name), np.zeros((len(problem.pieces), sums.shape[1]))
+            # a sample that measures the logarithm as 0, with the prior's standard deviation; records weigh it by their misfit
             row[:, j] = MISFIT / spread
             row[:, -1] = -MISFIT / spread * point.local[:, j]
             out = out + row[:, :, None] * row[:, None, :]
@@ -172,11 +176,11 @@ def modelled_force(problem: Problem, point: SearchPoint, record: int) -> Array:
 
     Through the moving average of the measured force, where that holds one.
     """
-    one, values = problem.pieces[record], values_at(problem, point, record, input_at(problem, point, record))
-    force = along(problem.composition, one.t, one.x, one.v, values, point.states(problem, record))
+    piece, values = problem.pieces[record], values_at(problem, point, record, input_at(problem, point, record))
+    force = along(problem.composition, piece.t, piece.x, piece.v, values, point.states(problem, record))
     k = problem.composition.delay
-    late = force if k is None else delayed(one.t, force, np.asarray(values[..., k]))
-    late = late if one.average is None else averaged(late, *one.average)
+    late = force if k is None else delayed(piece.t, force, np.asarray(values[..., k]))
+    late = late if piece.average is None else averaged(late, *piece.average)
     return point.nuisance(problem, record, "offset") + point.nuisance(problem, record, "gain") * late
 
 
@@ -238,9 +242,9 @@ class NormalEquations:
             S = np.column_stack((H, S[:-1, -1]))
         n = S.shape[1] - 1
         below, above, chosen = np.empty(n), np.empty(n), np.empty(n, dtype=bool)
-        own = self.local_low[0], self.local_high[0], self.local_linear
+        nuisances = self.local_low[0], self.local_high[0], self.local_linear
         row = only_linear, below, above, chosen
-        compile_cached(unknowns_of_record)(self.low, self.high, self.linear, *own, *row)
+        compile_cached(unknowns_of_record)(self.low, self.high, self.linear, *nuisances, *row)
         step = solve_bounded(S, damping, below, above, chosen)
         return SearchStep(step[L:], step[None, :L])
 
@@ -254,16 +258,14 @@ class NormalEquations:
         """Which nuisances are at a limit that they would leave to lower the cost."""
         if only_linear or np.all(free):
             return np.zeros_like(free)
-        d = self._rows(step)
+        by_record = np.broadcast_to(step.theta, (len(self.sums), step.theta.size))
+        d = np.concatenate((step.local, by_record), axis=1)
         slope = (self.sums[:, :-1, -1] - (self.sums[:, :-1, :-1] @ d[:, :, None])[:, :, 0])[:, : free.shape[1]]
         movable = self.local_high - self.local_low > 1e-12
         small = 1e-9 * np.abs(self.sums[:, :-1, -1][:, : free.shape[1]])
         off_low = (step.local <= self.local_low) & (slope > small)
         off_high = (step.local >= self.local_high) & (slope < -small)
         return ~free & movable & (off_low | off_high)
-
-    def _rows(self, step: SearchStep) -> Array:
-        return np.concatenate((step.local, np.broadcast_to(step.theta, (len(self.sums), step.theta.size))), axis=1)
 
     def solve(self, only_linear: bool = False, damping: float = 0.0, curvature: Array | None = None) -> SearchStep:
         """The step to the lowest cost inside the limits, of all unknowns or of the linear ones.
@@ -316,36 +318,38 @@ def eliminated(sums: Array, free: Bools, fixed: Array, damping: float = 0.0) -> 
     free = free & (diagonal > 1e-200)
     scale = np.where(free, 1.0 / np.sqrt(np.where(free, diagonal, 1.0)), 0.0)
     A = sums[:, :L, :L] * scale[:, :, None] * scale[:, None, :]
+    # the row and the column of a nuisance that is not free are 0: with 1 on its diagonal its step comes out as 0
     A = A + np.eye(L) * np.where(free, damping + RIDGE, 1.0)[:, :, None]
     right = np.concatenate((sums[:, :L, L : L + G], b[:, :L, None]), axis=2) * scale[:, :, None]
     solved = np.linalg.solve(A, right) * scale[:, :, None] if L else right
-    by_theta, own = solved[:, :, :-1], solved[:, :, -1]
+    by_theta, constant = solved[:, :, :-1], solved[:, :, -1]
     across = sums[:, L : L + G, :L]
     by_record = sums[:, L : L + G, L : L + G] - across @ by_theta
     matrix = np.sum(by_record, axis=0)
-    target = np.sum(b[:, L:] - np.einsum("mgl,ml->mg", across, own), axis=0)
-    return Eliminated(0.5 * (matrix + matrix.T), target, own + fixed, by_theta, by_record)
+    target = np.sum(b[:, L:] - np.einsum("mgl,ml->mg", across, constant), axis=0)
+    return Eliminated(0.5 * (matrix + matrix.T), target, constant + fixed, by_theta, by_record)
 
 
-def with_curvature(H: Array, curvature: Array, least_part: float = 0.2, largest_part: float = 10.0) -> Array:
+def with_curvature(H: Array, curvature: Array) -> Array:
     """H with an estimate of the second derivatives, held between a fifth and ten times H in every direction."""
     d = np.sqrt(np.maximum(np.diag(H), 0.0))
     if not np.any(curvature) or np.any(d == 0.0):
         return H
     values, vectors = np.linalg.eigh(H / np.outer(d, d))
+    # in the coordinates in which H is one: there the bounds hold in every direction alike
     root = vectors * np.sqrt(np.maximum(values, SINGULAR * values.max()))
     back = vectors / np.sqrt(np.maximum(values, SINGULAR * values.max()))
     seen, turned = np.linalg.eigh(back.T @ (curvature / np.outer(d, d)) @ back)
     full = root @ turned
-    return np.asarray((full * np.clip(1.0 + seen, least_part, largest_part)) @ full.T * np.outer(d, d))
+    return np.asarray((full * np.clip(1.0 + seen, *CURVATURE_RANGE)) @ full.T * np.outer(d, d))
 
 
 def linearise(problem: Problem, point: SearchPoint) -> NormalEquations:
     """The normal equations around ``point``."""
-    return of_sums(problem, point, with_priors(problem, point, np.concatenate(products(problem, point))))
+    return equations_from_sums(problem, point, with_priors(problem, point, np.concatenate(products(problem, point))))
 
 
-def of_sums(problem: Problem, point: SearchPoint, sums: Array) -> NormalEquations:
+def equations_from_sums(problem: Problem, point: SearchPoint, sums: Array) -> NormalEquations:
     """The normal equations of the sums of products (M, K, K) of each record around ``point``, which are changed in place."""
     below, above = np.empty((2, problem.size))
     compile_cached(to_search_coordinates)(sums, point.theta, problem.is_logarithmic, *problem.limits, below, above)
@@ -357,8 +361,8 @@ def of_sums(problem: Problem, point: SearchPoint, sums: Array) -> NormalEquation
 def step_point(problem: Problem, point: SearchPoint, step: SearchStep) -> SearchPoint:
     """``point`` after a step (a factor exp(step) of a logarithmic coefficient), inside the limits to rounding."""
     theta, local = np.empty(problem.size), np.empty_like(point.local)
-    given = point.theta, step.theta, problem.is_logarithmic, *problem.inner_limits, theta
-    compile_cached(add_step)(*given, point.local, step.local, *problem.local_limits, local)
+    coefficients = point.theta, step.theta, problem.is_logarithmic, *problem.inner_limits, theta
+    compile_cached(add_step)(*coefficients, point.local, step.local, *problem.local_limits, local)
     return SearchPoint(theta, local)
 
 
@@ -458,8 +462,8 @@ def add_step(
         for i in range(local.shape[1]):
             local_out[m, i] = min(max(local[m, i] + local_step[m, i], local_low[i]), local_high[i])
     for k in range(theta.size):
-        there = theta[k] * exp(step[k]) if logarithmic[k] else theta[k] + step[k]
-        out[k] = min(max(there, low[k]), high[k])
+        moved = theta[k] * exp(step[k]) if logarithmic[k] else theta[k] + step[k]
+        out[k] = min(max(moved, low[k]), high[k])
 
 
 KERNELS = (

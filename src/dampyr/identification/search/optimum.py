@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -9,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.identification.search.fit_data import Piece
 from dampyr.identification.search.normal_equations import (
     NormalEquations,
+    equations_from_sums,
     modelled_force,
-    of_sums,
     products,
     with_priors,
 )
@@ -56,8 +57,8 @@ class Optimum:
         """
         if self.part_of is not None:
             whole, block = self.part_of
-            return _of_block(whole.cluster_sums, block, self.problem)
-        return _by_cluster(self.problem, self.point)
+            return _select_block(whole.cluster_sums, block, self.problem)
+        return _sum_by_cluster(self.problem, self.point)
 
     @cached_property
     def curvature_sums(self) -> list[Array]:
@@ -66,10 +67,9 @@ class Optimum:
             return self.cluster_sums
         if self.part_of is not None:
             whole, block = self.part_of
-            return _of_block(whole.curvature_sums, block, self.problem)
-        return _by_cluster(
-            replace(self.problem, pieces=list(map(_weighted_by_curvature, self.problem.pieces))), self.point
-        )
+            return _select_block(whole.curvature_sums, block, self.problem)
+        pieces = [p if p.second_weight is None else replace(p, weight=p.second_weight) for p in self.problem.pieces]
+        return _sum_by_cluster(replace(self.problem, pieces=pieces), self.point)
 
     @property
     def is_robust(self) -> bool:
@@ -79,7 +79,7 @@ class Optimum:
     @cached_property
     def equations(self) -> NormalEquations:
         """The normal equations around the optimum, in the coordinates of the search; ``reduced`` is without the nuisances."""
-        return of_sums(self.problem, self.point, np.stack([sums.sum(axis=0) for sums in self.cluster_sums]))
+        return equations_from_sums(self.problem, self.point, np.stack([sums.sum(axis=0) for sums in self.cluster_sums]))
 
     @property
     def information(self) -> Array:
@@ -104,12 +104,21 @@ class Optimum:
         fixed = [np.zeros(c.size) if c.size else np.array([c.fixed], dtype=float) for c in owners]
         return np.asarray(np.concatenate(fixed) + self.law_matrix @ theta)
 
-    def admissible_damper(self, damper: Damper, theta: Array) -> Damper | None:
-        """``damper`` with other fitted numbers; None where they leave its allowed values, as between the knots of a law."""
-        try:
-            return damper.with_coefficients(self.law_coefficients(theta))
-        except InputError:
-            return None
+    def draw_dampers(self, n: int, damper: Damper, draw: Callable[[], Array], trouble: str) -> list[Damper]:
+        """``n`` times ``damper`` with fitted numbers (G,) by ``draw``; those that leave the allowed values are drawn again.
+
+        They may leave them between the knots of a law. Raises InputError, with ``trouble`` as its end, where fewer than 1 %
+        of the draws are admissible.
+        """
+        if n < 1:
+            raise InputError(f"n = {n} is not allowed; give 1 or more")
+        dampers: list[Damper] = []
+        for _ in range(100 * n):
+            with suppress(InputError):
+                dampers.append(damper.with_coefficients(self.law_coefficients(draw())))
+            if len(dampers) == n:
+                return dampers
+        raise InputError(f"only {len(dampers)} of {100 * n} draws were admissible{trouble}")
 
     @cached_property
     def blocks(self) -> tuple[Optimum, ...]:
@@ -125,7 +134,7 @@ class Optimum:
         return list(range(self.problem.size)) if self.part_of is None else self.part_of[1].coefficients
 
 
-def _by_cluster(problem: Problem, point: SearchPoint) -> list[Array]:
+def _sum_by_cluster(problem: Problem, point: SearchPoint) -> list[Array]:
     cluster_sums = products(problem, point, by_cluster=True)
     first = with_priors(problem, point, np.stack([sums[0] for sums in cluster_sums]))
     for sums, changed in zip(cluster_sums, first, strict=True):
@@ -133,12 +142,8 @@ def _by_cluster(problem: Problem, point: SearchPoint) -> list[Array]:
     return cluster_sums
 
 
-def _of_block(sums: list[Array], block: Block, problem: Problem) -> list[Array]:
+def _select_block(sums: list[Array], block: Block, problem: Problem) -> list[Array]:
     """The sums of the block's records, over its coefficients only: those of the other blocks have no effect on them."""
     L, last = problem.locals, sums[0].shape[1] - 1
-    own = np.array([*range(L), *(L + place for place in block.coefficients), last])
-    return [sums[r][:, own[:, None], own] for r in block.records]
-
-
-def _weighted_by_curvature(piece: Piece) -> Piece:
-    return piece if piece.second_weight is None else replace(piece, weight=piece.second_weight)
+    places = np.array([*range(L), *(L + place for place in block.coefficients), last])
+    return [sums[r][:, places[:, None], places] for r in block.records]

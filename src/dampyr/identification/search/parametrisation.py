@@ -64,7 +64,7 @@ class Column:
         knots = np.array(self.knots)
         if self.kind == "interpolation":  # a fit asks at its records' inputs only, which differ from a knot by rounding
             return np.eye(knots.size)[np.argmin(np.abs(at[..., None] - knots), axis=-1)]
-        out = np.ones((*at.shape, knots.size))
+        out = np.ones((*at.shape, knots.size))  # Lagrange's polynomials: 1 at their own knot, 0 at the others
         for k, knot in enumerate(knots):
             for other in np.delete(knots, k):
                 out[..., k] *= (at - other) / (knot - other)
@@ -132,31 +132,31 @@ def columns(
     """
     tied = dict(tied or {})
     fixed = dict(fixed or {})
-    each = {OTHERS: laws} if isinstance(laws, str) else dict(laws or {})
-    for name, named in (("fixed", {*fixed}), ("laws", {*each} - {OTHERS})):
+    law_of = {OTHERS: laws} if isinstance(laws, str) else dict(laws or {})
+    for name, named in (("fixed", {*fixed}), ("laws", {*law_of} - {OTHERS})):
         unknown = sorted(named - set(composition.parameters))
         if unknown:
             raise InputError(f"{name} names {unknown[0]!r}; {composition} has {', '.join(composition.parameters)}")
     varying = any(np.ndim(u) for u in inputs)
-    distinct = _distinct(inputs)
+    distinct = _list_distinct(inputs)
     lag = None if composition.lag is None else composition.parameters[composition.lag]
-    made = []
+    without_ties = []
     for name, quantity in composition.quantities.items():
-        wanted = each.get(name, each.get(OTHERS))
+        wanted = law_of.get(name, law_of.get(OTHERS))
         if name == lag:  # the delay of the input does not depend on the input
             wanted = "constant"
-        wanted, warming = _without_temperature(wanted)
-        kind, knots = _kind(name, wanted, distinct, varying)
+        wanted, warming = _split_temperature(wanted)
+        kind, knots = _choose_kind(name, wanted, distinct, varying)
         value = fixed.get(name)
         if value is not None:
             quantity.check(f"fixed {name}", value)
-        span = _span_of(name, temperatures) if warming and value is None else None
-        made.append(Column(name, quantity, kind, knots, value, temperatures=span))
+        span = _span_temperatures(name, temperatures) if warming and value is None else None
+        without_ties.append(Column(name, quantity, kind, knots, value, temperatures=span))
     _check_ties(composition, tied, fixed, laws)
-    return _tied(made, tied)
+    return _tie(without_ties, tied)
 
 
-def _without_temperature(wanted: str | None) -> tuple[str | None, bool]:
+def _split_temperature(wanted: str | None) -> tuple[str | None, bool]:
     """A kind of law without ``+temperature``, and whether it had that."""
     kind, plus, more = (wanted or "").partition("+")
     if not plus:
@@ -168,7 +168,7 @@ def _without_temperature(wanted: str | None) -> tuple[str | None, bool]:
     return kind.strip() or None, True
 
 
-def _span_of(name: str, temperatures: Sequence[float]) -> tuple[float, float]:
+def _span_temperatures(name: str, temperatures: Sequence[float]) -> tuple[float, float]:
     """The lowest and the highest temperature of the records; InputError where they say nothing of a dependence."""
     unknown = sum(not math.isfinite(T) for T in temperatures)
     if unknown or not temperatures:
@@ -205,9 +205,9 @@ def _check_ties(
 ) -> None:
     quantities = composition.quantities
     for name, owner in tied.items():
-        for each in (name, owner):
-            if each not in quantities:
-                raise InputError(f"tied names {each!r}; {composition} has {', '.join(composition.parameters)}")
+        for parameter in (name, owner):
+            if parameter not in quantities:
+                raise InputError(f"tied names {parameter!r}; {composition} has {', '.join(composition.parameters)}")
         if name == owner or owner in tied:
             raise InputError(f"{name} is tied to {owner}, which is tied itself; tie both to one that is free")
         if name in fixed:
@@ -219,34 +219,35 @@ def _check_ties(
             raise InputError(f"{name} and {owner} are in {units}; only parameters of the same unit can be tied")
 
 
-def _tied(made: list[Column], tied: dict[str, str]) -> list[Column]:
+def _tie(columns: list[Column], tied: dict[str, str]) -> list[Column]:
     """The columns with their ties; an owner respects the limits of all that follow it."""
-    by_name = {c.name: c for c in made}
+    by_name = {c.name: c for c in columns}
     for name, owner in tied.items():
-        one, other = by_name[owner].quantity, by_name[name].quantity
+        of_owner, of_follower = by_name[owner].quantity, by_name[name].quantity
         shared = replace(
-            one,
-            low=max(one.low, other.low),
-            high=min(one.high, other.high),
-            open_low=(one.open_low and one.low >= other.low) or (other.open_low and other.low >= one.low),
-            linear=one.linear and other.linear,
+            of_owner,
+            low=max(of_owner.low, of_follower.low),
+            high=min(of_owner.high, of_follower.high),
+            open_low=(of_owner.open_low and of_owner.low >= of_follower.low)
+            or (of_follower.open_low and of_follower.low >= of_owner.low),
+            linear=of_owner.linear and of_follower.linear,
         )
         by_name[owner] = replace(by_name[owner], quantity=shared)
         by_name[name] = replace(by_name[name], tied=owner)
         held = by_name[owner].fixed
         if held is not None:
-            other.check(f"{name}, tied to the fixed {owner},", held)
-    return [by_name[c.name] for c in made]
+            of_follower.check(f"{name}, tied to the fixed {owner},", held)
+    return [by_name[c.name] for c in columns]
 
 
-def _distinct(inputs: list[Array | float]) -> list[float]:
+def _list_distinct(inputs: list[Array | float]) -> list[float]:
     """The inputs that differ, to a millionth of their range."""
     values = np.sort(np.concatenate([np.ravel(u) for u in inputs]))
     step = 1e-6 * max(float(np.ptp(values)), 1e-6)
     return [float(v) for k, v in enumerate(values) if k == 0 or v - values[k - 1] > step]
 
 
-def _kind(name: str, wanted: str | None, distinct: list[float], varying: bool) -> tuple[str, tuple[float, ...]]:
+def _choose_kind(name: str, wanted: str | None, distinct: list[float], varying: bool) -> tuple[str, tuple[float, ...]]:
     if len(distinct) == 1 or wanted == "constant":
         if wanted not in (None, "constant"):
             raise InputError(f"one input, {distinct[0]:g}, cannot give a law of {name}; add records at other inputs")
@@ -266,10 +267,10 @@ def _kind(name: str, wanted: str | None, distinct: list[float], varying: bool) -
             f"{len(distinct)} inputs cannot give a polynomial of degree {degree} of {name}; "
             f"lower it to {len(distinct) - 1} or add records at other inputs"
         )
-    return kind, _spread(distinct, degree + 1)
+    return kind, _pick_spread(distinct, degree + 1)
 
 
-def _spread(distinct: list[float], count: int) -> tuple[float, ...]:
+def _pick_spread(distinct: list[float], count: int) -> tuple[float, ...]:
     """``count`` of the inputs, as evenly spread as they can be."""
     if count == 1:
         return (distinct[len(distinct) // 2],)

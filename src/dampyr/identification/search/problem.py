@@ -89,8 +89,8 @@ class Problem:
         # Records with one constant input share a plan.
         warming = any(c.temperatures for c in self.columns)
         inputs = [
-            (float(r if self.varying else one.u), one.temperature if warming else 0.0)
-            for r, one in enumerate(self.pieces)
+            (float(r if self.varying else piece.u), piece.temperature if warming else 0.0)
+            for r, piece in enumerate(self.pieces)
         ]
         first = {key: inputs.index(key) for key in dict.fromkeys(inputs)}
         bases_at = {key: bases(self.columns, self.pieces[r].u, self.pieces[r].temperature) for key, r in first.items()}
@@ -100,7 +100,7 @@ class Problem:
         self.owners = [names.index(c.tied) if c.tied else k for k, c in enumerate(self.columns)]
         self.common = tuple(name for name in ("offset", "gain", "temperature") if name in self.nuisances)
         # A test may begin where a larger one before it has left the damper.
-        stroke = max(float(np.ptp(one.x)) for one in self.pieces)
+        stroke = max(float(np.ptp(piece.x)) for piece in self.pieces)
         bounds = [
             (-stroke, stroke) if name in self.composition.within_stroke else span
             for name, span in self.composition.states.items()
@@ -122,7 +122,7 @@ class Problem:
         local_low = [-reach[name] for name in self.common] + [a for a, _ in self.states]
         local_high = [reach[name] for name in self.common] + [b for _, b in self.states]
         self.local_limits = np.array(local_low, dtype=float), np.array(local_high, dtype=float)
-        self.accelerations = [acceleration(self.composition, one.t, one.v) for one in self.pieces]
+        self.accelerations = [acceleration(self.composition, piece.t, piece.v) for piece in self.pieces]
         self.constant = np.zeros((len(self.pieces), len(self.columns)))
         self.matrix = np.zeros((*self.constant.shape, self.size))
         for k, owner in enumerate(self.owners):
@@ -132,7 +132,7 @@ class Problem:
                 basis = bases_at[key][owner]
                 if not self.varying and basis is not None:
                     self.matrix[r, k, self.slices[owner]] = basis[0]
-        plan_at = {key: summation_plan(self, each) for key, each in bases_at.items()}
+        plan_at = {key: summation_plan(self, at_input) for key, at_input in bases_at.items()}
         self.plans = [plan_at[key] for key in inputs]
 
     def inside(self, theta: Array) -> Array:
@@ -207,12 +207,22 @@ class SearchPoint:
 
     def coordinates(self, problem: Problem) -> Array:
         """The coefficients in the coordinates of the search: logarithms where `Problem.is_logarithmic`."""
-        log = problem.is_logarithmic
-        return np.where(log, np.log(np.where(log, self.theta, 1.0)), self.theta)
+        return to_coordinates(self.theta, problem.is_logarithmic)
 
     def in_block(self, block: Block) -> SearchPoint:
         """The part of this point that belongs to a block of its problem."""
         return SearchPoint(self.theta[block.coefficients], self.local[block.records])
+
+
+def to_coordinates(values: Array, logarithmic: Bools) -> Array:
+    """Values (..., p) with the logarithm of those that are ``logarithmic`` (p,); minus infinity for 0."""
+    with np.errstate(divide="ignore"):
+        return np.where(logarithmic, np.log(np.where(logarithmic, values, 1.0)), values)
+
+
+def to_values(coordinates: Array, logarithmic: Bools) -> Array:
+    """The values (..., p) at coordinates that `to_coordinates` gives."""
+    return np.where(logarithmic, np.exp(np.where(logarithmic, coordinates, 0.0)), coordinates)
 
 
 def has_lag(problem: Problem) -> bool:
@@ -222,11 +232,11 @@ def has_lag(problem: Problem) -> bool:
 
 def input_at(problem: Problem, point: SearchPoint, record: int, more: float = 0.0) -> Array | float:
     """The input of a record, behind its command by the lag of the point and ``more`` s where there is a lag."""
-    one, k = problem.pieces[record], problem.composition.lag
+    piece, k = problem.pieces[record], problem.composition.lag
     if k is None or not problem.varying:
-        return one.u
+        return piece.u
     tau = float(problem.columns[k].value(point.of(problem)[k], 0.0)) + more
-    return lagged(one.t, one.u, tau)
+    return lagged(piece.t, piece.u, tau)
 
 
 def values_at(problem: Problem, point: SearchPoint, record: int, u: Array | float) -> Array:
@@ -263,9 +273,11 @@ def independent_blocks(problem: Problem) -> list[Block]:
     for k, knot in enumerate(knots):
         records = [r for r, at in enumerate(nearest) if at == k]
         columns = [replace(c, knots=(knot,)) for c in problem.columns]
-        own = [s.start + c.knots.index(knot) for c, s in zip(problem.columns, problem.slices, strict=True) if c.size]
+        coefficients = [
+            s.start + c.knots.index(knot) for c, s in zip(problem.columns, problem.slices, strict=True) if c.size
+        ]
         pieces = [problem.pieces[r] for r in records]
-        blocks.append(Block(Problem(problem.composition, columns, pieces, problem.nuisances), own, records))
+        blocks.append(Block(Problem(problem.composition, columns, pieces, problem.nuisances), coefficients, records))
     return blocks
 
 
@@ -301,9 +313,9 @@ def checked_nuisances(composition: Composition, pieces: list[Piece], wanted: Seq
 def _check_shared_inputs(pieces: list[Piece], name: str) -> None:
     """Refuse a factor of a record that is alone at its input: it would be one with the damper's parameters."""
     levels = [round(float(np.mean(p.u)), 6) for p in pieces]
-    for one, level in zip(pieces, levels, strict=True):
+    for piece, level in zip(pieces, levels, strict=True):
         if levels.count(level) < 2:
             raise InputError(
-                f"{one.name} is the only record at {level:g} {one.unit}, so its {name} cannot be distinguished from "
+                f"{piece.name} is the only record at {level:g} {piece.unit}, so its {name} cannot be distinguished from "
                 f"the damper; add records at this input or leave {name!r} out"
             )

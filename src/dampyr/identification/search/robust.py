@@ -58,30 +58,30 @@ def iteratively_reweighted(
     unweighted = outcome.optimum.problem
     scales, before, steps = np.ones(len(unweighted.pieces)), np.inf, outcome.iterations
     for turn in range(MAX_ROUNDS):
-        residuals = _relative_residuals(outcome.optimum)
-        compared = [r[one.comparable] for r, one in zip(residuals, unweighted.pieces, strict=True)]
+        residuals = _scale_residuals(outcome.optimum)
+        residuals_compared = [r[piece.comparable] for r, piece in zip(residuals, unweighted.pieces, strict=True)]
         if turn < SCALING_ROUNDS:
-            scales = np.array([max(NORMAL * float(np.median(np.abs(r))), 1e-12) for r in compared])
-        shares = _shares(unweighted, scales, loss)
-        sums = [float(np.sum(s**2 * _loss(r / s, loss))) for r, s in zip(compared, scales, strict=True)]
+            scales = np.array([max(NORMAL * float(np.median(np.abs(r))), 1e-12) for r in residuals_compared])
+        shares = _compute_shares(unweighted, scales, loss)
+        sums = [float(np.sum(s**2 * _loss(r / s, loss))) for r, s in zip(residuals_compared, scales, strict=True)]
         total = float(shares @ sums)
         if turn > SCALING_ROUNDS and abs(before - total) <= ENOUGH * total:
             reason = f"{outcome.reason}; {turn} rounds of weights" if outcome.converged else outcome.reason
-            end = Optimum(_weighted(unweighted, residuals, scales, loss), outcome.point)
+            end = Optimum(_weigh(unweighted, residuals, scales, loss), outcome.point)
             return replace(outcome, optimum=end, iterations=steps, reason=reason)
         before = total
-        weighted = _weighted(unweighted, residuals, scales, loss, second=False)
+        weighted = _weigh(unweighted, residuals, scales, loss, second=False)
         outcome = search(weighted, outcome.point, progress, tolerance=1e-9, work=work)
         steps += outcome.iterations
         if work.stopped:
             break
     changes = f"did not converge: after {MAX_ROUNDS} rounds of weights the {loss} loss still changes"
     reason = work.stopped or changes
-    end = Optimum(_weighted(unweighted, _relative_residuals(outcome.optimum), scales, loss), outcome.point)
+    end = Optimum(_weigh(unweighted, _scale_residuals(outcome.optimum), scales, loss), outcome.point)
     return replace(outcome, optimum=end, converged=False, reason=reason, iterations=steps)
 
 
-def _shares(problem: Problem, scales: Array, loss: str) -> Array:
+def _compute_shares(problem: Problem, scales: Array, loss: str) -> Array:
     """(M,) By which the squares of each record's weights are multiplied, 1 on average of what differs between records."""
     records = np.array([float((p.weight[0] * p.spread) ** 2) for p in problem.pieces])
     if loss == "huber":
@@ -89,21 +89,22 @@ def _shares(problem: Problem, scales: Array, loss: str) -> Array:
     forces = [p.force[p.comparable] for p in problem.pieces]
     mean_deviations = [float(np.mean(np.abs(force - np.mean(span(force))))) for force in forces]
     deviations = np.array([p.spread for p in problem.pieces]) / np.array(mean_deviations)
+    # the L1 sum weighs by s/d, the squares here by (s/sigma)^2: what differs between records is that ratio, 1 on average
     return np.asarray(records * deviations / np.mean(deviations) * np.mean(scales) / scales)
 
 
-def _weighted(problem: Problem, residuals: list[Array], scales: Array, loss: str, second: bool = True) -> Problem:
+def _weigh(problem: Problem, residuals: list[Array], scales: Array, loss: str, second: bool = True) -> Problem:
     """The problem with the weight of each sample by the loss, and by its second derivative."""
     pieces = []
-    for p, r, s, share in zip(problem.pieces, residuals, scales, _shares(problem, scales, loss), strict=True):
+    for p, r, s, share in zip(problem.pieces, residuals, scales, _compute_shares(problem, scales, loss), strict=True):
         curved = np.sqrt(share * _second(r / s, loss)) / p.spread if second else None
         pieces.append(replace(p, weight=np.sqrt(share * _weight(r / s, loss)) / p.spread, second_weight=curved))
     return replace(problem, pieces=pieces)
 
 
-def _relative_residuals(optimum: Optimum) -> list[Array]:
+def _scale_residuals(optimum: Optimum) -> list[Array]:
     """Measured less modelled force, over each record's spread."""
-    return [residual / one.spread for residual, one in zip(optimum.residuals, optimum.problem.pieces, strict=True)]
+    return [residual / piece.spread for residual, piece in zip(optimum.residuals, optimum.problem.pieces, strict=True)]
 
 
 def _weight(z: Array, loss: str) -> Array:

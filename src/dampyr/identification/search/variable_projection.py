@@ -92,7 +92,7 @@ def search(
         converged=not failed,
         reason=reported.reason + (where if failed and len(outcomes) > 1 else ""),
         iterations=max(outcome.iterations for _, outcome in outcomes),
-        at_limit=_at_limit(problem, end),
+        at_limit=_list_at_limit(problem, end),
     )
 
 
@@ -127,10 +127,10 @@ def decimated_problem(problem: Problem) -> Problem | None:
 
     A fit that is weighted sample by sample begins at the end of another, which a part of the samples would only leave.
     """
-    if problem.varying or any(one.weight.size > 1 for one in problem.pieces):
+    if problem.varying or any(piece.weight.size > 1 for piece in problem.pieces):
         return None
-    pieces = [first_part(one, FIRST_SAMPLES) for one in problem.pieces]
-    if sum(one.t.size for one in problem.pieces) < MIN_SAVING * sum(one.t.size for one in pieces):
+    pieces = [first_part(piece, FIRST_SAMPLES) for piece in problem.pieces]
+    if sum(piece.t.size for piece in problem.pieces) < MIN_SAVING * sum(piece.t.size for piece in pieces):
         return None
     return replace(problem, pieces=pieces)
 
@@ -146,8 +146,8 @@ def levenberg_marquardt(
 ) -> Outcome:
     """Minimise one problem whose records share coefficients."""
     work = Work() if work is None else work
-    point, here = solve_linear_parameters(problem, point, work)
-    if not here.finite:
+    point, equations = solve_linear_parameters(problem, point, work)
+    if not equations.finite:
         return Outcome(
             Optimum(problem, point),
             float("inf"),
@@ -158,42 +158,42 @@ def levenberg_marquardt(
         )
     reason, converged = "", False
     curvature: Array | None = None
-    rounding = ROUNDING * sum(one.t.size for one in problem.pieces)
-    all_linear = bool(np.all(here.linear) and np.all(here.local_linear))
+    rounding = ROUNDING * sum(piece.t.size for piece in problem.pieces)
+    all_linear = bool(np.all(equations.linear) and np.all(equations.local_linear))
     iteration, costs = 0, [np.inf] * FLAT_STEPS
     for iteration in range(1, max_iterations + 1):
-        step = here.solve(damping=damping, curvature=curvature)
-        predicted = here.reduction(step)
-        small = predicted <= tolerance * here.cost + rounding
-        if small:
-            predicted = here.reduction(here.solve())
-        if all_linear or predicted <= tolerance * here.cost + rounding:
+        step = equations.solve(damping=damping, curvature=curvature)
+        predicted = equations.reduction(step)
+        small = predicted <= tolerance * equations.cost + rounding
+        if small:  # perhaps only because the damping makes it short: what a whole step promises decides
+            predicted = equations.reduction(equations.solve())
+        if all_linear or predicted <= tolerance * equations.cost + rounding:
             converged, reason = True, CONVERGED
             break
-        slow = costs[-FLAT_STEPS] - here.cost <= STALLED * here.cost
+        slow = costs[-FLAT_STEPS] - equations.cost <= STALLED * equations.cost
         refused = small and damping >= 1.0  # longer steps were, so what a whole one promises is not to be had
-        if (slow or refused) and predicted <= STALLED * here.cost:
+        if (slow or refused) and predicted <= STALLED * equations.cost:
             converged, reason = True, FLAT
             break
-        costs.append(here.cost)
-        new_point, new_here = solve_linear_parameters(problem, step_point(problem, point, step), work)
+        costs.append(equations.cost)
+        new_point, new_equations = solve_linear_parameters(problem, step_point(problem, point, step), work)
         if progress:
-            progress(iteration, min(here.cost, new_here.cost) if new_here.finite else here.cost)
-        if new_here.cost < here.cost:
-            misprediction = abs(here.cost - new_here.cost - predicted)
-            if MISPREDICTION * predicted < misprediction and predicted < SECANT_RANGE * here.cost:
+            progress(iteration, min(equations.cost, new_equations.cost) if new_equations.finite else equations.cost)
+        if new_equations.cost < equations.cost:
+            misprediction = abs(equations.cost - new_equations.cost - predicted)
+            if MISPREDICTION * predicted < misprediction and predicted < SECANT_RANGE * equations.cost:
                 change = new_point.coordinates(problem) - point.coordinates(problem)
-                curvature = update_secant_hessian(curvature, here, new_here, change)
-            else:
+                curvature = update_secant_hessian(curvature, equations, new_equations, change)
+            else:  # the linear model predicts well, and far from the end a secant would describe another place
                 curvature = None
-            point, here = new_point, new_here
+            point, equations = new_point, new_equations
             damping = max(damping / 10.0, 1e-12)
         else:
-            damping = more_damping(here, step, damping)
+            damping = more_damping(equations, step, damping)
             curvature = None
             if damping > MAX_DAMPING:
-                converged = predicted <= STALLED * here.cost
-                left = f"the last promised {predicted / here.cost:.1g} of it"
+                converged = predicted <= STALLED * equations.cost
+                left = f"the last promised {predicted / equations.cost:.1g} of it"
                 reason = f"stopped where no step lowers the sum of squares any more ({left})"
                 break
         if work.stopped:
@@ -201,22 +201,24 @@ def levenberg_marquardt(
             break
     else:
         reason = f"did not converge: {max_iterations} steps were not enough"
-    return Outcome(Optimum(problem, point), here.cost, converged, reason, iteration, _at_limit(problem, point))
+    return Outcome(
+        Optimum(problem, point), equations.cost, converged, reason, iteration, _list_at_limit(problem, point)
+    )
 
 
-def more_damping(here: NormalEquations, step: SearchStep, damping: float) -> float:
+def more_damping(equations: NormalEquations, step: SearchStep, damping: float) -> float:
     """The damping after a step that was refused: tens more until the step is another one.
 
     Where the damping is far below the smallest eigenvalue of the scaled normal equations, ten times more changes nothing, and
     an evaluation would show the same refusal.
     """
-    scale = np.sqrt(np.maximum(np.diag(here.reduced.matrix), 0.0))
-    length, promise = float(np.linalg.norm(scale * step.theta)), here.reduction(step)
+    scale = np.sqrt(np.maximum(np.diag(equations.reduced.matrix), 0.0))
+    length, promise = float(np.linalg.norm(scale * step.theta)), equations.reduction(step)
     while damping <= MAX_DAMPING:
         damping *= 10.0
-        other = here.solve(damping=damping)
+        other = equations.solve(damping=damping)
         shorter = float(np.linalg.norm(scale * (other.theta - step.theta))) > SAME_STEP * length
-        if shorter or abs(here.reduction(other) - promise) > SAME_STEP * promise:
+        if shorter or abs(equations.reduction(other) - promise) > SAME_STEP * promise:
             break
     return damping
 
@@ -228,16 +230,16 @@ def solve_linear_parameters(problem: Problem, point: SearchPoint, work: Work) ->
     the other derivatives, and what was evaluated before it is kept.
     """
     work.count(problem)
-    here = linearise(problem, point)
-    if not here.finite:
-        return point, here
-    step = here.solve(only_linear=True)
+    before = linearise(problem, point)
+    if not before.finite:
+        return point, before
+    step = before.solve(only_linear=True)
     point = step_point(problem, point, step)
-    there = here.after(step)
-    if here.cost - there.cost > SMALL_STEP * there.cost:
+    after = before.after(step)
+    if before.cost - after.cost > SMALL_STEP * after.cost:
         work.count(problem)
-        there = linearise(problem, point)
-    return point, there
+        after = linearise(problem, point)
+    return point, after
 
 
 def update_secant_hessian(curvature: Array | None, old: NormalEquations, new: NormalEquations, step: Array) -> Array:
@@ -245,10 +247,11 @@ def update_secant_hessian(curvature: Array | None, old: NormalEquations, new: No
 
     The update of Dennis, Gay and Welsch (1981) with their sizing, on the coefficients with the nuisances eliminated.
     """
-    here, there = old.reduced, new.reduced
-    curvature = np.zeros_like(here.matrix) if curvature is None else curvature
-    change = here.target - there.target
-    left = change - there.matrix @ step
+    before, after = old.reduced, new.reduced
+    curvature = np.zeros_like(before.matrix) if curvature is None else curvature
+    # the secant condition: the second derivatives, along the step, are what the gradient's change leaves to explain
+    change = before.target - after.target
+    left = change - after.matrix @ step
     sized = curvature @ step
     if float(step @ sized) != 0.0:
         curvature = curvature * min(1.0, abs(float(step @ left) / float(step @ sized)))
@@ -260,7 +263,7 @@ def update_secant_hessian(curvature: Array | None, old: NormalEquations, new: No
     return np.asarray(curvature + update / along - float(step @ rest) * np.outer(change, change) / along**2)
 
 
-def _at_limit(problem: Problem, point: SearchPoint) -> tuple[int, ...]:
+def _list_at_limit(problem: Problem, point: SearchPoint) -> tuple[int, ...]:
     low, high = problem.limits
     near = (point.theta <= low + 2e-9) | (point.theta >= high)
     return tuple(int(k) for k in np.flatnonzero(near & ~np.isnan(low)))
@@ -269,5 +272,5 @@ def _at_limit(problem: Problem, point: SearchPoint) -> tuple[int, ...]:
 def projected_cost(problem: Problem, point: SearchPoint, work: Work) -> float:
     """The cost at ``point`` with the linear unknowns at their optimum, without moving there."""
     work.count(problem)
-    here = linearise(problem, point)
-    return here.after(here.solve(only_linear=True)).cost if here.finite else float("inf")
+    equations = linearise(problem, point)
+    return equations.after(equations.solve(only_linear=True)).cost if equations.finite else float("inf")

@@ -39,7 +39,7 @@ class Work:
     def count(self, problem: Problem) -> None:
         """Count one evaluation of all records."""
         costs = sum(COSTS.get(name, OTHER) for name in problem.composition.names)
-        samples = sum(one.t.size for one in problem.pieces)
+        samples = sum(piece.t.size for piece in problem.pieces)
         self.spent += 1e-9 * costs * samples + EVALUATION
 
     @property

@@ -94,10 +94,10 @@ class BlockWriter:
         units: dict[int, str | None] = {}
         seeds: list[str] = []
         for name, c in [*slot.values.items(), *(("", self.offset + k) for k in slot.states.values())]:
-            here = [self.stored.get(f"D{k}_{c}", "0.0") for k in used.values()]
-            if name in formula.arguments or any(seed != "0.0" for seed in here):
+            stored = [self.stored.get(f"D{k}_{c}", "0.0") for k in used.values()]
+            if name in formula.arguments or any(seed != "0.0" for seed in stored):
                 units[c] = name if name in formula.arguments else None
-                seeds += here
+                seeds += stored
         shared, lines = self._ahead(formula, formula.arguments, places)
         text = tangents(formula, f"filled_{formula.name}", list(used), list(units.values()))
         called = self._called(text, formula, places, seeds, shared)

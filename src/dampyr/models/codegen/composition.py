@@ -117,18 +117,16 @@ class Composition:
     @cached_property
     def delay(self) -> int | None:
         """Index of the delay in the parameter vector, if there is one."""
-        for p in self.parts:
-            if p.delay:
-                return self.parameters.index(f"{p.name}.{p.delay}")
-        return None
+        return self._index_of("delay")
 
     @cached_property
     def lag(self) -> int | None:
         """Index of the lag of the input in the parameter vector, if there is one."""
-        for p in self.parts:
-            if p.lag:
-                return self.parameters.index(f"{p.name}.{p.lag}")
-        return None
+        return self._index_of("lag")
+
+    def _index_of(self, role: str) -> int | None:
+        names = (f"{p.name}.{getattr(p, role)}" for p in self.parts if getattr(p, role))
+        return next(map(self.parameters.index, names), None)
 
     @property
     def has_delay(self) -> bool:

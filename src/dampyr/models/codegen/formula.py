@@ -155,35 +155,37 @@ class _Tangent:
 
     def _return(self, value: ast.expr, seeds: list[Seeds]) -> list[str]:
         parts = value.elts if isinstance(value, ast.Tuple) else [value]
-        out = [self.of(e, each) or "0.0" for each in seeds for e in parts]
+        out = [self.of(e, direction) or "0.0" for direction in seeds for e in parts]
         if self.values:
             out = [*(self._plain(e) for e in parts), *out]
         text = f"({', '.join(out)})" if len(out) > 1 else out[0]
         return [*self._shared(), f"return {text}"]
 
     def _assign(self, target: str, value: ast.expr, seeds: list[Seeds]) -> list[str]:
-        derivatives = [self.of(value, each) for each in seeds]
+        derivatives = [self.of(value, direction) for direction in seeds]
         plain = self._plain(value)
         lines = self._shared()
-        for k, (each, derivative) in enumerate(zip(seeds, derivatives, strict=True)):
-            each.pop(target, None)
+        for k, (direction, derivative) in enumerate(zip(seeds, derivatives, strict=True)):
+            direction.pop(target, None)
             if derivative:
                 lines.append(f"d{k}_{target} = {derivative}")
-                each[target] = f"d{k}_{target}"
+                direction[target] = f"d{k}_{target}"
         return [*lines, f"{target} = {plain}"]
 
     def _branch(self, statement: ast.If, seeds: list[Seeds]) -> list[str]:
-        sides = [self.block(side, [dict(each) for each in seeds]) for side in (statement.body, statement.orelse)]
-        for k, each in enumerate(seeds):
+        sides = [
+            self.block(side, [dict(direction) for direction in seeds]) for side in (statement.body, statement.orelse)
+        ]
+        for k, direction in enumerate(seeds):
             for name in sorted(set(sides[0][1][k]) | set(sides[1][1][k])):
                 ends = [side[1][k].get(name) for side in sides]
                 if ends[0] == ends[1]:
-                    each[name] = ends[0] or "0.0"
+                    direction[name] = ends[0] or "0.0"
                     continue
-                each[name] = f"d{k}_{name}"
+                direction[name] = f"d{k}_{name}"
                 for (lines, _), end in zip(sides, ends, strict=True):
-                    if end != each[name]:
-                        lines.append(f"{each[name]} = {end or '0.0'}")
+                    if end != direction[name]:
+                        lines.append(f"{direction[name]} = {end or '0.0'}")
         text = [f"if {ast.unparse(statement.test)}:", *("    " + line for line in sides[0][0] or ["pass"])]
         if sides[1][0]:
             text += ["else:", *("    " + line for line in sides[1][0])]

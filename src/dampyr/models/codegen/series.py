@@ -207,6 +207,9 @@ def _sum(formula: Formula, state: str, seeds: dict[str, str]) -> str:
     return " + ".join(terms) or "0.0"
 
 
+# along the displacement and along the velocity at the end of a step
+BY_X = Direction({"x0": "0.0", "x1": "1.0", "v0": "0.0", "v1": "0.0"}, "0.0", "0.0")
+BY_V = Direction({"x0": "0.0", "x1": "0.0", "v0": "0.0", "v1": "1.0"}, "0.0", "0.0")
 ROUNDS = 5  # of Newton's method inside its bracket
 ROUNDS_WITH_KINKS = 9  # enough for a law of straight pieces, in 20,000 random steps between guesses 30 N off
 # behind free play, whose slope changes a hundredfold as the force changes sign: guesses that were off by a fifth of the largest
@@ -217,7 +220,7 @@ ROUNDS_WITH_PLAY = 14
 def _rounds(layout: Layout) -> int:
     parts = [slot.part for slot in _inner(layout)]
     stretches = [slot.part.stretch for slot in layout.slots if slot.part.stretch]
-    if any(isinstance(node, ast.Call) for one in stretches for node in ast.walk(one.tree)):
+    if any(isinstance(node, ast.Call) for stretch in stretches for node in ast.walk(stretch.tree)):
         return ROUNDS_WITH_PLAY
     slips = any("slip" in f.intrinsics() for p in parts for f in (p.advance, p.force_in_series) if f)
     formulas = [p.force_in_series for p in parts if p.force_in_series]
@@ -232,8 +235,6 @@ def law(layout: Layout) -> list[str]:
     The root lies between a guess and what the parts would give under it; Newton's method stays in that bracket, which
     shrinks. Where it would leave, or its step is more than half of the last one, the bracket is halved.
     """
-    by_x = Direction({"x0": "0.0", "x1": "1.0", "v0": "0.0", "v1": "0.0"}, "0.0", "0.0")
-    by_v = Direction({"x0": "0.0", "x1": "0.0", "v0": "0.0", "v1": "1.0"}, "0.0", "0.0")
     lines = ["q = 1.0/dt", f"z0 = {_stretch(layout, 'g0')}", "f1 = g1", *_under_guess(layout)]
     lines += ["low, high = min(f1, phi), max(f1, phi)", "step = (high - low) + (high - low)"]
     for _ in range(_rounds(layout)):
@@ -252,10 +253,10 @@ def law(layout: Layout) -> list[str]:
         states.append(place)
         lines += [f"fg{place} = dz*q", f"e{place} = r"]
     lines += [f"e{k} = e{k} + fg{k}*last" for k in states]
-    for way, out in ((by_x, "fx"), (by_v, "fv")):
+    for way, out in ((BY_X, "fx"), (BY_V, "fv")):
         lines += [*way.lines(layout, out), f"{out} = {out}/(1.0 - fg)"]
-        own = [f"{out}{k} + " if k != place else "" for k in states]
-        lines += [f"{out}{k} = {direct}fg{k}*{out}" for k, direct in zip(states, own, strict=True)]
+        others = [f"{out}{k} + " if k != place else "" for k in states]
+        lines += [f"{out}{k} = {direct}fg{k}*{out}" for k, direct in zip(states, others, strict=True)]
     return lines
 
 
@@ -279,8 +280,8 @@ def _by_arguments(layout: Layout) -> list[str]:
     for slot in _inner(layout):
         places = INNER | slot.state_places("s[{}]") | slot.value_places()
         if slot.part.advance:
-            formula, own = slot.part.advance, list(slot.states.values())
-            targets = [f"e{k}" for k in own] + [f"{formula.name}{k}_{a}" for a in _active(formula) for k in own]
+            formula, states = slot.part.advance, list(slot.states.values())
+            targets = [f"e{k}" for k in states] + [f"{formula.name}{k}_{a}" for a in _active(formula) for k in states]
             lines.append(f"{', '.join(targets)} = {call(formula, places, suffix='_partials')}")
         if slot.part.force_in_series:
             formula = slot.part.force_in_series
@@ -318,16 +319,14 @@ def _by_force(layout: Layout) -> list[str]:
 
 
 def _slopes(layout: Layout) -> Function:
-    by_x = Direction({"x0": "0.0", "x1": "1.0", "v0": "0.0", "v1": "0.0"}, "0.0", "0.0")
-    by_v = Direction({"x0": "0.0", "x1": "0.0", "v0": "0.0", "v1": "1.0"}, "0.0", "0.0")
     lines = [
         *_solve_lines(layout),
         *_by_arguments(layout),
         *_by_force(layout),
-        *by_x.lines(layout, "h"),
+        *BY_X.lines(layout, "h"),
         "fx = h/(1.0 - b)",
     ]
-    lines += [*by_v.lines(layout, "h"), "fv = h/(1.0 - b)"]
+    lines += [*BY_V.lines(layout, "h"), "fv = h/(1.0 - b)"]
     for slot, formula in _outer_forces(layout):
         places = {"x": "x1", "v": "v1", "a": "0.0"} | slot.value_places()
         zeros = dict.fromkeys([*slot.values, "x", "v", "a"], "0.0")

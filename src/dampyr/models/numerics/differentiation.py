@@ -39,21 +39,9 @@ def differentiate(time: Array, values: Array, bandwidth_hz: float | None) -> Arr
         The bandwidth is not within what the sampling carries: from 4 over the duration to a quarter of the
         rate.
     """
-    time, values = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
     if bandwidth_hz is None:
-        return np.asarray(np.gradient(values, time))
-    steps = np.diff(time)
-    dt = float(np.median(steps))
-    _check(bandwidth_hz, dt, float(time[-1] - time[0]))
-    width, reach = window(dt, bandwidth_hz)
-    if len(time) < 2 * reach + 2 or np.ptp(steps) > 1e-6 * dt:
-        return _slopes(time, values, np.arange(len(time)), width, reach)
-    kernel = _slopes_kernel(dt, width, reach)
-    out = np.empty(len(time))
-    out[reach:-reach] = np.convolve(values, kernel[::-1], mode="valid")
-    ends = np.r_[0:reach, len(time) - reach : len(time)]
-    out[ends] = _slopes(time, values, ends, width, reach)
-    return out
+        return np.asarray(np.gradient(np.asarray(values, dtype=float), np.asarray(time, dtype=float)))
+    return _fit_local_cubics(time, values, bandwidth_hz, 1)
 
 
 def smooth(time: Array, values: Array, bandwidth_hz: float) -> Array:
@@ -61,20 +49,30 @@ def smooth(time: Array, values: Array, bandwidth_hz: float) -> Array:
 
     The value of the local cubic whose slope :func:`differentiate` takes. Raises :class:`~dampyr.errors.InputError` as it does.
     """
+    return _fit_local_cubics(time, values, bandwidth_hz, 0)
+
+
+def _fit_local_cubics(time: Array, values: Array, bandwidth_hz: float, order: int) -> Array:
+    """The value (``order`` 0) or the slope (1) of the local cubic at every sample."""
     time, values = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
     steps = np.diff(time)
     dt = float(np.median(steps))
-    _check(bandwidth_hz, dt, float(time[-1] - time[0]))
+    _check_bandwidth(bandwidth_hz, dt, float(time[-1] - time[0]))
     width, reach = window(dt, bandwidth_hz)
-    every = np.arange(len(time))
+
+    def each_by_itself(samples: NDArray[np.int64]) -> Array:
+        fitted = _fit(time, values, samples, width, reach, order)
+        return values[samples] + fitted if order == 0 else fitted
+
     if len(time) < 2 * reach + 2 or np.ptp(steps) > 1e-6 * dt:
-        return values + _fitted(time, values, every, width, reach, 0)
+        return each_by_itself(np.arange(len(time)))
+    # where the sampling is even, all whole windows have the same weights: a convolution
     offsets = dt * np.arange(-reach, reach + 1, dtype=np.float64)
-    kernel = _weights(offsets[None, :], width, 0)[0]
+    kernel = _weigh(offsets[None, :], width, order)[0]
     out = np.empty(len(time))
     out[reach:-reach] = np.convolve(values, kernel[::-1], mode="valid")
     ends = np.r_[0:reach, len(time) - reach : len(time)]
-    out[ends] = values[ends] + _fitted(time, values, ends, width, reach, 0)
+    out[ends] = each_by_itself(ends)
     return out
 
 
@@ -95,7 +93,7 @@ def carried(dt: float, duration: float) -> tuple[float, float]:
     return 4.0 / duration, FINEST / dt * (1 + 1e-9)
 
 
-def _check(bandwidth_hz: float, dt: float, duration: float) -> None:
+def _check_bandwidth(bandwidth_hz: float, dt: float, duration: float) -> None:
     low, high = carried(dt, duration)
     if not low <= bandwidth_hz <= high:
         raise InputError(
@@ -104,30 +102,21 @@ def _check(bandwidth_hz: float, dt: float, duration: float) -> None:
         )
 
 
-def _slopes_kernel(dt: float, width: float, reach: int) -> Array:
-    time = dt * np.arange(-reach, reach + 1, dtype=np.float64)
-    return _weights(time[None, :], width, 1)[0]
-
-
-def _slopes(time: Array, values: Array, at: NDArray[np.int64], width: float, reach: int) -> Array:
-    """The slopes at the samples ``at`` one window each, cut off at the ends of the record."""
-    return _fitted(time, values, at, width, reach, 1)
-
-
-def _fitted(time: Array, values: Array, at: NDArray[np.int64], width: float, reach: int, order: int) -> Array:
+def _fit(time: Array, values: Array, at: NDArray[np.int64], width: float, reach: int, order: int) -> Array:
     """The cubics' coefficients of ``order`` about the samples ``at``, of the values less those at these samples."""
     n = len(time)
     size = min(2 * reach + 1, n)
     out = np.empty(len(at))
     for start in range(0, len(at), AT_ONCE):
-        here = at[start : start + AT_ONCE]
-        window = np.clip(here - reach, 0, n - size)[:, None] + np.arange(size)[None, :]
-        weights = _weights(time[window] - time[here][:, None], width, order)
-        out[start : start + AT_ONCE] = np.sum(weights * (values[window] - values[here][:, None]), axis=1)
+        centres = at[start : start + AT_ONCE]
+        window = np.clip(centres - reach, 0, n - size)[:, None] + np.arange(size)[None, :]
+        # of differences from the middle sample: a large offset would cost the digits of a small slope
+        weights = _weigh(time[window] - time[centres][:, None], width, order)
+        out[start : start + AT_ONCE] = np.sum(weights * (values[window] - values[centres][:, None]), axis=1)
     return out
 
 
-def _weights(offsets: Array, width: float, order: int) -> Array:
+def _weigh(offsets: Array, width: float, order: int) -> Array:
     """``(k, size)`` weights whose sum with the values is the coefficient of ``order`` of the cubic about offset 0."""
     s = offsets / width
     gauss = np.exp(-0.5 * s**2)

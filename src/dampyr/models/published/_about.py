@@ -117,11 +117,12 @@ def read_sets(path: Path) -> dict[str, About]:
     table = tomllib.loads(path.read_text(encoding="utf-8"))
     sets = table.pop("sets", {path.stem: {}})
     return {
-        name: _about(table | own | {"printed": table["printed"] | own.get("printed", {})}) for name, own in sets.items()
+        name: _read_set(table | of_set | {"printed": table["printed"] | of_set.get("printed", {})})
+        for name, of_set in sets.items()
     }
 
 
-def _about(table: dict[str, Any]) -> About:
+def _read_set(table: dict[str, Any]) -> About:
     motion = dict(table["motion"])
     if "angular_frequency" in motion:
         motion["frequency"] = motion.pop("angular_frequency") / (2.0 * pi)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dampyr.identification import Residuals
 from dampyr.identification.fits.diagnostics import findings
-from dampyr.identification.fits.residuals import MISFIT_INTERVALS, MISFIT_NOISE, SIDES
+from dampyr.identification.fits.residuals import SIDES
 from dampyr.phrases import sentence
 from dampyr.show.figures.autocorrelation import memory
 from dampyr.show.figures.residual_sizes import residual_sizes
@@ -23,9 +23,11 @@ def residual_section(residuals: Residuals) -> Section:
         "only noise: equal in both directions, uncorrelated in time, and of one size everywhere.\n\n"
         + " ".join(sentence(text) for text in findings(residuals))
     )
+    limits = residuals.thresholds
     criterion = (
-        f"A record counts as misfit where its residual's correlation time exceeds {MISFIT_INTERVALS:g} sampling intervals, or "
-        f"its rms exceeds {MISFIT_NOISE:g} times the noise, that is the rms of the differences of successive residuals over √2."
+        f"A record counts as misfit where its residual's correlation time exceeds {limits.correlated:g} sampling intervals, or "
+        f"its rms exceeds {limits.beyond_noise:g} times the noise, that is the rms of the differences of successive residuals "
+        "over √2."
     )
     return Section(
         "Residuals",
