@@ -272,8 +272,8 @@ def test_a_section_goes_before_what_stands_above_it(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("files = 3", "files = 3 is no list of tables; write each as [[files]] with its pattern"),
-        ("[[files]]\nheader = 1", "[[files]] 1: pattern = None is no pattern; write it as in"),
+        ("files = 3", "files = 3 is not a list of tables; write each as [[files]] with its pattern"),
+        ("[[files]]\nheader = 1", "[[files]] 1: pattern = None is not a pattern; write it as in"),
         ('[[files]]\npattern = "earth*"', "'earth*' matches no file of the folder"),
         (
             '[[files]]\npattern = "run*"\nvalidation = ["a"]',
@@ -289,7 +289,7 @@ def test_a_section_goes_before_what_stands_above_it(folder: Path) -> None:
         ('[[files]]\npattern = "run*"\nvariable = ""', "[[files]] 1: variable = '' is no name"),
         ('[[files]]\npattern = "run*"\nvoltage = 1\ncurrent = 1', "[[files]] 1: voltage and current are both given"),
         ('specimen = " "', "specimen = ' ' is not a name; give one line of text"),
-        ("measurement_session = 2026-03-01", "is no text; give a name in quotes"),
+        ("measurement_session = 2026-03-01", "is not a text; give a name in quotes"),
         (
             'specimen = {"run*" = "a", "run2*" = "b"}',
             "specimen gives run2_0.25A.txt both 'a' and 'b'; make the patterns exclusive",

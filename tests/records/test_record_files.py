@@ -36,7 +36,7 @@ def test_a_file_that_is_not_there(tmp_path):
 @pytest.mark.parametrize("argument", ["units", "columns"])
 def test_a_word_that_is_no_channel(tmp_path, argument):
     (tmp_path / "a.csv").write_text("t [s],x [m],f [N]\n0,0,0\n")
-    with pytest.raises(InputError, match=rf"{argument} names 'stroke', which is no channel; choose from time, "):
+    with pytest.raises(InputError, match=rf"{argument} names 'stroke', which is not a channel; choose from time, "):
         read(tmp_path / "a.csv", **{argument: {"stroke": "mm"}})
 
 

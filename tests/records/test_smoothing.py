@@ -142,7 +142,7 @@ def test_reading_toml_declares_it_by_pattern_and_a_call_goes_before(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ('smoothed = "a tenth"', "smoothed = 'a tenth' is no window"),
+        ('smoothed = "a tenth"', "smoothed = 'a tenth' is not a valid window"),
         (
             '[smoothed]\n"s*" = 0.1\n"*e" = 0.2',
             "smoothed gives sine.csv both '0.1 s' and '0.2 s'; make the patterns exclusive",
@@ -225,7 +225,7 @@ def test_the_command_line_declares_it(tmp_path):
     assert shown["history"][-3].startswith("force turned")
     wrong = CliRunner().invoke(cli, ["records", str(tmp_path / "a.csv"), "--smoothed", "a tenth"])
     assert wrong.exit_code == 2
-    assert "smoothed = 'a tenth' is no window" in wrong.stderr
+    assert "smoothed = 'a tenth' is not a valid window" in wrong.stderr
 
 
 @pytest.mark.filterwarnings("ignore:.*integrated from the velocity")

@@ -27,7 +27,7 @@ def read(path: str | Path, units: str | None = None, dt: float | None = None) ->
 
     Raises :class:`~dampyr.errors.MissingData` where there is no such file and
     :class:`~dampyr.errors.FileError` where the file contradicts itself or the arguments, or holds values
-    that are no numbers.
+    that are not numbers.
 
     Examples
     --------

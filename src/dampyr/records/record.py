@@ -309,12 +309,12 @@ def stated(record: Record) -> dict[str, str]:
 def as_group(name: str, text: Any) -> str | None:
     """The name of a session or of a specimen without blanks around it, or None; else an :class:`InputError`.
 
-    Records are grouped by these names, so that what is no name, or only looks like another one, is refused.
+    Records are grouped by these names, so that what is not a name, or only looks like another one, is refused.
     """
     if text is None:
         return None
     if not isinstance(text, str):
-        raise InputError(f"{name} = {text!r} is no text; give a name in quotes, or leave it out")
+        raise InputError(f"{name} = {text!r} is not a text; give a name in quotes, or leave it out")
     trimmed = text.strip()
     if not trimmed or not trimmed.isprintable():
         raise InputError(f"{name} = {text!r} is not a name; give one line of text that is not empty, or leave it out")

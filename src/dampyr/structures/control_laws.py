@@ -54,7 +54,7 @@ def control_law(name: str, **settings: Any) -> Any:
     settings = {"low": 0.0} | settings
     unknown = [key for key in settings if key not in allowed]
     if unknown:
-        raise InputError(f"{unknown[0]!r} is no setting of {name}; it has {', '.join(allowed)}")
+        raise InputError(f"{unknown[0]!r} is not a setting of {name}; it has {', '.join(allowed)}")
     missing = [key for key, field in allowed.items() if field.default is MISSING and key not in settings]
     if missing:
         raise InputError(f"{name} needs {missing[0]}; write {missing[0]}=, a number")

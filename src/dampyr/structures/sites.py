@@ -228,7 +228,7 @@ def _input(there: Any, damper: Any, voltage: Any, current: Any) -> Any:
         return value
     with (
         suppress(InputError) if isinstance(value, str) else nullcontext()
-    ):  # a text that is no quantity may be meant as a law
+    ):  # a text that is not a quantity may be meant as a law
         value = in_si(value, kind, f"{INPUTS[kind]} {describe_place(there)}")
     if not isinstance(value, int | float | np.number) or not math.isfinite(value):
         raise InputError(

@@ -165,7 +165,7 @@ def _of_frame(given: Frame, folder: Path) -> Building:
         labels = tuple(label for label, has in zip(labels, massive, strict=True) if has)
     for floor in given.floors:
         if f"{floor} x" not in labels:
-            raise InputError(f"floor {floor!r} is no node that is free in x, with a mass; name others in floors")
+            raise InputError(f"floor {floor!r} is not a node with a mass that is free in x; name others in floors")
     ratio = given.damping_ratio
     C = modal(M, K, ratio) if given.method == "modal" else rayleigh(M, K, ratio, _pair(given.modes))
     keep = [labels.index(f"{floor} x") for floor in given.floors]
@@ -280,7 +280,7 @@ def _matrix_of_file(key: str, value: Mapping[str, Any], si: str, folder: Path) -
         row, column = (place[1], place[2]) if place else ("", "")
         where = f", see row {int(row) + 1}, column {column}" if column else f", see row {row}" if row else ""
         raise FileError(
-            path, f"is no matrix of numbers{where}; give text with a row in each line, .npz, or .mat before v7.3"
+            path, f"is not a matrix of numbers{where}; give text with a row in each line, .npz, or .mat before v7.3"
         ) from None
     if array.ndim == 2 and 1 in array.shape:
         array = array.ravel()

@@ -42,7 +42,7 @@ def write(
     """
     check_name(name)
     if fmi not in (2, 3):
-        raise InputError(f"fmi = {fmi} is no version that is written; choose 2 or 3")
+        raise InputError(f"fmi = {fmi} is not a version that is written; choose 2 or 3")
     if drive not in DRIVES:
         raise InputError(f"drive = {drive!r} is not known; choose from {', '.join(DRIVES)}")
     made = c_source(damper, name, allow_extrapolation)

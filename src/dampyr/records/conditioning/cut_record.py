@@ -39,7 +39,7 @@ def cut(record: Record, by: float | str, rest: float = REST) -> list[Record]:
     Raises
     ------
     InputError
-        ``by`` is neither a duration nor "events", ``rest`` is no duration, or a piece would have fewer than 8 samples.
+        ``by`` is neither a duration nor "events", ``rest`` is not a duration, or a piece would have fewer than 8 samples.
     """
     if by == EVENTS:
         if not (math.isfinite(rest) and rest > 0.0):

@@ -80,7 +80,7 @@ def correct_delay(record: Record, seconds: float) -> Record:
     """
     if not (math.isfinite(seconds) and abs(seconds) < 0.5 * record.duration):
         raise InputError(
-            f"seconds = {seconds:g} s is no delay of a record of {record.duration:g} s; "
+            f"seconds = {seconds:g} s is not a possible delay of a record of {record.duration:g} s; "
             "give less than half of its duration"
         )
     t = record.time

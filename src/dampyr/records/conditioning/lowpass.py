@@ -126,7 +126,7 @@ def multiple_or_hz(given: Any) -> tuple[float, bool]:
         value = math.nan
     if isinstance(given, bool) or not (math.isfinite(value) and value > 0.0):
         raise InputError(
-            f'lowpass = {given!r} is no frequency; give Hz above 0, such as 20, or "15 f", 15 times the motion\'s'
+            f'lowpass = {given!r} is not a frequency; give Hz above 0, such as 20, or "15 f", 15 times the motion\'s'
         )
     return value, bool(match and match[2] == "f")
 
@@ -153,7 +153,7 @@ def with_lowpass(record: Record, lowpass: Any) -> Record:
     Raises
     ------
     InputError
-        It is no frequency that the samples carry.
+        It is not a frequency that the samples carry.
     """
     value, is_multiple = multiple_or_hz(lowpass)
     if is_multiple and not repeats(record):

@@ -55,11 +55,11 @@ class Declaration:
         ):
             unit = next(word for word, field in UNITS.items() if field == name)
             raise InputError(
-                f"smoothed = {value:g} {unit} is no window; give a number above 0, of samples a whole one from 2 on"
+                f"smoothed = {value:g} {unit} is not a valid window; give a number above 0, of samples a whole one from 2 on"
             )
         wrong = [c for c in self.channels if c not in AVERAGED]
         if wrong or not self.channels:
-            what = f"{wrong[0]!r} is no channel that can be smoothed" if wrong else "no channel is smoothed"
+            what = f"{wrong[0]!r} is not a channel that can be smoothed" if wrong else "no channel is smoothed"
             raise InputError(f"smoothed: {what}; choose from {', '.join(AVERAGED)}")
 
     @staticmethod
@@ -73,7 +73,7 @@ class Declaration:
             return _from_text(given)
         if isinstance(given, int | float) and not isinstance(given, bool):
             return Declaration(seconds=float(given))
-        raise InputError(f"smoothed = {given!r} is no window; give s as a number, or {EXAMPLE}")
+        raise InputError(f"smoothed = {given!r} is not a valid window; give s as a number, or {EXAMPLE}")
 
     @property
     def window(self) -> str:
@@ -96,7 +96,7 @@ def _from_text(text: str) -> Declaration:
     except ValueError:
         value = float("nan")
     if match is None or value != value:
-        raise InputError(f"smoothed = {text!r} is no window; write it as in {EXAMPLE}")
+        raise InputError(f"smoothed = {text!r} is not a valid window; write it as in {EXAMPLE}")
     fields: dict[str, Any] = {UNITS[match[2] or "s"]: value}
     channels = tuple(word for word in rest if word in AVERAGED)
     words = [word for word in rest if word not in AVERAGED]
@@ -120,11 +120,11 @@ def _from_mapping(given: Mapping[str, Any]) -> Declaration:
             raise InputError(f"smoothed: {key} = {fields[key]!r} is neither true nor false; write one of them")
     for key in UNITS.values():
         if key in fields and (isinstance(fields[key], bool) or not isinstance(fields[key], int | float)):
-            raise InputError(f"smoothed: {key} = {fields[key]!r} is no number; give one above 0")
+            raise InputError(f"smoothed: {key} = {fields[key]!r} is not a number; give one above 0")
     if "channels" in fields:
         channels = fields["channels"]
         if isinstance(channels, str) or not all(isinstance(each, str) for each in channels):
-            raise InputError(f'smoothed: channels = {channels!r} is no list of channels; write it as in ["force"]')
+            raise InputError(f'smoothed: channels = {channels!r} is not a list of channels; write it as in ["force"]')
         fields["channels"] = tuple(channels)
     return _with_whole_samples(fields)
 

@@ -30,7 +30,7 @@ WINDOWS = (255, 127, 63, 31, 15, 9)  # samples of a running median, the widest f
 STILL_NOISE = 1.05  # times the noise: what a running median may take off; more of it would be the command
 SUSTAINED = 2.5  # times the noise: what the median of 9 samples of pure noise exceeds once in ten million samples
 SAME_PLATEAU = 5.0  # standard errors of a running median, within which it stays on a plateau
-ON_PLATEAUS = 0.8  # of the samples: with fewer the command is no sequence of plateaus
+ON_PLATEAUS = 0.8  # of the samples: with fewer the command is not a sequence of plateaus
 RARE = 0.005  # of the samples beyond either end of a command without plateaus
 
 

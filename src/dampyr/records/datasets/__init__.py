@@ -145,7 +145,7 @@ def data_set(name: str) -> DataSet:
         return _sets()[name]
     close = get_close_matches(name, available_data_sets(), n=1)
     hint = f"did you mean {close[0]!r}? " if close else ""
-    raise InputError(f"{name!r} is no data set; {hint}choose from {', '.join(available_data_sets())}")
+    raise InputError(f"{name!r} is not a data set; {hint}choose from {', '.join(available_data_sets())}")
 
 
 def _table_rows(table: str) -> list[dict[str, str]]:

@@ -53,7 +53,7 @@ class ColumnTable:
     """Columns as a file has them: names, units ("" unknown), both empty without a header, and ``(n, m)`` values.
 
     ``kinds`` says what each column holds: "number"; or s, of a "clock" since midnight, of a "stamp" and a "date" since the
-    midnight before the first. Empty: all are numbers. ``stamps`` are the first row's texts of those that are no numbers, by
+    midnight before the first. Empty: all are numbers. ``stamps`` are the first row's texts of those that are not numbers, by
     column, ``groups`` what the file says of its session and specimen, ``lines`` the line of each row in the file, ``empty`` the
     line of the first empty cell of each column that has one, and ``notes`` what the history says of how it was read.
     """
@@ -160,7 +160,7 @@ def _declared_column(path: Path, table: ColumnTable, channel: str, said: str | i
             raise FileError(path, f"there is no column {said!r}; choose from {table.in_words()}")
         said = int(said)
     if not 0 <= said < count:
-        raise FileError(path, f"columns[{channel!r}] = {said} is no column; choose a number from 0 to {count - 1}")
+        raise FileError(path, f"columns[{channel!r}] = {said} is not a column; choose a number from 0 to {count - 1}")
     return said
 
 
@@ -217,7 +217,7 @@ def _check_kinds(path: Path, table: ColumnTable, used: dict[str, int]) -> None:
         if channel != "time" and _kind(table, column) != "number":
             raise FileError(
                 path,
-                f"the column of the {channel} holds {table.stamps[column]!r}, which is no number; declare another, "
+                f"the column of the {channel} holds {table.stamps[column]!r}, which is not a number; declare another, "
                 f"--column {channel}=NAME or columns={{{channel!r}: NAME}}",
             )
 

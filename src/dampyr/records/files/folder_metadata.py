@@ -3,7 +3,7 @@
 ::
 
     validation = ["earthquake*"]   # files that no fit may use; the others are for fitting
-    ignore = ["calibration*"]      # files that are no records
+    ignore = ["calibration*"]      # files that are not records
     current = "*_{}A"              # the input in the files' names; or a number; or a table, see below
     specimen = "damper 3"          # which damper was tested
     measurement_session = {"day1*" = "2026-03-01", "day2*" = "2026-03-02"}
@@ -195,7 +195,7 @@ def reading_of(folder: Path) -> FolderReading:
     Raises
     ------
     FileError
-        It is no TOML, or says what is not known.
+        It is not TOML, or holds an unknown key.
     """
     path = folder / NAME
     if not path.is_file():
@@ -209,7 +209,7 @@ def reading_of(folder: Path) -> FolderReading:
     _check_keys(path, settings, (*KEYS, "validation", "ignore", "files"), "")
     tables = settings.get("files", [])
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
-        raise FileError(path, f"files = {tables!r} is no list of tables; write each as [[files]] with its pattern")
+        raise FileError(path, f"files = {tables!r} is not a list of tables; write each as [[files]] with its pattern")
     return FolderReading(
         path,
         base=_section(path, settings, (), ""),
@@ -238,7 +238,7 @@ def _section_patterns(path: Path, table: Mapping[str, Any], number: int) -> tupl
     said = table.get("pattern")
     patterns = [said] if isinstance(said, str) else said
     if not isinstance(patterns, list) or not patterns or not all(isinstance(each, str) for each in patterns):
-        raise FileError(path, f'{where}pattern = {said!r} is no pattern; write it as in "quake*", or a list of them')
+        raise FileError(path, f'{where}pattern = {said!r} is not a pattern; write it as in "quake*", or a list of them')
     return tuple(patterns)
 
 
@@ -275,7 +275,7 @@ def _option(name: str, said: Any) -> Any:
 
 def _table(name: str, said: Any) -> Any:
     if not isinstance(said, dict):
-        raise InputError(f"{name} = {said!r} is no table; write it below [{name}], such as displacement = ...")
+        raise InputError(f"{name} = {said!r} is not a table; write it below [{name}], such as displacement = ...")
     return _option(name, said)
 
 
@@ -330,5 +330,5 @@ def _shown(value: Any) -> str:
 def _patterns(path: Path, settings: dict[str, Any], key: str) -> tuple[str, ...]:
     given = settings.get(key, [])
     if not isinstance(given, list) or not all(isinstance(each, str) for each in given):
-        raise FileError(path, f'{key} = {given!r} is no list of patterns; write it as in ["earthquake*"]')
+        raise FileError(path, f'{key} = {given!r} is not a list of patterns; write it as in ["earthquake*"]')
     return tuple(given)

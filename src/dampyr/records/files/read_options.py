@@ -105,10 +105,10 @@ class ReadOptions(Options):
             unknown = sorted(set(getattr(self, argument)) - set(CHANNELS))
             if unknown:
                 raise InputError(
-                    f"{argument} names {unknown[0]!r}, which is no channel; choose from {', '.join(CHANNELS)}"
+                    f"{argument} names {unknown[0]!r}, which is not a channel; choose from {', '.join(CHANNELS)}"
                 )
         if self.variable is not None and not self.variable.strip():
-            raise InputError(f"variable = {self.variable!r} is no name; give that of a matrix in the file")
+            raise InputError(f"variable = {self.variable!r} is not a name; give that of a matrix in the file")
         if self.force_sign not in (None, -1, 1):
             raise InputError(
                 f"force_sign = {self.force_sign} is not allowed; it must be -1, which turns the force, or 1"

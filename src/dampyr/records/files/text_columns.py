@@ -3,7 +3,7 @@
 A header cell is a name and a unit in brackets or parentheses: ``time [s]``, ``displacement [mm]``, ``force
 (N)``. Lines that start with ``#`` or ``%`` are comments; the last line before the numbers is the header, even
 as a comment, and a line of units may follow the names. A comma is the decimal mark where the delimiter is a semicolon, a tab
-or white space. A text that is no UTF-8 is read as Latin-1, and the record's history says so. A column
+or white space. A text that is not UTF-8 is read as Latin-1, and the record's history says so. A column
 may hold times of day (``10:00:00.123``), dates (``2026-03-01``) or both (``2026-03-01T10:00:00.123``).
 """
 
@@ -121,8 +121,8 @@ def _decoded(path: Path) -> tuple[str, str]:
         return content.decode("utf-8-sig"), ""
     except UnicodeDecodeError as problem:
         if b"\0" in content:
-            raise FileError(path, f"is no text (byte {problem.start}); choose a text file") from None
-    return content.decode("cp1252", errors="replace"), "read as Latin-1 (Windows-1252) text, as it is no UTF-8"
+            raise FileError(path, f"is not a text (byte {problem.start}); choose a text file") from None
+    return content.decode("cp1252", errors="replace"), "read as Latin-1 (Windows-1252) text, as it is not UTF-8"
 
 
 class _Rows:

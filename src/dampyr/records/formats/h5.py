@@ -372,7 +372,7 @@ def _open(path: Path) -> Any:
 def _check_schema(path: Path, file: Any) -> None:
     file_format = str(file.attrs.get("format", ""))
     if file_format != FORMAT:
-        raise FileError(path, f"is HDF5 but no {FORMAT}: its format is {file_format!r}; export it as .csv")
+        raise FileError(path, f"is HDF5 but not a {FORMAT}: its format is {file_format!r}; export it as .csv")
     schema = int(file.attrs.get("schema", 0))
     if schema not in SUPPORTED_SCHEMAS:
         raise FileError(path, f"has the schema {schema}, this dampyr knows schema {SCHEMA}; upgrade dampyr")

@@ -92,7 +92,7 @@ def _table(path: Path, stored: _Stored, request: ReadOptions) -> ColumnTable:
         if vector.size != max(vector.shape, default=0):
             raise FileError(
                 path,
-                f"the variable {name} has the shape {vector.shape} and is no single column; declare it with variable, "
+                f"the variable {name} has the shape {vector.shape} and is not a single column; declare it with variable, "
                 "and its columns by number",
             )
         if vector.size != n:
@@ -194,7 +194,7 @@ def _version_5(path: Path) -> _Stored:
         variables: dict[str, Any] = loadmat(path, appendmat=False)
     except Exception as problem:  # scipy raises whatever the broken bytes lead it to
         reason = " ".join(str(problem).split()) or type(problem).__name__
-        raise FileError(path, f"is no readable MATLAB v5 file ({reason}); fetch or export it again") from problem
+        raise FileError(path, f"is not a readable MATLAB v5 file ({reason}); fetch or export it again") from problem
     variables = {name: _text(value) for name, value in variables.items() if not name.startswith("__")}
     return _Stored(variables, tuple(sorted(variables)), "MATLAB v5")
 
@@ -244,7 +244,7 @@ def _dataset(data: Any) -> Any:
 def _interval(path: Path, value: Array) -> float:
     if value.size != 1 or not np.isfinite(value).all() or value.item() <= 0:
         shown = value.ravel()[:3].tolist()
-        raise FileError(path, f"Ts = {shown} s is no sampling interval; it must be one number greater than 0")
+        raise FileError(path, f"Ts = {shown} s is not a sampling interval; it must be one number greater than 0")
     return float(value.item())
 
 

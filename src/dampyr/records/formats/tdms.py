@@ -41,7 +41,7 @@ def read(path: Path, request: ReadOptions) -> Record:
         raise
     except Exception as problem:  # npTDMS raises whatever the broken bytes lead it to
         reason = " ".join(str(problem).split()) or type(problem).__name__
-        raise FileError(path, f"is no readable TDMS file ({reason}); copy or export it again") from problem
+        raise FileError(path, f"is not a readable TDMS file ({reason}); copy or export it again") from problem
     if request.dt is None and interval is not None and not _has_time(table, request):
         request = replace(request, dt=interval)
     return record_of(path, table, request, "TDMS")

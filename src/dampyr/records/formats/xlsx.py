@@ -61,7 +61,7 @@ def _sheet(path: Path, wanted: str | None) -> tuple[str, str, str]:
         raise
     except Exception as problem:  # openpyxl raises whatever the broken archive leads it to
         reason = " ".join(str(problem).split()) or type(problem).__name__
-        raise FileError(path, f"is no readable .xlsx file ({reason}); save it again as an Excel workbook") from problem
+        raise FileError(path, f"is not a readable .xlsx file ({reason}); save it again as an Excel workbook") from problem
     return name, "\n".join(lines) + "\n", formula
 
 

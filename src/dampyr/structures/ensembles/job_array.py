@@ -208,5 +208,5 @@ def _opened(path: Path) -> Any:
         raise
     if file.attrs.get("format") != FORMAT or "part" not in file.attrs:
         file.close()
-        raise FileError(path, "is no part of an ensemble; remove it and compute it again")
+        raise FileError(path, "is not a part of an ensemble; remove it and compute it again")
     return file

@@ -62,7 +62,7 @@ def fit_binomial(x: Array, yes: Array, cases: Array) -> Lognormal:
             f"the cases below {x[yes > 0].min():.4g} all hold and those above all exceed: the spread cannot be told from them"
         )
     if x[yes > 0].max() <= x[no > 0].min():
-        return none("stronger motions exceed the limit less: this is no fragility over this intensity")
+        return none("stronger motions exceed the limit less: this is not a fragility over this intensity")
     y = np.log(x)
 
     def parts(z: Array) -> Parts:
@@ -142,5 +142,5 @@ def _top(y: Array, parts: Callable[[Array], Parts], observed_weight: float = 0.0
 def _curve(p: Array, centre: float, spread: float) -> Lognormal:
     b = float(p[1]) / spread
     if b <= 0:
-        return none("stronger motions exceed the limit less: this is no fragility over this intensity")
+        return none("stronger motions exceed the limit less: this is not a fragility over this intensity")
     return Lognormal(math.exp(centre - float(p[0]) / b), 1.0 / b)

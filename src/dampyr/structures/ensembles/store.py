@@ -336,7 +336,7 @@ def read_dataset(path: str | Path) -> Any:
     with file:
         check_contained(path, file)
         if file.attrs.get("format") != FORMAT:
-            raise FileError(path, f"is no {FORMAT!r} but {file.attrs.get('format')!r}; give a file that dampyr wrote")
+            raise FileError(path, f"is not {FORMAT!r} but {file.attrs.get('format')!r}; give a file that dampyr wrote")
         done = file["done"][:]
         if not done.all():
             raise FileError(

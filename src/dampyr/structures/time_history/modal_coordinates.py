@@ -104,7 +104,7 @@ def refined(building: Building, places: Sequence[Any] = ()) -> Building:
 
 def refinements(building: Building, rows: Array) -> tuple[Building, Building | None]:
     """`refined` for dampers with the connections ``rows`` (N, floors), and the same with half as many coordinates, by which it
-    is judged: None where nothing is left out. ``building`` itself where it is no reduced one."""
+    is judged: None where nothing is left out. ``building`` itself where it is not a reduced one."""
     if not isinstance(building, Condensed) or building.exact or building.whole is None or building.interior:
         return building, None
     return _refinements(building, tuple(map(tuple, rows.tolist())))
@@ -121,7 +121,7 @@ def _refinements(building: Condensed, rows: tuple[tuple[float, ...], ...]) -> tu
     complete = held.shape[1] <= count
     shapes = held if complete else np.hstack([statics, held[:, :count]])
     fine = replace(_with_interior(building, shapes), exact=complete and not damped)
-    if complete or damped:  # where dashpots stand on what has no mass, half as many coordinates are no judge
+    if complete or damped:  # where dashpots stand on what has no mass, half as many coordinates do not judge it
         return fine, None
     half = (first + count + 1) // 2 - first
     return fine, _with_interior(building, np.hstack([statics, held[:, :half]]))
