@@ -67,6 +67,11 @@ class FindingWarning(DampyrWarning):
     """Something to look at, which is among the ``findings`` of the result, too."""
 
 
+def one_line(problem: BaseException) -> str:
+    """What another library's error says, on one line; the error's kind where it says nothing."""
+    return " ".join(str(problem).split()) or type(problem).__name__
+
+
 def install_line(extra: str) -> str:
     """The command that installs an extra of dampyr, quoted as every shell takes it."""
     return f'pip install "dampyr[{extra}]"'

@@ -135,7 +135,7 @@ HEAD = "time [s],displacement [mm],force [N]\n"
         (
             HEAD + lines(","),
             {"columns": {"force": 3}},
-            r"columns\['force'\] = 3 is no column; choose .* from 0 to 2",
+            r"columns\['force'\] = 3 is not a column; choose .* from 0 to 2",
         ),
         (HEAD + lines(","), {"columns": {"force": "cell"}}, r"there is no column 'cell'; choose from time, "),
         (HEAD, {}, r"has no line of numbers"),

@@ -229,8 +229,8 @@ def answer(connection: socket.socket, make: Callable[[int], LiveDamper]) -> Live
     n, size = int(header[0]), int(header[-1])
     if not (n >= 1 and max(1 + 3 * n + 1, n * n) <= size <= LARGEST_MESSAGE):
         raise InputError(
-            f"what connected is not a genericClient of OpenSees: its header is {header.tolist()}, where the first number counts "
-            "degrees of freedom and the last is the size of messages"
+            f"what connected is not a genericClient of OpenSees: its header is {header.tolist()}, where the first number "
+            "counts degrees of freedom and the last is the size of messages"
         )
     live = make(n)
     summary.degrees_of_freedom = n

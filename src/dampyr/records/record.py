@@ -6,7 +6,8 @@ Everything is SI. Extension is positive; a positive force opposes a positive vel
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from types import MappingProxyType
 from typing import Any, Literal, cast
@@ -41,10 +42,10 @@ CHANNELS: Mapping[str, str] = MappingProxyType(
 """The channels that a record can hold, each with the unit it is held in."""
 
 GROUPS: Mapping[str, str] = MappingProxyType({"measurement_session": "session", "specimen": "specimen"})
-"""The fields by which records belong together, each with the word for it in tables."""
+"""The fields by which records belong together, and how tables call them."""
 
 COMMENTS = (*GROUPS, "origin")
-"""What files of columns hold in words, where it is stated: groups, and the kind of the origin."""
+"""What files of columns hold as text, where it is stated: groups, and the kind of the origin."""
 
 
 @dataclass(frozen=True)
@@ -208,36 +209,40 @@ class Record(Shown):
         window = slice(0, int(np.searchsorted(self.time, end, side="right")))
         if np.size(self.time[window]) < MIN_SAMPLES:
             raise InputError(f"{self.name}: nothing is left before {end:.3g} s; it starts at {self.time[0]:.3g} s")
-        return self._at(window, f"cut at {end:.6g} s")
+        return self.sliced(window, f"cut at {end:.6g} s")
 
     def thinned(self, stride: int) -> Record:
         """Every ``stride``-th sample, nothing averaged."""
         if stride < 1:
             raise InputError(f"stride = {stride} is not allowed; it must be at least 1")
-        return self if stride == 1 else self._at(slice(None, None, stride), f"every {stride}th sample kept")
+        return self if stride == 1 else self.sliced(slice(None, None, stride), f"every {stride}th sample kept")
 
-    def _at(self, window: slice, note: str) -> Record:
-        channels = {c: getattr(self, c) for c in CHANNELS}
-        return self.replace(note=note, **{c: v[window] for c, v in channels.items() if isinstance(v, np.ndarray)})
+    def sliced(self, window: slice, note: str, **changes: Any) -> Record:
+        """The samples of ``window``, with ``note`` in the history and other fields changed as by `replace`."""
+        channels = {name: getattr(self, name) for name in CHANNELS}
+        parts = {name: values[window] for name, values in channels.items() if isinstance(values, np.ndarray)}
+        return self.replace(note=note, **parts, **changes)
 
 
 def _origin_of(record: Record) -> Origin:
-    """The kind that was given, with what the record says of itself."""
-    about = record.provenance
+    """The kind of the origin, completed by what the record says of itself."""
+    provenance = record.provenance
 
     def entries(value: Any) -> tuple[Any, ...]:
         return (value,) if value else ()
 
-    data_set = about.get("data_set", "")
+    data_set = provenance.get("data_set", "")
     return Origin(
         as_origin(record.origin).kind,
         sources=entries(record.source_file),
-        operators=entries(about.get("operator")),
+        operators=entries(provenance.get("operator")),
         specimens=entries(record.specimen),
         sessions=entries(record.measurement_session),
-        dates=entries((about.get("date") or about.get("started", ""))[:DAY]),
-        data_sets=entries(data_set and PublishedData(data_set, about.get("doi", ""), about.get("licence", ""))),
-        versions=entries(about.get("dampyr")),
+        dates=entries((provenance.get("date") or provenance.get("started", ""))[:DAY]),
+        data_sets=entries(
+            data_set and PublishedData(data_set, provenance.get("doi", ""), provenance.get("licence", ""))
+        ),
+        versions=entries(provenance.get("dampyr")),
     )
 
 
@@ -298,6 +303,12 @@ def _check_values(record: Record) -> None:
             f"time[{i}] = {record.time[i]:.9g} s does not come after {record.time[i - 1]:.9g} s; "
             "time must strictly increase, so sort or cut the samples"
         )
+
+
+def commonest_name(records: Iterable[Record]) -> tuple[str, int]:
+    """The name that most of the records have, and how many have it; ``("", 0)`` without records."""
+    names = Counter(record.name for record in records).most_common(1)
+    return names[0] if names else ("", 0)
 
 
 def stated(record: Record) -> dict[str, str]:

@@ -106,7 +106,9 @@ def c_source(
     """The C text of a damper; :class:`InputError` for one that has no C form, and for a ``history`` out of range."""
     check_exportable(damper)
     if isinstance(history, bool) or not HISTORIES[0] <= history <= HISTORIES[1]:
-        raise InputError(f"history = {history} is not a valid number of samples; choose {HISTORIES[0]} to {HISTORIES[1]}")
+        raise InputError(
+            f"history = {history} is not a valid number of samples; choose {HISTORIES[0]} to {HISTORIES[1]}"
+        )
     source = _source(damper, name, allow_extrapolation, precision, history)
     calls = re.findall(rf"\b({'|'.join(LIBM)}){precision.suffix}\(", source)
     libm = tuple(each for each in LIBM if each in calls)
