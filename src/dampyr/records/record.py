@@ -27,6 +27,7 @@ from dampyr.units import in_si
 Array = NDArray[np.float64]
 Role = Literal["fit", "validation"]
 
+UNEVEN = 0.01  # of the sampling interval: a filter or an average that counts samples needs them even
 MIN_SAMPLES = 8  # fewer leave the filter of the velocity nothing to work on
 CHANNELS: Mapping[str, str] = MappingProxyType(
     {
@@ -184,8 +185,18 @@ class Record(Shown):
     @property
     def input_value(self) -> float | None:
         """The mean of the damper's input in V or A, or None when unknown."""
-        value = self.voltage if self.voltage is not None else self.current
+        value = self.input_channel
         return None if value is None else float(np.mean(value))
+
+    @property
+    def input_channel(self) -> float | Array | None:
+        """The damper's input in V or A as the record holds it: a number, a channel (n,), or None when unknown."""
+        return self.voltage if self.voltage is not None else self.current
+
+    @property
+    def evenly_sampled(self) -> bool:
+        """Whether every sampling interval is the median one to 1 %."""
+        return not float(np.max(np.abs(np.diff(self.time) - self.dt))) > UNEVEN * self.dt
 
     @property
     def findings(self) -> tuple[Finding, ...]:

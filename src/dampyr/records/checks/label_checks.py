@@ -25,12 +25,12 @@ def disagreements(
     cycle can confirm no label, and says so where it has one.
     """
     spans = cycles(record)
-    said = []
+    sentences = []
     if record.label and spans:
-        said += _against_label(record, frequency, peak_to_peak)
+        sentences += _against_label(record, frequency, peak_to_peak)
     elif record.label:
-        said.append(f"{record.name}: no whole cycle, so its label cannot be checked")
-    return said + _against_dissipation(record, spans)
+        sentences.append(f"{record.name}: no whole cycle, so its label cannot be checked")
+    return sentences + _against_dissipation(record, spans)
 
 
 def creates_energy(record: Record) -> bool:
@@ -51,17 +51,17 @@ def _against_dissipation(record: Record, spans: list[tuple[int, int]]) -> list[s
 def _against_label(record: Record, frequency: float, peak_to_peak: float) -> list[str]:
     label, measured = record.label, measure(record)
     assert label is not None
-    said = []
-    off = label.frequency_hz / measured.frequency_hz - 1.0
-    if abs(off) > frequency:
-        said.append(
+    sentences = []
+    deviation = label.frequency_hz / measured.frequency_hz - 1.0
+    if abs(deviation) > frequency:
+        sentences.append(
             f"{record.name}: labelled {label.frequency_hz:.4g} Hz, measures {measured.frequency_hz:.4g} Hz "
-            f"({100 * off:+.1f} %)"
+            f"({100 * deviation:+.1f} %)"
         )
-    off = label.peak_to_peak_m / measured.peak_to_peak_m - 1.0
-    if abs(off) > peak_to_peak:
-        said.append(
+    deviation = label.peak_to_peak_m / measured.peak_to_peak_m - 1.0
+    if abs(deviation) > peak_to_peak:
+        sentences.append(
             f"{record.name}: labelled {1e3 * label.peak_to_peak_m:.4g} mm peak to peak, "
-            f"measures {1e3 * measured.peak_to_peak_m:.4g} mm per cycle ({100 * off:+.1f} %)"
+            f"measures {1e3 * measured.peak_to_peak_m:.4g} mm per cycle ({100 * deviation:+.1f} %)"
         )
-    return said
+    return sentences

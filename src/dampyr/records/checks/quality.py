@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.phrases import counted
 from dampyr.records.checks.channel_noise import last_at_rest, quantum, rest_tolerance
 from dampyr.records.cycle_analysis.cycles import cycles, legs
 from dampyr.records.record import CHANNELS, Array, Record
@@ -86,7 +87,7 @@ class Quality(Shown):
     @property
     def notes(self) -> tuple[str, ...]:
         """What a person should look at, one sentence each; empty when all is well."""
-        return tuple(words for some in self.by_kind.values() for words in some)
+        return tuple(note for notes in self.by_kind.values() for note in notes)
 
     @property
     def by_kind(self) -> dict[str, list[str]]:
@@ -98,8 +99,17 @@ class Quality(Shown):
                 f"{channel} may be saturated: {count} samples stand at its extreme"
                 for channel, count in self.saturated.items()
             ],
-            "false samples": [_false_samples(channel, times) for channel, times in self.spikes.items()],
-            "leap": [self._leaps_in_words()] if self.leaps else [],
+            "false samples": [
+                f"{channel} has {counted(len(times), 'false sample')}, it seems: at {_first_three(times)} s it leaps away from "
+                "its neighbours and back; cut or repair them, or fit with a loss of huber or l1"
+                for channel, times in self.spikes.items()
+            ],
+            "leap": [
+                f"the displacement leaps {counted(len(self.leaps), 'time')} within one sample, at {_first_three(self.leaps)} "
+                "s, and stays there: the encoder slipped, or counts were lost; cut the record there, or record it again"
+            ]
+            if self.leaps
+            else [],
             "run away": [
                 f"the displacement runs away: its middle moves by {1e3 * self.run_away:.3g} mm in one direction; look whether "
                 "the encoder counts less one way than the other, or the table drifts; record it again, or fit a part of it"
@@ -117,20 +127,9 @@ class Quality(Shown):
             else [],
         }
 
-    def _leaps_in_words(self) -> str:
-        return (
-            f"the displacement leaps {len(self.leaps)} time{'s' * (len(self.leaps) > 1)} within one sample, at "
-            f"{', '.join(f'{t:.4g}' for t in self.leaps[:3])}{' ...' * (len(self.leaps) > 3)} s, and stays there: the "
-            "encoder slipped, or counts were lost; cut the record there, or record it again"
-        )
 
-
-def _false_samples(channel: str, times: tuple[float, ...]) -> str:
-    return (
-        f"{channel} has {len(times)} false sample{'s' * (len(times) > 1)}, it seems: at "
-        f"{', '.join(f'{t:.4g}' for t in times[:3])}{' ...' * (len(times) > 3)} s it leaps away from its neighbours and "
-        "back; cut or repair them, or fit with a loss of huber or l1"
-    )
+def _first_three(times: Sequence[float]) -> str:
+    return ", ".join(f"{time:.4g}" for time in times[:3]) + " ..." * (len(times) > 3)
 
 
 def quality(record: Record) -> Quality:
@@ -201,13 +200,13 @@ def _run_away(record: Record, spans: list[tuple[int, int]]) -> float:
     extremes = [(float(x.min()), float(x.max())) for i0, i1 in spans for x in [record.displacement[i0 : i1 + 1]]]
     middles = np.array([0.5 * (low + high) for low, high in extremes])
     stroke = float(np.median([high - low for low, high in extremes]))
-    count = np.arange(len(middles)) - 0.5 * (len(middles) - 1)
-    line = float(count @ middles / (count @ count)) * count
+    number = np.arange(len(middles)) - 0.5 * (len(middles) - 1)  # of the cycle, about the middle one
+    line = float(number @ middles / (number @ number)) * number  # least squares
     rest = middles - middles.mean() - line
     moved = float(line[-1] - line[0]) * len(middles) / (len(middles) - 1)  # from the first begin to the last end
     far = abs(moved) > stroke * min(RUN_AWAY, RUN_AWAY_PER_CYCLE * len(middles))
     straight = float(rest @ rest) <= (1.0 - RUN_AWAY_STRAIGHT) * float(np.sum((middles - middles.mean()) ** 2))
-    return moved if straight and far else 0.0
+    return moved if straight and far else 0.0  # a table that wanders to and fro is no run-away
 
 
 def _moving(record: Record, spans: list[tuple[int, int]]) -> slice:
@@ -226,10 +225,15 @@ def _motion(record: Record) -> slice:
 
 def _stuck(moving: Array, per_cycle: float | None) -> int:
     """How many samples stand at the highest or the lowest value in long runs, once the table moves."""
-    long = max(MAX_PLATEAU, PLATEAU_OF_CYCLE * (per_cycle or 0.0))
+    shortest = max(MAX_PLATEAU, PLATEAU_OF_CYCLE * (per_cycle or 0.0))
     if len(moving) == 0 or np.ptp(moving) == 0:
         return 0
-    return sum(_in_runs(moving == extreme, long) for extreme in (moving.max(), moving.min()))
+    count = 0
+    for extreme in (moving.max(), moving.min()):
+        edges = np.flatnonzero(np.diff(np.r_[False, moving == extreme, False].astype(int)))
+        runs = edges[1::2] - edges[::2]
+        count += int(np.sum(runs[runs >= shortest]))
+    return count
 
 
 def flat_levels(values: Array, moving: Any, step: float) -> list[tuple[float, NDArray[np.bool_]]]:
@@ -255,18 +259,20 @@ def flat_levels(values: Array, moving: Any, step: float) -> list[tuple[float, ND
     bins = np.rint(values / width)
     ordered = np.sort(bins[moving])
 
-    def about(place: Array, reach: float) -> Array:
-        """The samples in the bins within ``reach`` of ``place``."""
+    def count_near(place: Array, reach: float) -> Array:
+        """How many samples lie in the bins within ``reach`` of ``place``."""
         first = np.searchsorted(ordered, place - reach, "left")
         last = np.searchsorted(ordered, place + reach, "right")
         return np.asarray(last - first, dtype=np.float64)
 
     place, count = np.unique(ordered, return_counts=True)
-    three, flanks = about(place, 1.0), np.maximum(about(place - 3.0, 1.0), about(place + 3.0, 1.0))
+    three, flanks = count_near(place, 1.0), np.maximum(count_near(place - 3.0, 1.0), count_near(place + 3.0, 1.0))
     inner, outer = 1.5 * QUIETER * width / noise, 4.5 * QUIETER * width / noise
     expected = float(ndtr(inner) - ndtr(-inner)) / max(float(ndtr(outer) - ndtr(inner)), 1e-9)
     flat = (three >= FLATTER * expected * (flanks + 1.0)) & (three >= SHARE_OF_FLAT * len(among))
-    flat &= count >= np.maximum(about(place - 1.0, 0.0), about(place + 1.0, 0.0))  # and not beside such a level
+    flat &= count >= np.maximum(
+        count_near(place - 1.0, 0.0), count_near(place + 1.0, 0.0)
+    )  # and not beside such a level
     levels: list[tuple[float, NDArray[np.bool_]]] = []
     for level in place[flat]:
         at = np.zeros(len(values), dtype=bool)
@@ -286,14 +292,9 @@ def _noise(values: Array) -> float:
     turns = np.mean(differences[:, 1:] * differences[:, :-1] < 0.0, axis=1)
     size = np.median(np.abs(differences), axis=1)
     live = size[(size > 0.0) & (turns > 0.5)]
+    # fifth differences of white noise have the variance C(10, 5) times its own; 0.6745 is the median of |z| of a normal one
     gain = 0.6745 * math.sqrt(math.comb(2 * NOISE_ORDER, NOISE_ORDER))
     return float(np.quantile(live, 0.25)) / gain if len(live) >= MIN_NOISY else 0.0
-
-
-def _in_runs(flags: Array, long: float) -> int:
-    edges = np.flatnonzero(np.diff(np.r_[False, flags, False].astype(int)))
-    runs = edges[1::2] - edges[::2]
-    return int(np.sum(runs[runs >= long]))
 
 
 @cached_by_record
@@ -306,13 +307,9 @@ def motion_start(record: Record) -> float:
     moves starts at its end.
     """
     x = record.displacement
-    size = _size(record)
+    lengths = np.abs(legs(record))
+    size = float(np.median(lengths)) if len(lengths) else float(np.ptp(x))
     away = np.flatnonzero(np.abs(x - x[0]) > EXCURSION * size)
     if size == 0 or len(away) == 0:
         return float(record.time[-1])
     return float(record.time[last_at_rest(x, int(away[0]))])
-
-
-def _size(record: Record) -> float:
-    lengths = np.abs(legs(record))
-    return float(np.median(lengths)) if len(lengths) else float(np.ptp(record.displacement))

@@ -61,7 +61,7 @@ class Measured(Shown):
     @property
     def total_harmonic_distortion(self) -> float:
         """The root of the sum of the squares of `harmonics`: of the orders 2 to 7, over the fundamental."""
-        return float(np.sqrt(sum(each**2 for each in self.harmonics.values())))
+        return float(np.sqrt(sum(amplitude**2 for amplitude in self.harmonics.values())))
 
 
 def measure(record: Record) -> Measured:
@@ -162,7 +162,7 @@ def _harmonics(record: Record, spans: list[tuple[int, int]]) -> tuple[float, Arr
         basis, slope, coefficients = _fit(t, x, frequency)
         size = float(np.linalg.norm(slope)) or 1.0
         step = float(_solve(np.column_stack([basis, slope / size]), x)[-1]) / size
-        frequency += step
+        frequency += step  # Gauss-Newton: the last column is the slope of the fitted curve by the frequency
         if abs(step) < 1e-10 * frequency:
             break
     basis, _, coefficients = _fit(t, x, frequency)

@@ -150,7 +150,7 @@ def write(record: Record, path: Path) -> Path:
         raise FileError(
             path, "the campaign's format needs a velocity; derive it with with_velocity, or write .h5 or .csv"
         )
-    if np.max(np.abs(np.diff(record.time) - record.dt)) > 0.01 * record.dt:
+    if not record.evenly_sampled:
         raise FileError(
             path, "the campaign's format has one sampling interval and the record has several; write .h5 or .csv"
         )
