@@ -122,7 +122,7 @@ def run(
     store = Store(what, out)
     waiting = store.missing()
     done = what.size - sum(len(what.lines_of(k, store.shards)) for k in waiting) * len(what.scales)
-    own = executor is None
+    own_pool = executor is None
     pool = ThreadPoolExecutor(os.cpu_count()) if executor is None else executor
     try:
         for shard in completed(pool, what, store.shards, waiting):
@@ -132,7 +132,7 @@ def run(
                 progress(done, what.size)
     finally:
         store.close()
-        if own:
+        if own_pool:
             pool.shutdown(cancel_futures=True)
     dataset = store.dataset()
     warn_of(dataset)

@@ -40,7 +40,7 @@ class EnsembleResult(Shown):
         outside = [attributes["outside"]] if attributes.get("outside") else []
         return worst_first(
             map(finding_of, attributes.get("findings", ())),
-            (Finding("doubt", words) for words in (*doubts(attributes), *outside)),
+            (Finding("doubt", sentence) for sentence in (*doubts(attributes), *outside)),
         )
 
     def to_xarray(self) -> Any:

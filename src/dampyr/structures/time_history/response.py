@@ -253,7 +253,7 @@ class Response(Shown):
     @property
     def findings(self) -> tuple[Finding, ...]:
         """What is wrong or in doubt in the dampers and in the response, the worst first."""
-        return worst_first(self.of_dampers, (Finding("doubt", words) for words in self.doubts))
+        return worst_first(self.of_dampers, (Finding("doubt", sentence) for sentence in self.doubts))
 
     def to_xarray(self) -> Any:
         """The histories and peaks as an ``xarray.Dataset`` with dims time, floor, storey and damper;
