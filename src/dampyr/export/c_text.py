@@ -110,7 +110,7 @@ class Flat(ast.NodeTransformer):
             needed = {ast.unparse(n) for n in ast.walk(later)}
             if any(ast.unparse(earlier) in needed for earlier, _ in pairs[:k]):
                 raise TypeError(f"no C form for: {ast.unparse(node)}")
-        return [ast.Assign([each], expression) for each, expression in pairs]
+        return [ast.Assign([target], expression) for target, expression in pairs]
 
 
 class CWriter:
@@ -138,7 +138,7 @@ class CWriter:
                 lines += [f"{pad}}} else {{", *self.block(node.orelse, depth + 1)]
             return [*lines, f"{pad}}}"]
         if isinstance(node, ast.For) and isinstance(node.target, ast.Name) and isinstance(node.iter, ast.Call):
-            k, (*start, stop) = node.target.id, (self.of(each) for each in node.iter.args)
+            k, (*start, stop) = node.target.id, (self.of(argument) for argument in node.iter.args)
             self.counters.add(k)
             head = f"{pad}for (int {k} = {start[0] if start else 0}; {k} < {stop}; {k}++) {{"
             return [head, *self.block(node.body, depth + 1), f"{pad}}}"]

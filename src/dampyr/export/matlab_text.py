@@ -65,7 +65,7 @@ class MatlabWriter(CWriter):
                 lines += [f"{pad}else", *self.block(node.orelse, depth + 1)]
             return [*lines, f"{pad}end"]
         if isinstance(node, ast.For) and isinstance(node.target, ast.Name) and isinstance(node.iter, ast.Call):
-            *start, stop = (self.of(each) for each in node.iter.args)
+            *start, stop = (self.of(argument) for argument in node.iter.args)
             counter = self.variable(node.target.id)
             return [
                 f"{pad}for {counter} = {start[0] if start else 0}:({stop} - 1)",

@@ -70,9 +70,9 @@ def _band_limited(motion: GroundMotion, dt: float) -> Array:
     return np.asarray(values[: int(np.floor(motion.duration / dt * (1 + SAME))) + 1], dtype=float)
 
 
-def _note(motion: GroundMotion, dt: float, words: str, fate: str) -> str:
+def _note(motion: GroundMotion, dt: float, how: str, fate: str) -> str:
     """What was done, and what was lost; warns where that is much."""
-    note = f"resampled {words} from {motion.dt:g} s to {dt:g} s"
+    note = f"resampled {how} from {motion.dt:g} s to {dt:g} s"
     if dt <= motion.dt * (1 + SAME):
         return note
     share = above(motion, 0.5 / dt)

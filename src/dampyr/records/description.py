@@ -126,9 +126,9 @@ def findings_by_kind(record: Record) -> dict[str, tuple[Severity, list[str]]]:
     doubts = {
         "mark": list(record.marks),
         "label": contradictions[: len(contradictions) - len(energy)],
-        **sampling.by_kind,
+        **sampling.judged(record.thresholds),
         "undeclared smoothing": _undeclared(smoothing),
-        "noise": list(noise.notes),
+        "noise": list(noise.judged(record.thresholds)),
     }
     notes = {"integrated": integrated, "irregular": irregular, "declared smoothing": _declared(record)}
     return {

@@ -20,6 +20,7 @@ from dampyr.findings import Finding, findings_of
 from dampyr.origin import DAY, NOT_STATED, Origin, PublishedData, as_origin
 from dampyr.records.checks.channel_uncertainty import ChannelUncertainty
 from dampyr.records.conditioning.moving_average import MovingAverage
+from dampyr.records.thresholds import USUAL, RecordThresholds
 from dampyr.shown import Shown
 from dampyr.source_file import SourceFile
 from dampyr.units import in_si
@@ -106,6 +107,8 @@ class Record(Shown):
         operator, the date, the data set and dampyr's version.
     source_file
         The name and the SHA-256 of the file that it was read from, or None; reports list them.
+    thresholds
+        From when on what it shows is a finding (:class:`~dampyr.records.thresholds.RecordThresholds`). No file keeps them.
 
     Raises
     ------
@@ -132,6 +135,7 @@ class Record(Shown):
     uncertainty: Mapping[str, ChannelUncertainty] = field(default_factory=dict)
     source_file: SourceFile | None = None
     origin: Origin = NOT_STATED
+    thresholds: RecordThresholds = USUAL
 
     def __post_init__(self) -> None:
         for channel in CHANNELS:

@@ -15,22 +15,15 @@ from dampyr.records.checks.channel_noise import last_at_rest, quantum, rest_tole
 from dampyr.records.cycle_analysis.cycles import cycles, legs
 from dampyr.records.record import CHANNELS, Array, Record
 from dampyr.records.record_cache import cached_by_record
+from dampyr.records.thresholds import USUAL, RecordThresholds
 from dampyr.shown import Shown
 
-GAP = 1.5  # median intervals: halfway to one missing sample
 MAX_PLATEAU = 5  # equal samples: a smooth extreme has fewer
 SPIKE_WINDOW = 5  # samples of the running median: a false value of one or two samples stands out of it
-SPIKE_SHARE = 0.10  # of the channel's range but for a hundredth at either end: smaller ones move no score
 SPIKE_OVER_REST = 5.0  # times what 99 of 100 samples differ from the running median: steep loops are not spikes
 PLATEAU_OF_CYCLE = 0.05  # of a cycle: a sine counted in fine steps stays at its extreme for less
-LEAP_OVER_FASTEST = 5.0  # times the step that 99 of 100 samples stay below: a sine's fastest is 1.6 times its mean
 LEAP_OVER_NEIGHBOURS = 3.0  # times the steps before and after: a motion that is only fast has neighbours as fast
-RUN_AWAY = 1.0  # of the stroke, in the whole record: the table of the published campaign drifts by up to 0.76 of it
-RUN_AWAY_PER_CYCLE = 0.08  # of the stroke: there up to 0.051; what an encoder loses that counts so much less one way
 RUN_AWAY_STRAIGHT = 0.9  # of the variance of the cycles' middles that a straight line holds
-MAX_JITTER = 0.01  # rms, of the interval: beyond it the samples are not even
-MIN_PER_CYCLE = 40  # samples: with fewer a loop has corners
-UNLIKELY_STROKE = 2.0  # m: dampers of buildings and bridges reach 1 m; 2 mm read as m are there
 NOISE_WINDOW = 20  # samples in which a channel's noise is looked at
 MIN_NOISY = 3  # windows in which it has to show
 NOISE_ORDER = 5  # of the differences that hold noise and none of the motion
@@ -86,15 +79,22 @@ class Quality(Shown):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a person should look at, one sentence each; empty when all is well."""
+        """What a person should look at by the usual thresholds, one sentence each; empty when all is well.
+
+        Those of a record by its own thresholds are among ``record.findings``.
+        """
         return tuple(note for notes in self.by_kind.values() for note in notes)
 
     @property
     def by_kind(self) -> dict[str, list[str]]:
         """The notes by their kind, all of which are named."""
+        return self.judged(USUAL)
+
+    def judged(self, thresholds: RecordThresholds) -> dict[str, list[str]]:
+        """The notes by their kind, by other thresholds than the usual ones."""
         return {
             "gap": [f"gap of {length:.4g} s at {at:.4g} s" for at, length in self.gaps],
-            "jitter": [f"sampling jitter of {100 * self.jitter:.2g} % rms"] if self.jitter > MAX_JITTER else [],
+            "jitter": [f"sampling jitter of {100 * self.jitter:.2g} % rms"] if self.jitter > thresholds.jitter else [],
             "saturated": [
                 f"{channel} may be saturated: {count} samples stand at its extreme"
                 for channel, count in self.saturated.items()
@@ -120,10 +120,10 @@ class Quality(Shown):
                 f"the displacement covers {self.stroke:.4g} m: is its unit right? Give it in m, or name the "
                 "unit (--unit, units=)"
             ]
-            if self.stroke > UNLIKELY_STROKE
+            if self.stroke > thresholds.unlikely_stroke
             else [],
             "coarse": [f"only {self.per_cycle:.0f} samples per cycle"]
-            if self.per_cycle is not None and self.per_cycle < MIN_PER_CYCLE
+            if self.per_cycle is not None and self.per_cycle < thresholds.samples_per_cycle
             else [],
         }
 
@@ -136,8 +136,8 @@ def quality(record: Record) -> Quality:
     """Report gaps, jitter, saturation and quantisation of a record."""
     steps = np.diff(record.time)
     dt = record.dt
-    gaps = np.flatnonzero(steps > GAP * dt)
-    even = steps[steps <= GAP * dt]
+    gaps = np.flatnonzero(steps > record.thresholds.gap * dt)
+    even = steps[steps <= record.thresholds.gap * dt]
     spans = cycles(record)
     per_cycle = float(np.mean([i1 - i0 for i0, i1 in spans])) if spans else None
     channels = {name: getattr(record, name) for name in CHANNELS if name != "time"}
@@ -157,7 +157,7 @@ def quality(record: Record) -> Quality:
         spikes={
             name: tuple(map(float, record.time[at]))
             for name in ("displacement", "force")
-            if len(at := spikes(getattr(record, name)))
+            if len(at := spikes(getattr(record, name), record.thresholds.false_sample))
         },
         leaps=tuple(map(float, record.time[leaps(record)])),
         run_away=_run_away(record, spans),
@@ -165,14 +165,15 @@ def quality(record: Record) -> Quality:
     )
 
 
-def spikes(values: Array) -> NDArray[np.int64]:
-    """The samples of a channel that leap away from their neighbours and back, as their numbers."""
+def spikes(values: Array, share: float = USUAL.false_sample) -> NDArray[np.int64]:
+    """The samples of a channel that leap away from their neighbours and back by more than ``share`` of its range, as their
+    numbers."""
     from scipy.ndimage import maximum_filter, median_filter
 
     apart = np.abs(values - median_filter(values, SPIKE_WINDOW, mode="nearest"))
     low, high = np.quantile(values, (0.01, 0.99))
     usual = float(np.quantile(apart, 0.99))
-    limit = max(SPIKE_SHARE * (high - low), SPIKE_OVER_REST * usual, 3.0 * (quantum(values) or 0.0))
+    limit = max(share * (high - low), SPIKE_OVER_REST * usual, 3.0 * (quantum(values) or 0.0))
     if limit <= 0.0:
         return np.empty(0, dtype=np.int64)
     # Beside a spike the running median is off too, but by less than the spike itself.
@@ -183,10 +184,10 @@ def spikes(values: Array) -> NDArray[np.int64]:
 def leaps(record: Record) -> NDArray[np.int64]:
     """The samples at which the displacement is suddenly at another place, and stays there, as their numbers."""
     steps = np.abs(np.diff(record.displacement))
-    steps[np.diff(record.time) > GAP * record.dt] = 0.0  # across a gap it had the time to move
+    steps[np.diff(record.time) > record.thresholds.gap * record.dt] = 0.0  # across a gap it had the time to move
     if len(steps) < 4:
         return np.empty(0, dtype=np.int64)
-    limit = max(LEAP_OVER_FASTEST * float(np.quantile(steps, 0.99)), 3.0 * (quantum(record.displacement) or 0.0))
+    limit = max(record.thresholds.leap * float(np.quantile(steps, 0.99)), 3.0 * (quantum(record.displacement) or 0.0))
     padded = np.r_[0.0, steps, 0.0]
     around = np.maximum(padded[:-2], padded[2:])  # a spike leaps back at once: its two steps are alike
     alone = (steps > limit) & (steps > LEAP_OVER_NEIGHBOURS * around)
@@ -204,7 +205,7 @@ def _run_away(record: Record, spans: list[tuple[int, int]]) -> float:
     line = float(number @ middles / (number @ number)) * number  # least squares
     rest = middles - middles.mean() - line
     moved = float(line[-1] - line[0]) * len(middles) / (len(middles) - 1)  # from the first begin to the last end
-    far = abs(moved) > stroke * min(RUN_AWAY, RUN_AWAY_PER_CYCLE * len(middles))
+    far = abs(moved) > stroke * min(record.thresholds.run_away, record.thresholds.run_away_per_cycle * len(middles))
     straight = float(rest @ rest) <= (1.0 - RUN_AWAY_STRAIGHT) * float(np.sum((middles - middles.mean()) ** 2))
     return moved if straight and far else 0.0  # a table that wanders to and fro is no run-away
 

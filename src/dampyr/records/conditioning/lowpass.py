@@ -22,10 +22,10 @@ from dampyr.records.conditioning.velocity import PER_TEST_FREQUENCY, WITHOUT_CYC
 from dampyr.records.cycle_analysis.cycles import Cut, cut_cycles, turning_points
 from dampyr.records.cycle_analysis.measure import fundamental
 from dampyr.records.record import MIN_SAMPLES, Array, Record
+from dampyr.records.thresholds import USUAL, RecordThresholds
 from dampyr.shown import Shown
 
 PROVENANCE = "displacement_lowpass_hz"
-UNCERTAIN = 0.01  # of the samples: encoders and their last count give half of it on sines
 WHITE = 0.6745 * math.sqrt(20.0)  # the median absolute third difference of white noise over its standard deviation
 ABOVE_NOISE = 10.0  # times the noise's power: there the motion stands out
 PASSED = 3.0  # times the highest frequency that stands out: there the low-pass takes less than 1 %
@@ -51,12 +51,16 @@ class DisplacementNoise(Shown):
     @property
     def hides_direction(self) -> bool:
         """Whether the direction of motion is uncertain in more than 1 % of the samples."""
-        return self.backward > UNCERTAIN
+        return self.backward > USUAL.uncertain_direction
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a person should look at, with the repair; empty where the direction of motion is clear."""
-        if not self.hides_direction:
+        """What a person should look at by the usual thresholds, with the repair; empty where the direction is clear."""
+        return self.judged(USUAL)
+
+    def judged(self, thresholds: RecordThresholds) -> tuple[str, ...]:
+        """The `notes` by other thresholds."""
+        if self.backward <= thresholds.uncertain_direction:
             return ()
         return (
             f"displacement noise of {1e6 * self.rms:.2g} um rms turns the direction of motion in {100 * self.backward:.2g} % "

@@ -29,15 +29,14 @@ from dampyr.records.conditioning.moving_average import AVERAGED, UNITS
 from dampyr.records.cycle_analysis.cycles import RUN_IN_TO, cut_cycles
 from dampyr.records.cycle_analysis.measure import fundamental
 from dampyr.records.record import Array, Record
+from dampyr.records.thresholds import RecordThresholds
 
 Bools = NDArray[np.bool_]
 SHORTEST = 4  # samples: shorter windows have no whole lobe between two zeros below half the sampling rate
 LOBES = (3, 12)  # how many zeros are looked at: rounding hides all but the first ones, or does not
 NEAR, MIDDLE = 0.12, 0.2  # how far from a zero and from the middle of a lobe, in lobes
-CONTRAST = 8.0  # dB: half of what a moving average shows there without leakage
 EASED = 0.5  # of what is needed, for a window that another channel of the record shows clearly
 IN_LOBES = 0.7  # of the zeros must each lie below their sides by half of that: every second one is not enough
-SURE = 6.0  # standard errors: of a hundred windows tried in a thousand channels none comes so far by chance
 SCATTER = 5.57  # dB, the standard deviation of the logarithm of a periodogram of noise
 OF_MEDIANS = 1.5  # the variance of a median over that of a mean, of logarithms of noise
 LEAKED = 1.5  # lines that share their noise under a Hann window
@@ -83,13 +82,13 @@ def recognise_smoothing(record: Record, steps: Mapping[str, float] | None = None
         return ()
     stated = record.smoothed.channels if record.smoothed is not None else ()
     channels = {c: getattr(record, c)[part] for c in AVERAGED if c not in stated and getattr(record, c) is not None}
-    windows = {c: _by_zeros(values, period) for c, values in channels.items()}
+    windows = {c: _by_zeros(values, period, record.thresholds) for c, values in channels.items()}
     clear = [window[0] for window in windows.values() if window is not None]
     recognised = []
     for channel, values in channels.items():
         window = windows[channel]
         if window is None and clear:  # what is clear in another channel needs less to be believed in this one
-            window = _by_zeros(values, period, range(min(clear) - 1, max(clear) + 2), EASED)
+            window = _by_zeros(values, period, record.thresholds, range(min(clear) - 1, max(clear) + 2), EASED)
         step = (steps or {}).get(channel)
         on_grid = None if step is None else _by_grid(values, step, period)
         if window is None and on_grid is None:
@@ -161,7 +160,7 @@ def _last_window(n: int, period: float | None) -> int:
 
 
 def _by_zeros(
-    values: Array, period: float | None, tried: range | None = None, part: float = 1.0
+    values: Array, period: float | None, limits: RecordThresholds, tried: range | None = None, part: float = 1.0
 ) -> tuple[int, float, float] | None:
     """The window, its contrast in dB and that in standard errors; None where none stands out.
 
@@ -178,10 +177,10 @@ def _by_zeros(
     if lag is not None:
         seen &= np.abs(np.sin(np.pi * frequency * lag)) > SEEN
     level, at = 10.0 * np.log10(power[seen]), frequency[seen]
-    passed = _passed(level, at, tried or _spaced(_last_window(bent.size, period)), part)
+    passed = _passed(level, at, tried or _spaced(_last_window(bent.size, period)), limits, part)
     if tried is None:
         close = {k + away for k in passed for away in range(-round(COARSE * k) - 1, round(COARSE * k) + 2)}
-        passed |= _passed(level, at, sorted(k for k in close if k >= SHORTEST and k not in passed), part)
+        passed |= _passed(level, at, sorted(k for k in close if k >= SHORTEST and k not in passed), limits, part)
     if not passed:
         return None
     best = max(contrast for contrast, _ in passed.values())
@@ -199,19 +198,27 @@ def _spaced(last: int) -> list[int]:
     return [k for k in windows if k <= last]
 
 
-def _passed(level: Array, at: Array, windows: Iterable[int], part: float) -> dict[int, tuple[float, float]]:
+def _passed(
+    level: Array, at: Array, windows: Iterable[int], limits: RecordThresholds, part: float
+) -> dict[int, tuple[float, float]]:
     """The windows that stand out, each with its contrast in dB and in standard errors."""
     passed = {}
     for samples in windows:
-        contrasts = [_contrast(level, at, samples, lobes, part) for lobes in LOBES]
-        sure = [(contrast, sigmas) for contrast, sigmas in contrasts if sigmas >= part * SURE]
+        half_depth = 0.5 * limits.smoothing_contrast
+        contrasts = [
+            _contrast(level, at, samples, lobes, part * limits.smoothing_contrast, half_depth) for lobes in LOBES
+        ]
+        sure = [(contrast, sigmas) for contrast, sigmas in contrasts if sigmas >= part * limits.smoothing_sigmas]
         if sure:
             passed[samples] = max(sure)
     return passed
 
 
-def _contrast(level: Array, frequency: Array, samples: int, lobes: int, part: float) -> tuple[float, float]:
-    """Of a window the contrast in dB, and how many standard errors of noise it is; nothing below ``part`` of the least one."""
+def _contrast(
+    level: Array, frequency: Array, samples: int, lobes: int, least: float, depth: float
+) -> tuple[float, float]:
+    """Of a window the contrast in dB, and how many standard errors of noise it is; nothing below ``least`` dB, or where most
+    zeros are less than ``depth`` dB deep."""
     zeros = min(lobes, int(samples / 2 - 0.7))  # with the middle of the lobe beyond
     stop = int(np.searchsorted(frequency, (zeros + 0.5 + MIDDLE) / samples))
     phase, level = frequency[:stop] * samples, level[:stop]
@@ -222,19 +229,19 @@ def _contrast(level: Array, frequency: Array, samples: int, lobes: int, part: fl
     if few < 4 or many < 4:
         return -math.inf, 0.0
     contrast = float(np.median(level[between]) - np.median(level[at_zero]))
-    if contrast < part * CONTRAST or not _in_each_lobe(phase, level, at_zero, between, zeros):
+    if contrast < least or not _in_each_lobe(phase, level, at_zero, between, zeros, depth):
         return -math.inf, 0.0
     return contrast, contrast / (SCATTER * math.sqrt(OF_MEDIANS * LEAKED * (1.0 / few + 1.0 / many)))
 
 
-def _in_each_lobe(phase: Array, level: Array, at_zero: Bools, between: Bools, zeros: int) -> bool:
-    """Whether most zeros lie below the lobes on both sides: not one slope, and not every second zero."""
+def _in_each_lobe(phase: Array, level: Array, at_zero: Bools, between: Bools, zeros: int, depth: float) -> bool:
+    """Whether most zeros lie ``depth`` dB below the lobes on both sides: not one slope, and not every second zero."""
     deep = 0
     for k in range(1, zeros + 1):
         at_this_zero = level[at_zero & (np.abs(phase - k) < 0.5)]
         sides = [level[between & (np.abs(phase - middle) < 0.5)] for middle in (k - 0.5, k + 0.5)]
         if at_this_zero.size and all(side.size for side in sides):
-            deep += min(float(np.median(side)) for side in sides) - float(np.median(at_this_zero)) > 0.5 * CONTRAST
+            deep += min(float(np.median(side)) for side in sides) - float(np.median(at_this_zero)) > depth
     return deep >= IN_LOBES * zeros
 
 

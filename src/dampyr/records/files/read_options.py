@@ -16,12 +16,15 @@ from dampyr.records.conditioning.lowpass import as_lowpass
 from dampyr.records.conditioning.moving_average import Declaration
 from dampyr.records.conditioning.nominal_input import agrees
 from dampyr.records.record import CHANNELS, GROUPS, as_group
+from dampyr.records.thresholds import RecordThresholds
 from dampyr.units import Quantity
 
 
 @dataclass(frozen=True)
 class ReadOptions(Options):
     """Options of `read` and `read_campaign`; ``cut``, which makes several records of one, is of `read_campaign` alone.
+
+    ``thresholds`` say from when on what a record shows is a finding; they are an argument of the call alone.
 
     ``smoothed`` is kept as a `dampyr.records.Declaration`, ``lowpass`` in Hz or as a text such as ``"15 f"``.
     """
@@ -90,6 +93,8 @@ class ReadOptions(Options):
         "Cut every record into pieces of this duration, such as 5s, or at the rests between events",
     ] = None
 
+    thresholds: RecordThresholds | None = None
+
     def __post_init__(self) -> None:
         for name in GROUPS:
             object.__setattr__(self, name, as_group(name, getattr(self, name)))
@@ -115,6 +120,8 @@ class ReadOptions(Options):
             )
         if self.cut is not None:
             check_cut(self.cut)
+        if self.thresholds is not None and not isinstance(self.thresholds, RecordThresholds):
+            raise InputError(f"thresholds = {self.thresholds!r} are not allowed; give RecordThresholds(...)")
 
     def refuse(self, path: str | Path, **reasons: str) -> None:
         """Raise :class:`FileError` where an option is set that a format cannot use: ``variable="a text has none"``."""

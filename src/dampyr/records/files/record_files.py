@@ -119,11 +119,13 @@ def _merged(metadata: FolderReading, path: Path, options: ReadOptions) -> ReadOp
     stated = {name: value for name, value in options.as_keywords().items() if value is not None}
     of_folder = metadata.options_of(path, has_input="voltage" in stated or "current" in stated)
     tables = {name: {**of_folder.get(name, {}), **stated[name]} for name in TABLES}
-    return ReadOptions(**{**of_folder, **stated, **tables})
+    return ReadOptions(**{**of_folder, **stated, **tables}, thresholds=options.thresholds)
 
 
 def _with_request(record: Record, request: ReadOptions, metadata: FolderReading, path: Path) -> Record:
     """The record with all that is stated of it: sign of the force, moving average, low-pass, session, specimen, role."""
+    if request.thresholds is not None:
+        record = replace(record, thresholds=request.thresholds)
     if request.force_sign == -1:
         record = record.replace(note="force turned, as its sign was declared", force=-record.force)
     if request.smoothed is not None:
