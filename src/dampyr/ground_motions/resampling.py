@@ -49,8 +49,8 @@ def resampled(motion: GroundMotion, dt: float, how: How | None = None) -> Ground
     if how == "band-limited":
         return motion.changed(_band_limited(motion, dt), _note(motion, dt, "band-limited", "taken out"), dt)
     step = motion.dt / parts if whole else dt
-    words = "exactly" if whole else "linearly"
-    return motion.changed(_linear(motion, step), _note(motion, step, words, "folded into lower ones"), step)
+    exactness = "exactly" if whole else "linearly"
+    return motion.changed(_linear(motion, step), _note(motion, step, exactness, "folded into lower ones"), step)
 
 
 def _linear(motion: GroundMotion, dt: float) -> Array:

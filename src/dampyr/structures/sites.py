@@ -74,17 +74,21 @@ def make_sites(
     ``voltage`` [V] or ``current`` [A] is one number or law for all or a mapping from place to these. The static
     force of a damper is left out: a building is at rest in its equilibrium with it.
     """
-    if voltage is not None and current is not None:
-        raise InputError("both voltage= and current= are given; a damper takes one of the two")
-    dampers = placement(dampers)
+    input_of(voltage, current)
     voltage, current = _by_place(building, voltage), _by_place(building, current)
-    sites = []
-    for key, entry in dampers.items():
-        place = building.resolve_place(key)
-        for damper in entry if isinstance(entry, list | tuple) else (entry,):
-            sites.append(_site(place, damper, voltage, current, allow_extrapolation))
+    sites = [
+        _site(building.resolve_place(key), damper, voltage, current, allow_extrapolation)
+        for key, damper in places_and_dampers(placement(dampers))
+    ]
     _check_places(voltage if current is None else current, sites)
     return tuple(sites)
+
+
+def input_of(voltage: Any, current: Any) -> tuple[str, Any]:
+    """The name of the argument that has the input of the dampers, and that input; only one of the two may be given."""
+    if voltage is not None and current is not None:
+        raise InputError("both voltage= and current= are given; a damper takes one of the two")
+    return ("voltage", voltage) if current is None else ("current", current)
 
 
 def placement(dampers: Any) -> Mapping[Any, Any]:

@@ -16,10 +16,9 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.errors import InputError
 from dampyr.models.numerics.differentiation import carried
 from dampyr.records.conditioning.velocity import PER_TEST_FREQUENCY, WITHOUT_CYCLES, differentiate
-from dampyr.records.cycle_analysis.cycles import Cut, CutCycle, cut_cycles
+from dampyr.records.cycle_analysis.cycles import Cut, CutCycle, cut_cycles, no_cycle
 from dampyr.records.record import Array, Record
 
 WINDOW = 0.95  # of the peak velocity
@@ -72,10 +71,7 @@ def cycle_table(record: Record, offset: float | None = None) -> list[Cycle]:
     """
     cut = cut_cycles(record)
     if not cut.cycles:
-        raise InputError(
-            f"{record.name}: no whole cycle in {record.duration:g} s, and a table of cycles needs one; "
-            "give a record with at least three turning points"
-        )
+        raise no_cycle(record, "a table of cycles")
     mean = _mean_force(record, [cycle for cycle in cut.cycles if cycle.level] or cut.cycles)
     zero = mean if offset is None else offset
     table: list[Cycle] = []

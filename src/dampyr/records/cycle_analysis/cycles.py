@@ -532,11 +532,16 @@ def require_cycles(record: Record, purpose: str) -> list[tuple[int, int]]:
     """The whole cycles, or an :class:`InputError` that says what needs them."""
     spans = cycles(record)
     if not spans:
-        raise InputError(
-            f"{record.name}: no whole cycle in {record.duration:g} s, and {purpose} needs one; "
-            "give a record with at least three turning points"
-        )
+        raise no_cycle(record, purpose)
     return spans
+
+
+def no_cycle(record: Record, purpose: str) -> InputError:
+    """The error of a record without a whole cycle, for what needs one."""
+    return InputError(
+        f"{record.name}: no whole cycle in {record.duration:g} s, and {purpose} needs one; "
+        "give a record with at least three turning points"
+    )
 
 
 def mean_over_time(values: Array, record: Record, i0: int, i1: int) -> float:

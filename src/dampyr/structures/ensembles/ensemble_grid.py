@@ -25,7 +25,15 @@ from dampyr.structures.batch.gpu import missing
 from dampyr.structures.building import Building, Condensed
 from dampyr.structures.building_options import EnsembleOptions
 from dampyr.structures.control_laws import gains, is_control_law, parts, spelled
-from dampyr.structures.sites import Site, drawn_placements, installed, make_sites, placement, places_and_dampers
+from dampyr.structures.sites import (
+    Site,
+    drawn_placements,
+    input_of,
+    installed,
+    make_sites,
+    placement,
+    places_and_dampers,
+)
 from dampyr.units import in_si
 
 Array = NDArray[np.float64]
@@ -157,10 +165,7 @@ def cases(
     Raises :class:`~dampyr.errors.InputError` for what is wrong with them.
     """
     chosen = EnsembleOptions.of("ensemble", options, keywords)
-    if voltage is not None and current is not None:
-        raise InputError("both voltage= and current= are given; a damper takes one of the two")
-    kind = "voltage" if current is None else "current"
-    inputs = voltage if current is None else current
+    kind, inputs = input_of(voltage, current)
     placements = [placement(entry) for entry in _list(dampers)]
     if (draws := chosen.draws) is not None:
         drawn = (drawn_placements(placed, draws, chosen.seed) if placed else [placed] for placed in placements)

@@ -33,7 +33,7 @@ from dampyr.origin import NOT_STATED, Origin
 from dampyr.shown import Shown
 from dampyr.structures.ensembles.lognormal import Lognormal, by_capacity, fit_binomial, no_curve
 from dampyr.structures.ensembles.peak_limits import UNITS
-from dampyr.structures.ensembles.store import dataset_of
+from dampyr.structures.ensembles.store import dataset_of, origin_of
 from dampyr.structures.time_history.peaks import INTENSITIES, PeakGroup, groups
 
 Array = NDArray[np.float64]
@@ -242,7 +242,7 @@ def fragility(
         INTENSITIES.get(named, ""),
         motions,
         seed,
-        Origin.from_json(dataset.attrs.get("damper_origin", NOT_STATED.kind)),
+        origin_of(dataset),
     )
 
 
@@ -278,9 +278,8 @@ def capacities(group: PeakGroup, limit: float) -> Capacities:
     """First exceedances, by rising intensity: between the last scale that held and the first that exceeded the peak is taken
     as linear; where the latter grew without bound, their geometric mean is taken. Later returns below the limit do not count.
     """
-    order = np.argsort(group.intensity, axis=1, kind="stable")
-    x = np.take_along_axis(group.intensity, order, axis=1)[None]
-    peaks = np.take_along_axis(group.peaks, np.broadcast_to(order, group.peaks.shape), axis=2)
+    intensity, peaks = group.by_rising_intensity()
+    x = intensity[None]
     exceeds = np.isnan(peaks) | (peaks > limit)
     first = np.argmax(exceeds, axis=2)
     ever = exceeds.any(axis=2)

@@ -21,7 +21,7 @@ from dampyr.errors import InputError
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.shown import Shown
 from dampyr.structures.ensembles.peak_limits import UNITS
-from dampyr.structures.ensembles.store import dataset_of
+from dampyr.structures.ensembles.store import dataset_of, origin_of
 from dampyr.structures.time_history.peaks import INTENSITIES, PeakGroup, groups
 
 Array = NDArray[np.float64]
@@ -124,14 +124,12 @@ def incremental(
         named,
         INTENSITIES.get(named, ""),
         requested,
-        Origin.from_json(dataset.attrs.get("damper_origin", NOT_STATED.kind)),
+        origin_of(dataset),
     )
 
 
 def _sweep(group: PeakGroup, fractions: tuple[float, ...]) -> IncrementalCurves:
-    order = np.argsort(group.intensity, axis=1, kind="stable")
-    x = np.take_along_axis(group.intensity, order, axis=1)
-    peaks = np.take_along_axis(group.peaks, np.broadcast_to(order, group.peaks.shape), axis=2)
+    x, peaks = group.by_rising_intensity()
     intensity = np.broadcast_to(x, peaks.shape).reshape(-1, x.shape[1])
     peaks = peaks.reshape(intensity.shape)
     if np.all(x == x[:1]):

@@ -16,7 +16,7 @@ from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
 from dampyr.findings import Finding
 from dampyr.ground_motions import GroundMotion, sa
-from dampyr.origin import NOT_STATED, combined
+from dampyr.origin import NOT_STATED, Origin, combined
 from dampyr.records.files.self_contained import check_contained
 from dampyr.structures.control_laws import describe_law, is_control_law
 from dampyr.structures.ensembles.ensemble_accuracy import outside_sentence
@@ -358,6 +358,11 @@ def made_with(file: Any, labels: Labels) -> tuple[str, int, int, float, list[Fin
 def dataset_of(result: Any) -> Any:
     """The dataset of the result of an ensemble; a dataset is one already."""
     return getattr(result, "dataset", result)
+
+
+def origin_of(dataset: Any) -> Origin:
+    """The origin of the dampers of an ensemble, not stated in files of before it was written."""
+    return Origin.from_json(dataset.attrs.get("damper_origin", NOT_STATED.kind))
 
 
 def finding_of(text: str) -> Finding:

@@ -29,6 +29,12 @@ class PeakGroup:
     peaks: Array
     intensity: Array  # (motion, scale)
 
+    def by_rising_intensity(self) -> tuple[Array, Array]:
+        """The intensities (motion, scale) and the peaks, the scales of every motion in the order of its intensity."""
+        order = np.argsort(self.intensity, axis=1, kind="stable")
+        peaks = np.take_along_axis(self.peaks, np.broadcast_to(order, self.peaks.shape), axis=2)
+        return np.take_along_axis(self.intensity, order, axis=1), peaks
+
 
 def groups(
     dataset: Any,

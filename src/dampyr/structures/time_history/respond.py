@@ -34,6 +34,7 @@ from dampyr.structures.sites import (
     describe_place,
     drawn_placements,
     drifts,
+    input_of,
     installed,
     laws_of,
     make_sites,
@@ -174,9 +175,7 @@ def respond(
         Argument("motion", motion, (GroundMotion,), MOTION),
     )
     chosen = RespondOptions.of("respond", options, keywords)
-    if voltage is not None and current is not None:
-        raise InputError("both voltage= and current= are given; a damper takes one of the two")
-    kind, inputs = ("voltage", voltage) if current is None else ("current", current)
+    kind, inputs = input_of(voltage, current)
     if isinstance(inputs, list | tuple):
         return _responses(
             building, motion, placement(dampers), kind, inputs, chosen, progress or (lambda stage, done: None)
