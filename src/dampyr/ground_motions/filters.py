@@ -67,6 +67,7 @@ def filtered(
         )
     if int(order) != order or not 1 <= order <= 10:
         raise InputError(f"order = {order!r} is not allowed; it must be a whole number from 1 to 10")
+    # half of the 1.5 * order / corner seconds at each end
     pad = math.ceil(0.75 * order / corners[0] / motion.dt)
     values = _forward_and_backward(np.pad(motion.acceleration, pad), low, high, int(order), 2 * nyquist)
     samples = values if keep_pads else values[pad : pad + motion.n]

@@ -83,6 +83,7 @@ def kanai_tajimi(
     slowest = min(_decay_rate(soil.omega_g, soil.zeta_g), _decay_rate(soil.omega_f, soil.zeta_f))
     tail = math.ceil(-math.log(DECAYED) / slowest / dt)
     density = 1.0 if intensity is None else intensity
+    # band-limited white noise of two-sided density S0 has the variance 2 pi S0 / dt
     noise = _generator(seed).standard_normal(n) * math.sqrt(2 * math.pi * density / dt)
     shaking: Array = noise * envelope(np.arange(n, dtype=np.float64) * dt, duration)
     acceleration = _through_soil(shaking, soil, dt, tail)

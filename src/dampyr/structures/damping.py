@@ -55,14 +55,14 @@ def modal(M: ArrayLike, K: ArrayLike, damping_ratio: float | Sequence[float]) ->
     ratios = _ratios(damping_ratio, len(square), "one, or one per mode")
     shapes = np.asarray(M, dtype=float) @ modes
     c = shapes @ np.diag(2 * ratios * np.sqrt(square)) @ shapes.T
-    return 0.5 * (c + c.T)
+    return 0.5 * (c + c.T)  # a building refuses a C that rounding made unsymmetric
 
 
 def _modes(M: ArrayLike, K: ArrayLike) -> tuple[Array, Array]:
     from scipy.linalg import eigh
 
     square, modes = eigh(np.asarray(K, dtype=float), np.asarray(M, dtype=float))
-    return np.maximum(square, 0.0), modes
+    return np.maximum(square, 0.0), modes  # a mode without stiffness comes out a rounding below 0
 
 
 def _ratios(values: float | Sequence[float], count: int, wanted: str) -> Array:

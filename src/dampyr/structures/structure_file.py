@@ -39,7 +39,7 @@ from dampyr.units import Quantity, parse, to_si
 Array = NDArray[np.float64]
 
 Mass, Stiffness, Dashpot = Quantity("kg"), Quantity("N/m"), Quantity("N s/m")
-Ratio = Annotated[tuple[float, ...], "of critical: one for all modes of the method, or one for each"]
+Ratio = Annotated[tuple[float, ...], "ratio to critical damping: one for all modes of the method, or one for each"]
 Method = Annotated[str, Choices(("rayleigh", "modal")), "how the damping matrix follows from the ratios"]
 
 
@@ -47,9 +47,9 @@ Method = Annotated[str, Choices(("rayleigh", "modal")), "how the damping matrix 
 class Storeys:
     """A structure of storeys, from the ground up: see `dampyr.structures.shear_building`."""
 
-    masses: Annotated[tuple[float, ...], Mass, "of each floor"]
-    stiffnesses: Annotated[tuple[float, ...], Stiffness, "of each storey"]
-    dashpots: Annotated[tuple[float, ...], Dashpot, "of each storey"] = ()
+    masses: Annotated[tuple[float, ...], Mass, "mass of each floor"]
+    stiffnesses: Annotated[tuple[float, ...], Stiffness, "stiffness of each storey"]
+    dashpots: Annotated[tuple[float, ...], Dashpot, "dashpot of each storey"] = ()
     damping_ratio: Ratio = ()
     method: Method = "rayleigh"
     modes: Annotated[tuple[int, ...], 'the two modes of "rayleigh"'] = (1, 2)

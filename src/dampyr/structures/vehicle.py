@@ -117,6 +117,7 @@ def road(height: ArrayLike, spacing: float, speed: float, name: str = "road") ->
         if not np.isfinite(value) or value <= 0:
             raise InputError(f"{key} = {value!r} is not allowed; it must be greater than 0")
     dt = spacing / speed
+    # level at its start, as the car comes from a level road; without bending at its end, of which nothing is known
     spline = CubicSpline(dt * np.arange(len(y)), y, bc_type=((1, 0.0), (2, 0.0)))
     return GroundMotion(spline(spline.x, 2), dt, name, f"road profile at {speed:g} m/s", ("a road",))
 

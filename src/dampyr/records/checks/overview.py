@@ -72,7 +72,7 @@ def repeats(record: Record) -> bool:
 
 def work(record: Record) -> float:
     """What the force about its mean dissipates over the whole record, J."""
-    force = record.force - np.mean(record.force)
+    force = record.force - np.mean(record.force)  # else gas force times the net way would count as dissipated
     return float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(record.displacement)))
 
 

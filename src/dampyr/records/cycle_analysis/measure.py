@@ -158,7 +158,7 @@ def _harmonics(record: Record, spans: list[tuple[int, int]]) -> tuple[float, Arr
     middle = 0.5 * (record.time[part.start] + record.time[part.stop - 1])
     t, x = record.time[part] - middle, record.displacement[part]
     frequency = len(spans) / float(t[-1] - t[0])
-    for _ in range(8 if len(spans) > 1 else 0):
+    for _ in range(8 if len(spans) > 1 else 0):  # converges in two or three
         basis, slope, coefficients = _fit(t, x, frequency)
         size = float(np.linalg.norm(slope)) or 1.0
         step = float(_solve(np.column_stack([basis, slope / size]), x)[-1]) / size
@@ -168,7 +168,7 @@ def _harmonics(record: Record, spans: list[tuple[int, int]]) -> tuple[float, Arr
     basis, _, coefficients = _fit(t, x, frequency)
     amplitudes = np.hypot(coefficients[3 : 3 + ORDERS], coefficients[3 + ORDERS :])
     left = float(np.sqrt(np.mean((x - basis @ coefficients) ** 2)))
-    return frequency, amplitudes, left / float(amplitudes[0] / np.sqrt(2.0))
+    return frequency, amplitudes, left / float(amplitudes[0] / np.sqrt(2.0))  # both rms
 
 
 def _solve(basis: Array, x: Array) -> Array:

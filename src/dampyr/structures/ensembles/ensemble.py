@@ -93,9 +93,13 @@ def ensemble(
     ``truncation_error_force`` are how far displacements and drifts, accelerations and forces of the judged cases lie from those
     with half as many coordinates.
 
-    Raises :class:`~dampyr.errors.InputError` for a wrong argument before anything runs. Warns
-    (:class:`~dampyr.errors.DampyrWarning`) of an error above the bound of the accuracy, and of dampers with a part that is not
-    for buildings.
+    Warns (:class:`~dampyr.errors.DampyrWarning`) of an error above the bound of the accuracy, and of dampers with a part that
+    is not for buildings.
+
+    Raises
+    ------
+    InputError
+        An argument is wrong; before anything runs.
 
     Examples
     --------

@@ -197,18 +197,33 @@ def fragility(
 
     Parameters
     ----------
-    dataset : what `ensemble` or `read_ensemble` gave, or its dataset.
-    quantity, limit : of the dataset, in SI; ``drift`` in m, or a ratio where ``height`` is given.
-    intensity : "pga" [m/s2]; "sa" [m/s2], the pseudo-acceleration at the building's first period and 5 % damping; "scale"; or
-        (motions,) your own measure of each unscaled motion, in proportion to its scale.
-    storey : "worst", or a number counted from 1 (of the floor, of the damper, for other quantities than drift).
-    height : of the storeys [m], one number or one for each.
-    by : what has a curve each, of building, damper, input. Along the others cases are pooled, such as draws of a damper; a
-        bare building always has its own curve, "no damper".
-    draws, seed : of the bootstrap; 0 draws leave the bands out.
+    dataset
+        What `ensemble` or `read_ensemble` gave, or its dataset.
+    quantity, limit
+        Which peaks, and their limit in SI, greater than 0; ``drift`` in m, or a ratio where ``height`` is given.
+    intensity
+        "pga", m/s2; "sa", m/s2, the pseudo-acceleration at the building's first period and 5 % damping; "scale"; or
+        ``(motions,)`` a measure of each unscaled motion, in proportion to its scale.
+    storey
+        "worst", or a number counted from 1 (of the floor, of the damper, for other quantities than drift).
+    height
+        Of the storeys, m, one number or one for each.
+    by
+        The dims whose entries have curves of their own, of building, damper, input. Along the others cases are pooled, such as
+        draws of a damper; a bare building always has its own curve, "no damper".
+    draws, seed
+        Of the bootstrap; 0 draws leave the bands out.
 
-    Where the cases do not tell a curve (none exceeds, all do, or they separate), its theta and beta are NaN and its
-    ``reason`` says why. Raises :class:`~dampyr.errors.InputError` for wrong arguments.
+    Returns
+    -------
+    Fragility
+        A curve for each group. Where the cases do not tell a curve (none exceeds, all do, or they separate), its theta and
+        beta are NaN and its ``reason`` says why.
+
+    Raises
+    ------
+    InputError
+        An argument is wrong.
 
     Examples
     --------

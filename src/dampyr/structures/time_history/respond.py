@@ -154,9 +154,13 @@ def respond(
     one to the other. Under control laws two halvings must agree, and a run too in which every decision that hangs on the step
     is taken the other way. ``error_estimates`` has the changes of the other quantities, which may be larger.
 
-    Raises :class:`~dampyr.errors.InputError` for a wrong argument and warns (:class:`~dampyr.errors.DampyrWarning`) where the
-    accuracy was not reached, where a damper, on the whole, fed the building, and where one has a part that is not for
-    buildings.
+    Warns (:class:`~dampyr.errors.DampyrWarning`) where the accuracy was not reached, where a damper, on the whole, fed the
+    building, and where a damper has a part that is not for buildings.
+
+    Raises
+    ------
+    InputError
+        An argument is wrong, or the response grows without bound.
 
     Examples
     --------
@@ -345,6 +349,7 @@ def _response(
         velocity=np.ascontiguousarray(out.state[:, n : n + floors].T),
         acceleration=np.ascontiguousarray(out.acceleration[:, :floors].T),
         drift=drift,
+        # what the structure hands to the ground: all of its inertia, the missing mass of a reduced one included
         base_shear=-(out.acceleration @ pull + missing * motion.acceleration),
         force=np.ascontiguousarray(out.force.T),
         stroke=rows @ all_q,
@@ -396,6 +401,7 @@ def _limits_left(site: Site, row: Array, out: Output, dt: float) -> list[str]:
 
 
 def _energy(building: Building, out: Output) -> Energy:
+    # of the motion relative to the ground, whose input is -M iota ag times the relative velocity: the balance closes so
     q, v = out.state[:, : building.n], out.state[:, building.n :]
     kinetic = 0.5 * np.einsum("ti,ij,tj->t", v, building.M, v)
     strain = 0.5 * np.einsum("ti,ij,tj->t", q, building.K, q)
@@ -405,7 +411,7 @@ def _energy(building: Building, out: Output) -> Energy:
 
 def _feeding_dampers(energy: Energy, sites: tuple[Site, ...]) -> list[str]:
     """Sentences on the dampers that gave the building energy over the whole motion."""
-    scale = 1e-6 * float(np.max(np.abs(energy.input)))
+    scale = 1e-6 * float(np.max(np.abs(energy.input)))  # the balance of energies is not closer than that
     return [
         f"the damper {describe_place(site.place)} fed {-work[-1]:.3g} J into the building over the whole motion; "
         "check its delay and the sign of its force"

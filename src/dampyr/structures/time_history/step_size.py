@@ -47,7 +47,7 @@ def largest_step(building: Building, sites: tuple[Site, ...], slopes: Array, lim
     step = MAX_STEP
     for site, (by_stroke, by_rate) in zip(sites, slopes, strict=True):
         [row] = connections(building, (site,))
-        flexibility = float(row @ np.linalg.solve(building.M, row))
+        flexibility = float(row @ np.linalg.solve(building.M, row))  # one over the mass that the damper moves
         if by_stroke > 0:
             step = min(step, limit / math.sqrt(by_stroke * flexibility))
         if by_rate > 0:
