@@ -24,7 +24,7 @@ from dampyr.cli import cli
 from dampyr.errors import DampyrWarning
 from dampyr.models import Constant, Damper, Polynomial, available_parts
 from dampyr.models.part import part
-from dampyr.records.files.column_table import WORDS
+from dampyr.records.files.column_table import NAMES
 from dampyr.records.record import CHANNELS
 from dampyr.structures import available_control_laws, control_law
 
@@ -469,7 +469,7 @@ def test_the_reference_names_every_channel_of_a_file() -> None:
     record_file = (DOCS / "reference" / "record-file.md").read_text(encoding="utf-8")
     columns = (DOCS / "reference" / "csv.md").read_text(encoding="utf-8")
     assert not [channel for channel in CHANNELS if f"/calibrated/{channel}`" not in record_file]
-    for channel, words in WORDS.items():
+    for channel, words in NAMES.items():
         assert f"| {channel} | {', '.join(f'`{word}`' for word in words)} | {CHANNELS[channel]} |" in columns
 
 

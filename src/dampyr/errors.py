@@ -76,6 +76,11 @@ def choose_from(name: str, available: Sequence[str]) -> str:
     return f"{hint}choose from {', '.join(available)}"
 
 
+def one_line(problem: BaseException) -> str:
+    """What another library's error says, on one line; the error's kind where it says nothing."""
+    return " ".join(str(problem).split()) or type(problem).__name__
+
+
 def install_line(extra: str) -> str:
     """The command that installs an extra of dampyr, quoted as every shell takes it."""
     return f'pip install "dampyr[{extra}]"'

@@ -88,7 +88,7 @@ def test_weights_are_parted_by_slashes():
         ("on_of", "is not among the control laws; did you mean 'on_off'?"),
         ("on_off:fast", "'fast' is not a setting; write it as in on_off:period=0.01,lag=0.005"),
         ("on_off:high=much", "high = 'much' of on_off is not a number"),
-        ("on_off:gain=2", "'gain' is no setting of on_off"),
+        ("on_off:gain=2", "'gain' is not a setting of on_off"),
         ("on_off:high=9", "9 V is outside the calibrated range 0 to 3.212 V"),
         ("lyapunov:weights=1/a", "is not numbers"),
     ],

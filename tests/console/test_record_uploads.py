@@ -104,7 +104,7 @@ def test_latin_1_is_read_and_said_so(client):
     said = {"column": ["time=0", "displacement=1", "force=2"]}
     answer = upload(client, "alt.csv", text.encode("latin-1"), **said)
     assert answer.status_code == 201, answer.text
-    assert answer.json()["notices"] == ["read as Latin-1 (Windows-1252) text, as it is no UTF-8"]
+    assert answer.json()["notices"] == ["read as Latin-1 (Windows-1252) text, as it is not UTF-8"]
     about = client.get("/api/records/one", params={"key": "data/uploads/alt.h5"}).json()["about"]
     assert about["measured"]["peak_to_peak_m"] == pytest.approx(0.016, rel=1e-2)
 

@@ -247,7 +247,7 @@ def test_what_is_wrong_on_the_wire_is_a_sentence() -> None:
     with served("--voltage", "0") as (port, server), closing(Client(port, degrees=3)):
         assert "3 degrees of freedom; give it one" in ended(server)
     with served("--voltage", "0") as (port, server), closing(Client(port, degrees=0)):
-        assert "is no genericClient of OpenSees" in ended(server)
+        assert "is not a genericClient of OpenSees" in ended(server)
     with served("--voltage", "0") as (port, server):
         client = Client(port)
         client.send(3, 0.0, 0.0, 0.0, 0.0)

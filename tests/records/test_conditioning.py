@@ -73,7 +73,7 @@ def test_correcting_moves_the_motion_and_leaves_the_force(make_sine):
     assert fixed.voltage == 1.0
     assert estimate_delay(fixed).seconds == pytest.approx(0.0, abs=6e-4)
     assert "delayed by 0.025 s" in fixed.history[-1]
-    with pytest.raises(InputError, match=r"seconds = 50 s is no delay of a record of 20 s"):
+    with pytest.raises(InputError, match=r"seconds = 50 s is not a possible delay of a record of 20 s"):
         correct_delay(record, 50.0)
 
 

@@ -131,7 +131,7 @@ def test_locate(tmp_path, monkeypatch):
     assert locate("labcontrol", folder) == folder
     monkeypatch.delenv("DAMPYR_DATA")
     assert datasets.data_root() == Path("../shared/data")
-    with pytest.raises(InputError, match=r"'zenodo' is no data set; choose from labcontrol"):
+    with pytest.raises(InputError, match=r"'zenodo' is not a data set; choose from labcontrol"):
         locate("zenodo")
 
 

@@ -66,7 +66,7 @@ def test_inputs_as_a_table_or_a_number(folder: Path) -> None:
     [
         ("validation = [", "is no TOML"),
         ("valid = []", "'valid' is not known; choose from units, columns, voltage, current, dt, variable, header, "),
-        ('validation = "quake*"', "is no list of patterns"),
+        ('validation = "quake*"', "is not a list of patterns"),
         ('validation = ["earth*"]', "'earth*' matches no file of the folder"),
         ('current = "run{}"', "current = 'run{}' does not match the file quake_1,5A.txt"),
         ('current = "no number"', "must hold {} once"),
@@ -74,8 +74,8 @@ def test_inputs_as_a_table_or_a_number(folder: Path) -> None:
         ("current = true", "is neither a number"),
         ("current = 1\nvoltage = 1", "a record has one input"),
         ('current = {"run*" = 1, "run2*" = 2}', "gives run2_0.25A.txt both 1 and 2 A"),
-        ("units = 3", "is no table"),
-        ('columns = {stroke = "x"}', "'stroke', which is no channel"),
+        ("units = 3", "is not a table"),
+        ('columns = {stroke = "x"}', "'stroke', which is not a channel"),
         ("columns = {force = 1.5}", "columns['force'] = 1.5 must be a text or a whole number"),
     ],
 )
@@ -272,8 +272,8 @@ def test_a_section_goes_before_what_stands_above_it(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("files = 3", "files = 3 is no list of tables; write each as [[files]] with its pattern"),
-        ("[[files]]\nheader = 1", "[[files]] 1: pattern = None is no pattern; write it as in"),
+        ("files = 3", "files = 3 is not a list of tables; write each as [[files]] with its pattern"),
+        ("[[files]]\nheader = 1", "[[files]] 1: pattern = None is not a pattern; write it as in"),
         ('[[files]]\npattern = "earth*"', "'earth*' matches no file of the folder"),
         (
             '[[files]]\npattern = "run*"\nvalidation = ["a"]',
@@ -286,10 +286,10 @@ def test_a_section_goes_before_what_stands_above_it(folder: Path) -> None:
             "[[files]] 1: dt: the unit 'mm' does not measure what 's' measures",
         ),
         ('[[files]]\npattern = "run*"\ndt = -1', "[[files]] 1: dt = -1 s is not allowed; it must be greater than 0"),
-        ('[[files]]\npattern = "run*"\nvariable = ""', "[[files]] 1: variable = '' is no name"),
+        ('[[files]]\npattern = "run*"\nvariable = ""', "[[files]] 1: variable = '' is not a name"),
         ('[[files]]\npattern = "run*"\nvoltage = 1\ncurrent = 1', "[[files]] 1: voltage and current are both given"),
         ('specimen = " "', "specimen = ' ' is not a name; give one line of text"),
-        ("measurement_session = 2026-03-01", "is no text; give a name in quotes"),
+        ("measurement_session = 2026-03-01", "is not a text; give a name in quotes"),
         (
             'specimen = {"run*" = "a", "run2*" = "b"}',
             "specimen gives run2_0.25A.txt both 'a' and 'b'; make the patterns exclusive",

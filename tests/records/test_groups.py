@@ -53,7 +53,7 @@ def test_names_are_trimmed_and_may_be_absent(make_sine: Callable[..., Record]) -
         ("", " = '' is not a name; give one line of text that is not empty, or leave it out"),
         (" \n", r" = ' \\n' is not a name"),
         ("a\nb", r" = 'a\\nb' is not a name"),
-        (7, " = 7 is no text; give a name in quotes, or leave it out"),
+        (7, " = 7 is not a text; give a name in quotes, or leave it out"),
     ],
 )
 def test_what_is_no_name_is_refused(make_sine: Callable[..., Record], name: str, value: object, words: str) -> None:

@@ -43,9 +43,9 @@ def test_a_multiple_of_the_motions_frequency_and_the_history():
 @pytest.mark.parametrize(
     ("lowpass", "words"),
     [
-        (0.0, "is no frequency; give Hz above 0"),
-        ("fast", "is no frequency"),
-        (True, "is no frequency"),
+        (0.0, "is not a frequency; give Hz above 0"),
+        ("fast", "is not a frequency"),
+        (True, "is not a frequency"),
         (80.0, "lowpass: bandwidth_hz = 80 Hz is not allowed; samples 0.005 s apart"),
     ],
 )

@@ -41,20 +41,20 @@ def test_a_window_from_a_number_a_text_or_a_table(given, expected):
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        (0.0, "smoothed = 0 s is no window"),
-        ("-3 samples", "smoothed = -3 samples is no window"),
-        ("2.5 samples", "smoothed = 2.5 samples is no window; give a number above 0, of samples a whole one"),
+        (0.0, "smoothed = 0 s is not a valid window"),
+        ("-3 samples", "smoothed = -3 samples is not a valid window"),
+        ("2.5 samples", "smoothed = 2.5 samples is not a valid window; give a number above 0, of samples a whole one"),
         ("a tenth", "write it as in"),
         ("1..2 s", "write it as in"),
         ("0.3 s, leading", "'leading' is not among trailing, centred"),
         ({"samples": 15, "periods": 0.1}, "needs one window and has 2"),
         ({"channels": ["force"]}, "needs one window and has 0"),
-        ({"periods": 0.1, "channels": ["time"]}, "'time' is no channel that can be smoothed"),
-        ({"periods": 0.1, "channels": "force"}, "is no list of channels"),
-        ({"periods": "0.1"}, "is no number"),
+        ({"periods": 0.1, "channels": ["time"]}, "'time' is not a channel that can be smoothed"),
+        ({"periods": 0.1, "channels": "force"}, "is not a list of channels"),
+        ({"periods": "0.1"}, "is not a number"),
         ({"periods": 0.1, "undo": 1}, "is neither true nor false"),
         ({"window": 0.1}, "'window' is not among seconds"),
-        (True, "is no window"),
+        (True, "is not a valid window"),
     ],
 )
 def test_what_is_no_window_is_refused_with_the_repair(given, words):

@@ -36,7 +36,7 @@ def test_a_file_that_is_not_there(tmp_path):
 @pytest.mark.parametrize("argument", ["units", "columns"])
 def test_a_word_that_is_no_channel(tmp_path, argument):
     (tmp_path / "a.csv").write_text("t [s],x [m],f [N]\n0,0,0\n")
-    with pytest.raises(InputError, match=rf"{argument} names 'stroke', which is no channel; choose from time, "):
+    with pytest.raises(InputError, match=rf"{argument} names 'stroke', which is not a channel; choose from time, "):
         read(tmp_path / "a.csv", **{argument: {"stroke": "mm"}})
 
 
@@ -108,7 +108,7 @@ def test_what_is_said_comes_as_one_object_or_by_name(tmp_path, make_sine):
         "volt": (1.0, r"read\(..., volt=\) is not known; did you mean 'voltage'"),
         "dt": (-1.0, "dt = -1 s is not allowed; it must be greater than 0"),
         "header": (-1, "header = -1 is not allowed; it must be at least 0"),
-        "variable": (" ", "variable = ' ' is no name"),
+        "variable": (" ", "variable = ' ' is not a name"),
         "columns": ({"force": 1.5}, r"columns\['force'\] = 1.5 must be a text or a whole number"),
         "specimen": ("", "specimen = '' is not a name"),
     }

@@ -142,14 +142,14 @@ def test_reading_toml_declares_it_by_pattern_and_a_call_goes_before(tmp_path):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ('smoothed = "a tenth"', "smoothed = 'a tenth' is no window"),
+        ('smoothed = "a tenth"', "smoothed = 'a tenth' is not a valid window"),
         (
             '[smoothed]\n"s*" = 0.1\n"*e" = 0.2',
             "smoothed gives sine.csv both '0.1 s' and '0.2 s'; make the patterns exclusive",
         ),
         ('[smoothed]\n"x*" = 0.1', "'x\\*' matches no file of the folder"),
-        ("lowpass = 0", "lowpass = 0 is no frequency"),
-        ('[lowpass]\n"s*" = "fast"', "lowpass = 'fast' is no frequency"),
+        ("lowpass = 0", "lowpass = 0 is not a frequency"),
+        ('[lowpass]\n"s*" = "fast"', "lowpass = 'fast' is not a frequency"),
     ],
 )
 def test_a_slip_in_reading_toml_is_told(tmp_path, text, words):
@@ -188,7 +188,7 @@ def test_a_section_of_files_declares_it_before_what_holds_for_all(tmp_path):
             r"'sine\*' and '\*2' give sine2.csv two values of smoothed, '23 samples' and '23 samples, trailing'; make the",
         ),
         ("lowpass = 20", 'lowpass = "15 f"', "give sine2.csv two values of lowpass, 20 and '15 f'; make the patterns"),
-        ("smoothed = 0.1", "header = 1\nlowpass = 0", r"\[\[files\]\] 2: lowpass = 0 is no frequency"),
+        ("smoothed = 0.1", "header = 1\nlowpass = 0", r"\[\[files\]\] 2: lowpass = 0 is not a frequency"),
         (
             "smoothed = {samples = 9, trialing = true}",
             "",
@@ -225,7 +225,7 @@ def test_the_command_line_declares_it(tmp_path):
     assert shown["history"][-3].startswith("force turned")
     wrong = CliRunner().invoke(cli, ["records", str(tmp_path / "a.csv"), "--smoothed", "a tenth"])
     assert wrong.exit_code == 2
-    assert "smoothed = 'a tenth' is no window" in wrong.stderr
+    assert "smoothed = 'a tenth' is not a valid window" in wrong.stderr
 
 
 @pytest.mark.filterwarnings("ignore:.*integrated from the velocity")

@@ -135,7 +135,7 @@ HEAD = "time [s],displacement [mm],force [N]\n"
         (
             HEAD + lines(","),
             {"columns": {"force": 3}},
-            r"columns\['force'\] = 3 is no column; choose .* from 0 to 2",
+            r"columns\['force'\] = 3 is not a column; choose .* from 0 to 2",
         ),
         (HEAD + lines(","), {"columns": {"force": "cell"}}, r"there is no column 'cell'; choose from time, "),
         (HEAD, {}, r"has no line of numbers"),
@@ -237,7 +237,7 @@ def test_an_interval_in_the_place_of_a_coarse_clock(tmp_path):
         FileError, match=r"dt = 0.005 s was given, but the column 'Time' is the time; leave one of them out"
     ):
         read(path, dt=0.005)
-    with pytest.raises(FileError, match=r"the column of the force holds '10:00:00', which is no number"):
+    with pytest.raises(FileError, match=r"the column of the force holds '10:00:00', which is not a number"):
         read(path, columns={"force": 0, "time": None}, dt=0.005)
 
 
@@ -343,7 +343,7 @@ def test_session_and_specimen_go_through_comments(tmp_path):
 @pytest.mark.parametrize(
     ("encoding", "note"),
     [
-        ("latin-1", "read as Latin-1 (Windows-1252) text, as it is no UTF-8"),
+        ("latin-1", "read as Latin-1 (Windows-1252) text, as it is not UTF-8"),
         ("utf-16", "read as UTF-16 text"),
         ("utf-8", None),
     ],

@@ -24,7 +24,7 @@ def test_a_law_is_a_file():
     [
         ("on_of", {"high": 1.0}, "is not among the control laws; did you mean 'on_off'"),
         ("on_off", {}, "on_off needs high"),
-        ("on_off", {"high": 1.0, "gain": 2.0}, "'gain' is no setting of on_off; it has low, high, period, lag"),
+        ("on_off", {"high": 1.0, "gain": 2.0}, "'gain' is not a setting of on_off; it has low, high, period, lag"),
         ("on_off", {"high": "much"}, "high = 'much' of on_off is not a number"),
         ("lyapunov", {"high": 1.0, "weights": 3.0}, "weights = 3.0 of lyapunov is not numbers"),
         ("on_off", {"low": 2.0, "high": 1.0}, "low = 2 of on_off is above high = 1"),

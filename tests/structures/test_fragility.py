@@ -145,8 +145,8 @@ def test_no_curve_is_a_value_with_a_reason(limit: float, motions: int, message: 
 
 def test_a_fragility_that_falls_is_none() -> None:
     x = np.array([1.0, 2.0, 3.0])
-    assert "this is no fragility" in fit_binomial(x, np.array([8.0, 5.0, 2.0]), np.full(3, 10.0)).reason
-    assert "this is no fragility" in fit_binomial(x, np.array([9.0, 0.0, 0.0]), np.full(3, 9.0)).reason
+    assert "this is not a fragility" in fit_binomial(x, np.array([8.0, 5.0, 2.0]), np.full(3, 10.0)).reason
+    assert "this is not a fragility" in fit_binomial(x, np.array([9.0, 0.0, 0.0]), np.full(3, 9.0)).reason
 
 
 def test_motions_are_the_unit_and_draws_belong_to_them() -> None:

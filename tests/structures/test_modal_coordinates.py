@@ -101,7 +101,7 @@ def test_matrices_come_from_files(tmp_path: Path, suffix: str) -> None:
         ('M = { file = "m.npz", variable = "A" }', r"m.npz: holds M of shape \(2, 3\); it must be square"),
         ('M = { file = "m.npz", name = "A" }', "M.name"),
         ('M = { file = 3 }', "M.file = 3 must be a text"),
-        ('M = { file = "words.txt" }', "words.txt: is no matrix"),
+        ('M = { file = "words.txt" }', "words.txt: is not a matrix"),
         ('M = { file = "m.npz", variable = "B", unit = "m" }', "M.unit: "),
         ('M = [1, 1]\nkeep = [3]', r"keep = \[3\] must be different degrees of freedom from 1 to 2"),
         ('M = [1, 1]\nframes = 2', "frames belongs to nodes and elements"),

@@ -101,7 +101,7 @@ def test_loaded_it_is_a_building(tmp_path: Path) -> None:
         (NODES, ELEMENTS.replace("3,3,4", "3,3,3"), FILE, "elements.csv: line 4: its length must be more than 0"),
         (NODES, ELEMENTS.replace("frame\n3", "beam\n3"), FILE, "line 3: kind 'beam' is not known; write frame or truss"),
         (NODES, ELEMENTS.replace(",frame\n3", "\n3"), FILE, "line 3 has 5 cells; it must have 6"),
-        (NODES, ELEMENTS, FILE.replace('["3"]', '["4"]'), "portal.toml: floor '4' is no node that is free in x"),
+        (NODES, ELEMENTS, FILE.replace('["3"]', '["4"]'), "portal.toml: floor '4' is not a node with a mass that is free in x"),
         (NODES, ELEMENTS, FILE.replace('["3"]', "[]"), "a frame needs frames of at least 1, floors, and a damping_ratio"),
         (NODES, ELEMENTS, FILE.replace("nodes.csv", "absent.csv"), "absent.csv: cannot be read as a table"),
         (NODES, ELEMENTS.partition("2,2,4")[0], FILE, "what has no mass (.*4 rotation.*) is not held by springs"),

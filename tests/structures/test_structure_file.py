@@ -138,7 +138,7 @@ def test_only_files_of_its_own_folder_are_read(kind: str, where: str, tmp_path: 
 def test_a_file_that_is_no_matrix_is_refused_without_what_it_holds(content: str, place: str, tmp_path: Path) -> None:
     (tmp_path / "below").mkdir()
     (tmp_path / "below" / "m.txt").write_text(content)
-    with pytest.raises(FileError, match=f"m.txt: is no matrix of numbers, see {place}; give text") as caught:
+    with pytest.raises(FileError, match=f"m.txt: is not a matrix of numbers, see {place}; give text") as caught:
         dp.structures.load(written(tmp_path, 'M = { file = "below/m.txt" }\nK = [1.0]\ndamping_ratio = 0.02\n'))
     assert "root:x" not in str(caught.value)
 

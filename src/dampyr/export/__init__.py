@@ -57,7 +57,7 @@ def export(
     for option in options:
         if option not in allowed:
             its = f"its options are {', '.join(allowed)}" if allowed else "it has no options"
-            raise InputError(f"{option} is no option of the export {to}; {its}")
+            raise InputError(f"{option} is not an option of the export {to}; {its}")
     anywhere = allow_extrapolation or not damper.needs_input
     written: list[Path] = kind.write(damper, Path(out), name, anywhere, **options)
     return written

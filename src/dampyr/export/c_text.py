@@ -36,7 +36,7 @@ DOUBLE, SINGLE = Precision(), Precision("float", "f")
 
 
 def function(
-    tree: ast.FunctionDef, prefix: str, own: set[str], arrays: Iterable[str] = (), precision: Precision = DOUBLE
+    tree: ast.FunctionDef, prefix: str, defined: set[str], arrays: Iterable[str] = (), precision: Precision = DOUBLE
 ) -> str:
     """One static C function; calls to the names in ``own`` are prefixed, arguments named in ``arrays`` are arrays.
 
@@ -45,7 +45,7 @@ def function(
     """
     tree = Flat().visit(deepcopy(tree))
     real = precision.real
-    writer = CWriter(prefix, own, read_names(tree), precision)
+    writer = CWriter(prefix, defined, read_names(tree), precision)
     body = writer.block(tree.body, 1)
     values = [n.value for n in ast.walk(tree) if isinstance(n, ast.Return) and n.value is not None]
     several = any(isinstance(value, ast.Tuple) for value in values)
@@ -110,14 +110,14 @@ class Flat(ast.NodeTransformer):
             needed = {ast.unparse(n) for n in ast.walk(later)}
             if any(ast.unparse(earlier) in needed for earlier, _ in pairs[:k]):
                 raise TypeError(f"no C form for: {ast.unparse(node)}")
-        return [ast.Assign([each], expression) for each, expression in pairs]
+        return [ast.Assign([target], expression) for target, expression in pairs]
 
 
 class CWriter:
     """Writes statements and expressions."""
 
-    def __init__(self, prefix: str, own: set[str], read: set[str], precision: Precision) -> None:
-        self.prefix, self.own, self.read, self.precision = prefix, own, read, precision
+    def __init__(self, prefix: str, defined: set[str], read: set[str], precision: Precision) -> None:
+        self.prefix, self.defined, self.read, self.precision = prefix, defined, read, precision
         self.counters: set[str] = set()
         self.compared = False
 
@@ -138,7 +138,7 @@ class CWriter:
                 lines += [f"{pad}}} else {{", *self.block(node.orelse, depth + 1)]
             return [*lines, f"{pad}}}"]
         if isinstance(node, ast.For) and isinstance(node.target, ast.Name) and isinstance(node.iter, ast.Call):
-            k, (*start, stop) = node.target.id, (self.of(each) for each in node.iter.args)
+            k, (*start, stop) = node.target.id, (self.of(argument) for argument in node.iter.args)
             self.counters.add(k)
             head = f"{pad}for (int {k} = {start[0] if start else 0}; {k} < {stop}; {k}++) {{"
             return [head, *self.block(node.body, depth + 1), f"{pad}}}"]
@@ -210,7 +210,7 @@ class CWriter:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             name = node.func.id
             arguments = ", ".join(map(self.of, node.args))
-            if name in self.own or name in ("min", "max") or (name in COMPOSED and self.precision == SINGLE):
+            if name in self.defined or name in ("min", "max") or (name in COMPOSED and self.precision == SINGLE):
                 return f"{self.prefix}{name}({arguments})"
             return f"{'fabs' if name == 'abs' else name}{self.precision.suffix}({arguments})"
         raise TypeError(f"no C form for: {ast.unparse(node)}")

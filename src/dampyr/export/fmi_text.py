@@ -64,13 +64,13 @@ def variables(damper: Damper, drive: str) -> list[Variable]:
 def model_description(damper: Damper, name: str, fmi: int, drive: str, token: str, version: str) -> str:
     """The text of modelDescription.xml."""
     listed = variables(damper, drive)
-    used = sorted({each.unit for each in listed if each.unit})
+    used = sorted({variable.unit for variable in listed if variable.unit})
     units = "\n".join(
         f"    <Unit name={quoteattr(unit)}>" + (f"<BaseUnit {UNITS[unit]}/>" if unit in UNITS else "") + "</Unit>"
         for unit in used
     )
-    said = f". {text}" if (text := damper.origin.notice) else ""
-    about = quoteattr(f"Damper: {damper.composition}{said}. {before_use(damper)}".removesuffix(". "))
+    origin = f". {notice}" if (notice := damper.origin.notice) else ""
+    about = quoteattr(f"Damper: {damper.composition}{origin}. {before_use(damper)}".removesuffix(". "))
     head = f'modelName={quoteattr(name)} description={about} generationTool="dampyr {version}"'
     start = damper.range[0]
     if fmi == 2:
@@ -78,22 +78,27 @@ def model_description(damper: Damper, name: str, fmi: int, drive: str, token: st
     return _description_3(name, head, token, units, listed, start)
 
 
-def _scalar(k: int, each: Variable, start: float) -> str:
-    value = "" if each.causality != "input" else f' start="{start if k == 2 else 0.0!r}"'
-    unit = f" unit={quoteattr(each.unit)}" if each.unit else ""
+def _unit_and_start(k: int, variable: Variable, start: float) -> str:
+    value = "" if variable.causality != "input" else f' start="{start if k == 2 else 0.0!r}"'
+    unit = f" unit={quoteattr(variable.unit)}" if variable.unit else ""
     return unit + value
+
+
+def _attributes(k: int, variable: Variable) -> str:
+    """What both versions of the standard write of a variable."""
+    initial = "" if variable.causality == "input" else f" initial={quoteattr('calculated')}"
+    return (
+        f'name={quoteattr(variable.name)} valueReference="{k}" causality="{variable.causality}" '
+        f'variability="continuous"{initial} description={quoteattr(variable.description)}'
+    )
 
 
 def _description_2(name: str, head: str, token: str, units: str, listed: list[Variable], start: float) -> str:
     rows = "\n".join(
-        f'    <ScalarVariable name={quoteattr(each.name)} valueReference="{k}" causality="{each.causality}" '
-        f'variability="continuous"{" initial=" + quoteattr("calculated") if each.causality != "input" else ""} '
-        f"description={quoteattr(each.description)}><Real{_scalar(k, each, start)}/></ScalarVariable>"
-        for k, each in enumerate(listed)
+        f"    <ScalarVariable {_attributes(k, variable)}><Real{_unit_and_start(k, variable, start)}/></ScalarVariable>"
+        for k, variable in enumerate(listed)
     )
-    calculated = [k + 1 for k, each in enumerate(listed) if each.causality != "input"]
-    force = next(k + 1 for k, each in enumerate(listed) if each.causality == "output")
-    unknowns = "\n".join(f'      <Unknown index="{k}"/>' for k in calculated if k == force)
+    force = next(k for k, variable in enumerate(listed, 1) if variable.causality == "output")
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" {head} guid="{token}" variableNamingConvention="flat">
   <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true" canInterpolateInputs="true"
@@ -110,7 +115,7 @@ def _description_2(name: str, head: str, token: str, units: str, listed: list[Va
   <ModelStructure>
     <Outputs><Unknown index="{force}"/></Outputs>
     <InitialUnknowns>
-{unknowns}
+      <Unknown index="{force}"/>
     </InitialUnknowns>
   </ModelStructure>
 </fmiModelDescription>
@@ -119,12 +124,10 @@ def _description_2(name: str, head: str, token: str, units: str, listed: list[Va
 
 def _description_3(name: str, head: str, token: str, units: str, listed: list[Variable], start: float) -> str:
     rows = "\n".join(
-        f'    <Float64 name={quoteattr(each.name)} valueReference="{k}" causality="{each.causality}" '
-        f'variability="continuous"{" initial=" + quoteattr("calculated") if each.causality != "input" else ""} '
-        f"description={quoteattr(each.description)}{_scalar(k, each, start)}/>"
-        for k, each in enumerate(listed)
+        f"    <Float64 {_attributes(k, variable)}{_unit_and_start(k, variable, start)}/>"
+        for k, variable in enumerate(listed)
     )
-    force = next(k for k, each in enumerate(listed) if each.causality == "output")
+    force = next(k for k, variable in enumerate(listed) if variable.causality == "output")
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" {head} instantiationToken="{token}">
   <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUState="true"

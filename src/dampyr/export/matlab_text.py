@@ -33,14 +33,14 @@ def number(value: float) -> str:
     return repr(float(value)) if value >= 0 else f"({float(value)!r})"
 
 
-def function(tree: ast.FunctionDef, prefix: str, own: set[str], arrays: Iterable[str] = ()) -> str:
+def function(tree: ast.FunctionDef, prefix: str, defined: set[str], arrays: Iterable[str] = ()) -> str:
     """One function; calls to the names in ``own`` are prefixed. An array that it writes to is returned first."""
     tree = Flat().visit(deepcopy(tree))
     written = [name for name in arrays if stores_to(tree, name) or (tree.name, name) == ("advance", "s")]
     values = [n.value for n in ast.walk(tree) if isinstance(n, ast.Return) and n.value is not None]
     count = max((len(v.elts) if isinstance(v, ast.Tuple) else 1 for v in values), default=0)
     results = written or [f"result_{k}" for k in range(count)]
-    writer = MatlabWriter(prefix, own, read_names(tree) | set(written), results)
+    writer = MatlabWriter(prefix, defined, read_names(tree) | set(written), results)
     names = [a.arg for a in tree.args.args]
     unused = [name for name in names if name not in writer.read]
     head = f"function [{', '.join(results)}] = {prefix}{tree.name}({', '.join(map(writer.variable, names))})"
@@ -52,8 +52,8 @@ def function(tree: ast.FunctionDef, prefix: str, own: set[str], arrays: Iterable
 class MatlabWriter(CWriter):
     """Writes statements and expressions of MATLAB; ``results`` are the names of what the function returns."""
 
-    def __init__(self, prefix: str, own: set[str], read: set[str], results: list[str]) -> None:
-        super().__init__(prefix, own, read, DOUBLE)
+    def __init__(self, prefix: str, defined: set[str], read: set[str], results: list[str]) -> None:
+        super().__init__(prefix, defined, read, DOUBLE)
         self.results = results
 
     def statement(self, node: ast.stmt, depth: int) -> list[str]:
@@ -65,7 +65,7 @@ class MatlabWriter(CWriter):
                 lines += [f"{pad}else", *self.block(node.orelse, depth + 1)]
             return [*lines, f"{pad}end"]
         if isinstance(node, ast.For) and isinstance(node.target, ast.Name) and isinstance(node.iter, ast.Call):
-            *start, stop = (self.of(each) for each in node.iter.args)
+            *start, stop = (self.of(argument) for argument in node.iter.args)
             counter = self.variable(node.target.id)
             return [
                 f"{pad}for {counter} = {start[0] if start else 0}:({stop} - 1)",
@@ -112,6 +112,6 @@ class MatlabWriter(CWriter):
             return f"({self.of(node.left)} {OPERATORS[type(node.ops[0])]} {self.of(node.comparators[0])})"
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             name = node.func.id
-            own = name in self.own or name == COPYSIGN
+            own = name in self.defined or name == COPYSIGN
             return f"{self.prefix if own else ''}{name}({', '.join(map(self.of, node.args))})"
         return super().of(node)

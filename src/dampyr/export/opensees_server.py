@@ -101,8 +101,9 @@ class LiveDamper:
             self.at[:] = t, stroke, rate
             self.begun = True
         self.now[:] = t, stroke, rate
-        if self.law is not None:
-            self._set_input(self.law.input_at(t))
+        if self.law is not None and (u := self.law.input_at(t)) != self.u:
+            self.u = u
+            self.values = self.damper.values(u, static=False, allow_extrapolation=self.allow)
         self.step(
             self.s, self.work, self.at[1], self.at[2], stroke, rate, acceleration, t - self.at[0], self.values, self.out
         )
@@ -112,14 +113,8 @@ class LiveDamper:
         """The trial becomes the state; a law decides where its period has passed."""
         self.s[:] = self.work
         self.at[:] = self.now
-        if self.law is None:
-            return
-        self.law.decide_at(self.now[0], self.x, self.v, self.now[1], self.now[2], float(self.out[0]))
-
-    def _set_input(self, u: float) -> None:
-        if u != self.u:
-            self.u = u
-            self.values = self.damper.values(u, static=False, allow_extrapolation=self.allow)
+        if self.law is not None:
+            self.law.decide_at(self.now[0], self.x, self.v, self.now[1], self.now[2], float(self.out[0]))
 
 
 class LawInput:
@@ -229,8 +224,8 @@ def answer(connection: socket.socket, make: Callable[[int], LiveDamper]) -> Live
     n, size = int(header[0]), int(header[-1])
     if not (n >= 1 and max(1 + 3 * n + 1, n * n) <= size <= LARGEST_MESSAGE):
         raise InputError(
-            f"what connected is no genericClient of OpenSees: its header is {header.tolist()}, where the first number counts "
-            "degrees of freedom and the last is the size of messages"
+            f"what connected is not a genericClient of OpenSees: its header is {header.tolist()}, where the first number "
+            "counts degrees of freedom and the last is the size of messages"
         )
     live = make(n)
     summary.degrees_of_freedom = n
@@ -263,8 +258,8 @@ def _converse(connection: socket.socket, live: LiveDamper, summary: LiveSummary,
             summary.ended = "the client left without a word"
             return
         numbers = np.frombuffer(data, dtype="<f8")
-        what = int(numbers[0])
-        if what == Message.TRIAL:
+        kind = int(numbers[0])
+        if kind == Message.TRIAL:
             begun = clock()
             live.try_state(
                 numbers[1 : 1 + n].copy(), numbers[1 + n : 1 + 2 * n].copy(), numbers[1 + 2 * n : 1 + 3 * n],
@@ -272,26 +267,26 @@ def _converse(connection: socket.socket, live: LiveDamper, summary: LiveSummary,
             )  # fmt: skip
             summary.computing += clock() - begun
             summary.trials += 1
-        elif what == Message.COMMIT:
+        elif kind == Message.COMMIT:
             live.commit()
             summary.steps += 1
             summary.force = max(summary.force, abs(float(live.out[0])))
             summary.stroke = max(summary.stroke, abs(float(live.at[1])))
             summary.speed = max(summary.speed, abs(float(live.at[2])))
-        elif what == Message.END:
+        elif kind == Message.END:
             return
         else:
             reply[: max(n * n, n)] = 0.0
-            if what == Message.FORCE:
+            if kind == Message.FORCE:
                 # OpenSees adds the damping matrix times the velocities to this, so that the sum is the force.
                 reply[:n] = live.row * (live.out[0] - live.out[2] * live.now[2])
-            elif what == Message.TANGENT:
+            elif kind == Message.TANGENT:
                 reply[: n * n] = (live.out[1] * outer).ravel()
-            elif what == Message.INITIAL_STIFFNESS:
+            elif kind == Message.INITIAL_STIFFNESS:
                 reply[: n * n] = (initial * outer).ravel()
-            elif what == Message.DAMPING:
+            elif kind == Message.DAMPING:
                 reply[: n * n] = (live.out[2] * outer).ravel()
-            elif what != Message.MASS:
+            elif kind != Message.MASS:
                 raise InputError(f"the client sent {numbers[0]:g}, which no genericClient of OpenSees sends")
             connection.sendall(reply.tobytes())
 

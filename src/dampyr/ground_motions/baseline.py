@@ -59,6 +59,7 @@ def _coefficients(a: Array, basis: Array, h: float, at_rest: bool) -> Array:
     D = [integrals.displacement(column, h)[-1] for column in basis.T]
     ends = np.array([V[-1], D])
     wanted = np.array([v[-1], integrals.displacement(a, h)[-1]])
-    one = np.linalg.lstsq(ends, wanted, rcond=None)[0]
-    free = np.linalg.svd(ends)[2][2:].T
-    return np.asarray(one + free @ np.linalg.lstsq(V @ free, v - V @ one, rcond=None)[0], dtype=np.float64)
+    particular = np.linalg.lstsq(ends, wanted, rcond=None)[0]
+    free = np.linalg.svd(ends)[2][2:].T  # the directions that leave both ends as they are
+    rest = np.linalg.lstsq(V @ free, v - V @ particular, rcond=None)[0]
+    return np.asarray(particular + free @ rest, dtype=np.float64)

@@ -31,16 +31,34 @@ def filtered(
 
     Parameters
     ----------
-    order : of the one-way filter, 1 to 10; the two passes have twice this order.
-    keep_pads : keep the zeros with what rings in them, without which velocity and displacement are wrong: those of El Centro
+    motion
+        The motion of the ground.
+    low, high
+        The corners in Hz, 0 < low < high < half the sampling rate; None leaves that side as it is. Give one or both.
+    order
+        Of the one-way filter, 1 to 10; the two passes have twice this order.
+    keep_pads
+        Keep the zeros with what rings in them, without which velocity and displacement are wrong: those of El Centro
         1940 from 0.1 to 20 Hz end at 0.57 m instead of 1 mm. False cuts them off, so that the motion has its old length, for
         uses of the acceleration alone or to correct the baseline afterwards; the history says so.
+
+    Raises
+    ------
+    InputError
+        A corner or the order is not allowed.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> motion = dp.ground_motions.filtered(dp.ground_motions.el_centro(), low=0.1, high=20.0)
+    >>> motion.history[0].partition(",")[0]
+    'Butterworth band-pass from 0.1 to 20 Hz'
     """
     nyquist = 0.5 / motion.dt
-    corners = [each for each in (low, high) if each is not None]
+    corners = [corner for corner in (low, high) if corner is not None]
     if (
         not corners
-        or not all(0 < each < nyquist for each in corners)
+        or not all(0 < corner < nyquist for corner in corners)
         or (len(corners) == 2 and corners[0] >= corners[1])
     ):
         raise InputError(
@@ -49,8 +67,9 @@ def filtered(
         )
     if int(order) != order or not 1 <= order <= 10:
         raise InputError(f"order = {order!r} is not allowed; it must be a whole number from 1 to 10")
+    # half of the 1.5 * order / corner seconds at each end
     pad = math.ceil(0.75 * order / corners[0] / motion.dt)
-    values = _twice(np.pad(motion.acceleration, pad), low, high, int(order), 2 * nyquist)
+    values = _forward_and_backward(np.pad(motion.acceleration, pad), low, high, int(order), 2 * nyquist)
     samples = values if keep_pads else values[pad : pad + motion.n]
     note = f"Butterworth {_band(low, high)}, order {order}, forward and backward"
     seconds = f"{pad * motion.dt:g} s"
@@ -59,7 +78,9 @@ def filtered(
     )
 
 
-def _twice(values: np.ndarray, low: float | None, high: float | None, order: int, rate: float) -> np.ndarray:
+def _forward_and_backward(
+    values: np.ndarray, low: float | None, high: float | None, order: int, rate: float
+) -> np.ndarray:
     from scipy.signal import butter, sosfiltfilt
 
     if low is not None and high is not None:

@@ -16,12 +16,12 @@ Array = NDArray[np.float64]
 
 def velocity(a: Array, h: float) -> Array:
     """The integral (n,) of ``a`` (n,), from 0."""
-    return _summed(0.5 * h * (a[:-1] + a[1:]))
+    return _cumulative(0.5 * h * (a[:-1] + a[1:]))
 
 
 def displacement(a: Array, h: float) -> Array:
     """The double integral (n,) of ``a`` (n,), from 0 and at rest."""
-    return _summed(h * velocity(a, h)[:-1] + h**2 / 6 * (2 * a[:-1] + a[1:]))
+    return _cumulative(h * velocity(a, h)[:-1] + h**2 / 6 * (2 * a[:-1] + a[1:]))
 
 
 def peak_velocity(a: Array, h: float) -> float:
@@ -37,7 +37,7 @@ def peak_displacement(a: Array, h: float) -> float:
     v, d = velocity(a, h)[:-1], displacement(a, h)
     slope = (a[1:] - a[:-1]) / h
     peak = float(np.abs(d).max())
-    for t in _zeros(0.5 * slope, a[:-1], v):
+    for t in _roots(0.5 * slope, a[:-1], v):
         inside = (t > 0) & (t < h)
         t = np.where(inside, t, 0.0)
         at = d[:-1] + t * (v + t * (a[:-1] / 2 + t * slope / 6))
@@ -45,11 +45,11 @@ def peak_displacement(a: Array, h: float) -> float:
     return peak
 
 
-def _summed(steps: Array) -> Array:
+def _cumulative(steps: Array) -> Array:
     return np.concatenate(([0.0], np.cumsum(steps)))
 
 
-def _zeros(a: Array, b: Array, c: Array) -> tuple[Array, Array]:
+def _roots(a: Array, b: Array, c: Array) -> tuple[Array, Array]:
     """Both roots of a t^2 + b t + c, NaN where there is none; the form that does not cancel."""
     with np.errstate(invalid="ignore", divide="ignore"):
         q = -0.5 * (b + np.copysign(np.sqrt(b * b - 4 * a * c), b))

@@ -114,10 +114,10 @@ def reached(motion: GroundMotion, share: float) -> float:
     a0, a1 = motion.acceleration[k], motion.acceleration[k + 1]
     wanted = (share * curve[-1] - curve[k]) * 2 * STANDARD_GRAVITY / math.pi / motion.dt
     low, high = 0.0, 1.0
-    for _ in range(52):
+    for _ in range(52):  # halvings, to the last bit of a part of a step
         x = 0.5 * (low + high)
-        has = a0**2 * x + a0 * (a1 - a0) * x**2 + (a1 - a0) ** 2 * x**3 / 3
-        low, high = (x, high) if has < wanted else (low, x)
+        so_far = a0**2 * x + a0 * (a1 - a0) * x**2 + (a1 - a0) ** 2 * x**3 / 3
+        low, high = (x, high) if so_far < wanted else (low, x)
     return (k + high) * motion.dt if share > 0 else 0.0
 
 

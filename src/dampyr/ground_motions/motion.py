@@ -121,11 +121,11 @@ class GroundMotion(Shown):
         return self.scaled(_factor(value, current, f"{self.name}: Sa({period:g} s) of"))
 
 
-def _factor(value: float, current: float, words: str) -> float:
+def _factor(value: float, current: float, target: str) -> float:
     if not np.isfinite(value) or value <= 0:
-        raise InputError(f"{words} {value:g} m/s^2 is not allowed; it must be greater than 0")
+        raise InputError(f"{target} {value:g} m/s^2 is not allowed; it must be greater than 0")
     if current <= 0:
         raise InputError(
-            f"{words} {value:g} m/s^2 cannot be reached by scaling: the motion is 0 there; take another one"
+            f"{target} {value:g} m/s^2 cannot be reached by scaling: the motion is 0 there; take another one"
         )
     return value / current

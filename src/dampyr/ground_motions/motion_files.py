@@ -22,12 +22,19 @@ def read(path: str | Path, units: str | None = None, dt: float | None = None) ->
 
     Parameters
     ----------
-    units : unit of the acceleration, such as "g" or "m/s^2"; needed where the file does not name it.
-    dt : seconds between samples; needed where the file holds accelerations only.
+    path
+        The file; its suffix says which format it is.
+    units
+        Unit of the acceleration, such as "g" or "m/s^2"; needed where the file does not name it.
+    dt
+        Seconds between samples; needed where the file holds accelerations only.
 
-    Raises :class:`~dampyr.errors.MissingData` where there is no such file and
-    :class:`~dampyr.errors.FileError` where the file contradicts itself or the arguments, or holds values
-    that are no numbers.
+    Raises
+    ------
+    MissingData
+        There is no such file.
+    FileError
+        The file contradicts itself or the arguments, or holds values that are not numbers.
 
     Examples
     --------

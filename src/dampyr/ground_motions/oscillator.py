@@ -50,7 +50,7 @@ def oscillator_peaks(
     peaks = np.zeros((3, len(zetas), len(omegas)))
     compile_cached(fill_peaks)(np.array(acceleration), dt, omegas, zetas, bool(sampled), peaks)
     peaks[:, :, np.atleast_1d(periods) == 0] = np.array([0.0, 0.0, pga])[:, None, None]
-    d, v, a = (each.reshape(damping.shape + periods.shape) for each in peaks)
+    d, v, a = (rows.reshape(damping.shape + periods.shape) for rows in peaks)
     return d, v, a, omega * d, np.where(periods > 0, omega**2 * d, pga)
 
 

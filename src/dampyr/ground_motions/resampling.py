@@ -49,8 +49,8 @@ def resampled(motion: GroundMotion, dt: float, how: How | None = None) -> Ground
     if how == "band-limited":
         return motion.changed(_band_limited(motion, dt), _note(motion, dt, "band-limited", "taken out"), dt)
     step = motion.dt / parts if whole else dt
-    words = "exactly" if whole else "linearly"
-    return motion.changed(_linear(motion, step), _note(motion, step, words, "folded into lower ones"), step)
+    exactness = "exactly" if whole else "linearly"
+    return motion.changed(_linear(motion, step), _note(motion, step, exactness, "folded into lower ones"), step)
 
 
 def _linear(motion: GroundMotion, dt: float) -> Array:
@@ -70,9 +70,9 @@ def _band_limited(motion: GroundMotion, dt: float) -> Array:
     return np.asarray(values[: int(np.floor(motion.duration / dt * (1 + SAME))) + 1], dtype=float)
 
 
-def _note(motion: GroundMotion, dt: float, words: str, fate: str) -> str:
+def _note(motion: GroundMotion, dt: float, how: str, fate: str) -> str:
     """What was done, and what was lost; warns where that is much."""
-    note = f"resampled {words} from {motion.dt:g} s to {dt:g} s"
+    note = f"resampled {how} from {motion.dt:g} s to {dt:g} s"
     if dt <= motion.dt * (1 + SAME):
         return note
     share = above(motion, 0.5 / dt)

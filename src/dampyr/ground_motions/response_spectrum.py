@@ -79,13 +79,20 @@ def spectrum(
 
     Parameters
     ----------
-    periods : undamped natural periods [s], a number or (p,); 0 is the rigid oscillator.
-    damping : ratios to critical, a number or (m,), 0 to 10; 1 and more are overdamped.
-    sampled : take the largest sample instead of the peak inside the step.
+    motion
+        The motion of the ground. It ends with its last sample: what an oscillator does afterwards is left out. Where that
+        matters (long periods, short pulses, low damping) add a pause first, ``padded(motion, seconds)``.
+    periods
+        Undamped natural periods in s, a number or ``(p,)``; 0 is the rigid oscillator.
+    damping
+        Ratios to critical, a number or ``(m,)``, 0 to 10 (0.05 is 5 %, the default); 1 and more are overdamped.
+    sampled
+        Take the largest sample instead of the peak inside the step.
 
-    The motion ends with its last sample: what an oscillator does afterwards is left out. Where that matters (long periods,
-    short pulses, low damping) add a pause first, ``padded(motion, seconds)``. Raises :class:`~dampyr.errors.InputError` for
-    periods and dampings that make no sense.
+    Raises
+    ------
+    InputError
+        A period or a damping makes no sense.
 
     Examples
     --------

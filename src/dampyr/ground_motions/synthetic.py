@@ -48,16 +48,27 @@ def kanai_tajimi(
 
     Parameters
     ----------
-    duration : of the shaking [s], which starts 16 steps after t = 0; ``dt`` the step [s].
-    seed : a whole number, or several, such as (seed of the study, number of the motion): the noise is bit for bit that of
+    duration
+        Of the shaking, s, at least 100 steps; it starts 16 steps after t = 0.
+    dt
+        The step, s, greater than 0.
+    seed
+        A whole number, or several, such as (seed of the study, number of the motion): the noise is bit for bit that of
         numpy's PCG64 seeded so. Zeros at the end do not count there: (5, 0) is 5.
-    intensity : S0 [m2/s3], two-sided, for each rad/s; or
-    pga : the peak [m/s2] that this motion is scaled to. Exactly one of the two.
-    envelope : a function of times and duration, see `envelopes`; `stationary` for none.
-    rest : seconds after the shaking in which the filters die down; by default until 1e-4 is left. With 0 the motion is cut
+    intensity, pga
+        S0 in m2/s3, two-sided, for each rad/s; or the peak in m/s2 that this motion is scaled to. Exactly one of the two.
+    soil
+        The filters of the ground, see `soils`; by default firm soil.
+    envelope
+        A function of times and duration, see `envelopes`; `stationary` for none.
+    rest
+        Seconds after the shaking in which the filters die down; by default until 1e-4 is left. With 0 the motion is cut
         where the shaking ends, wherever velocity and displacement are then.
 
-    Raises :class:`~dampyr.errors.InputError` where an argument is outside its range.
+    Raises
+    ------
+    InputError
+        An argument is outside its range.
 
     Examples
     --------
@@ -68,16 +79,20 @@ def kanai_tajimi(
     """
     _check(duration, dt, intensity, pga, rest)
     n = math.floor(duration / dt * (1 + 1e-12)) + 1
-    tail = math.ceil(_settling(soil) / dt)
+    # seconds until DECAYED of the slower filter's free motion is left
+    slowest = min(_decay_rate(soil.omega_g, soil.zeta_g), _decay_rate(soil.omega_f, soil.zeta_f))
+    tail = math.ceil(-math.log(DECAYED) / slowest / dt)
     density = 1.0 if intensity is None else intensity
+    # band-limited white noise of two-sided density S0 has the variance 2 pi S0 / dt
     noise = _generator(seed).standard_normal(n) * math.sqrt(2 * math.pi * density / dt)
     shaking: Array = noise * envelope(np.arange(n, dtype=np.float64) * dt, duration)
-    acceleration = _through(shaking, soil, dt, tail)
+    acceleration = _through_soil(shaking, soil, dt, tail)
     n_samples = n + (tail if rest is None else math.ceil(rest / dt * (1 - 1e-12)))
     values = np.pad(acceleration, (0, max(n_samples - len(acceleration), 0)))[:n_samples]
+    shape = getattr(envelope, "__name__", repr(envelope))
     strength = f"S0 = {intensity:g} m2/s3" if pga is None else f"scaled to a PGA of {pga:g} m/s2"
-    made = f"synthetic, Kanai-Tajimi with Clough-Penzien high-pass, {soil}, {_words(envelope)}, {strength}, PCG64 seed {seed}"
-    motion = GroundMotion(values, dt, name=f"Kanai-Tajimi {seed}", source=made)
+    source = f"synthetic, Kanai-Tajimi with Clough-Penzien high-pass, {soil}, {shape}, {strength}, PCG64 seed {seed}"
+    motion = GroundMotion(values, dt, name=f"Kanai-Tajimi {seed}", source=source)
     return motion if pga is None else motion.changed(values * (pga / motion.pga), f"scaled by {pga / motion.pga:.12g}")
 
 
@@ -95,12 +110,7 @@ def _generator(seed: int | Sequence[int]) -> np.random.Generator:
         raise InputError(f"seed = {seed!r} is not allowed; give a whole number, at least 0, or several") from None
 
 
-def _words(envelope: Envelope) -> str:
-    """The envelope as it may stand in a source."""
-    return getattr(envelope, "__name__", repr(envelope))
-
-
-def _through(noise: Array, soil: Soil, dt: float, tail: int) -> Array:
+def _through_soil(noise: Array, soil: Soil, dt: float, tail: int) -> Array:
     """The noise through the filters, and what follows for ``tail`` samples.
 
     A delay, which white noise does not notice, of about half a step makes the transfer function real at the Nyquist frequency,
@@ -115,13 +125,7 @@ def _through(noise: Array, soil: Soil, dt: float, tail: int) -> Array:
     return np.fft.irfft(filters * np.fft.rfft(noise, count), count)[: len(noise) + tail]
 
 
-def _settling(soil: Soil) -> float:
-    """Seconds until DECAYED of the slower filter's free motion is left."""
-    slowest = min(_rate(soil.omega_g, soil.zeta_g), _rate(soil.omega_f, soil.zeta_f))
-    return -math.log(DECAYED) / slowest
-
-
-def _rate(omega: float, zeta: float) -> float:
+def _decay_rate(omega: float, zeta: float) -> float:
     """How fast the slowest part of a filter's free motion decays [1/s]; overdamped too."""
     return omega * (zeta if zeta <= 1 else 1 / (zeta + math.sqrt(zeta**2 - 1)))
 

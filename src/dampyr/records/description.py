@@ -1,7 +1,8 @@
-"""All that is known of a record without its samples, for a table or for machines."""
+"""What is known of a record without its samples, for a table or for machines."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -23,11 +24,10 @@ from dampyr.records.record_cache import cached_by_record
 
 SAME_WINDOW = 0.02  # of the window: as well as the zeros of a short record tell it
 FEW = 3  # notes of one kind that a record has one by one
-LookedAt = tuple[Overview, Quality, DisplacementNoise, tuple[Recognised, ...]]
 
 
 def describe(record: Record) -> dict[str, Any]:
-    """All that is said and measured of a record, SI.
+    """What is stated and measured of a record, SI.
 
     Name, role, session, specimen, input, label, what was measured, how well it was sampled, and ``findings``: what a person
     should look at.
@@ -38,8 +38,9 @@ def describe(record: Record) -> dict[str, Any]:
     that is declared and not undone, ``noise`` what the displacement's noise does, ``marks`` the faults that the
     recorder saw, ``uncertainty`` the standard uncertainty of each channel and its parts.
     """
-    seen, sampled, noise, smoothing = _looked_at(record)
-    measured = measure(record) if seen.repeats else None
+    motion, sampling, noise, smoothing = _checks(record)
+    measured = measure(record) if motion.repeats else None
+    values = record.input_channel
     return {
         "name": record.name,
         "role": record.role,
@@ -47,20 +48,20 @@ def describe(record: Record) -> dict[str, Any]:
         "origin": record.origin.as_dict(),
         "input": record.input,
         "input_value": record.input_value,
-        "input_range": _range(record),
+        "input_range": None if values is None else [float(np.min(values)), float(np.max(values))],
         "duration_s": record.duration,
         "label": record.label,
         "measured": measured,
         "levels": describe_levels(record),
-        "overview": seen,
-        "quality": sampled,
+        "overview": motion,
+        "quality": sampling,
         "smoothing": smoothing,
         "smoothed": record.smoothed,
         "noise": noise,
         "marks": record.marks,
         "uncertainty": {
-            name: {"standard": one.standard, "largest": one.largest, "parts": dict(one.parts)}
-            for name, one in record.uncertainty.items()
+            name: {"standard": channel.standard, "largest": channel.largest, "parts": dict(channel.parts)}
+            for name, channel in record.uncertainty.items()
         },
         "findings": [replace(finding, about=()).as_dict() for finding in record.findings],
         "history": record.history,
@@ -69,7 +70,7 @@ def describe(record: Record) -> dict[str, Any]:
 
 
 @cached_by_record
-def _looked_at(record: Record) -> LookedAt:
+def _checks(record: Record) -> tuple[Overview, Quality, DisplacementNoise, tuple[Recognised, ...]]:
     return overview(record), quality(record), displacement_noise(record), recognise_smoothing(record)
 
 
@@ -79,26 +80,26 @@ def describe_levels(record: Record) -> list[dict[str, Any]]:
 
     Empty for any other motion.
     """
-    made = cut_cycles(record)
-    if not made.graded:
+    cut = cut_cycles(record)
+    if not cut.graded:
         return []
     energies: dict[int, list[float]] = {}
-    for one in cycle_table(record):
-        energies.setdefault(one.level, []).append(one.energy)
+    for cycle in cycle_table(record):
+        energies.setdefault(cycle.level, []).append(cycle.energy)
     return [
-        {"number": each.number, "cycles": each.count, "stroke_m": each.stroke_m, "frequency_hz": 1.0 / each.period_s,
-         "energy_per_cycle": float(np.mean(energies[each.number]))}
-        for each in made.levels
+        {"number": level.number, "cycles": level.count, "stroke_m": level.stroke_m, "frequency_hz": 1.0 / level.period_s,
+         "energy_per_cycle": float(np.mean(energies[level.number]))}
+        for level in cut.levels
     ]  # fmt: skip
 
 
-def _in_levels(record: Record) -> str:
-    made = cut_cycles(record)
-    strokes = [1e3 * each.stroke_m for each in made.levels]
+def _levels_sentence(record: Record) -> str:
+    cut = cut_cycles(record)
+    strokes = [1e3 * level.stroke_m for level in cut.levels]
     span = f"{min(strokes):.3g} to {max(strokes):.3g} mm peak to peak"
-    if made.stepped:
-        return f"{len(made.levels)} levels, {len(made.cycles)} whole cycles of {made.run:g}, {span}"
-    return f"strokes that rise or fall from cycle to cycle: {len(made.cycles)} whole cycles of {made.run:g}, {span}"
+    if cut.stepped:
+        return f"{len(cut.levels)} levels, {len(cut.cycles)} whole cycles of {cut.run:g}, {span}"
+    return f"strokes that rise or fall from cycle to cycle: {len(cut.cycles)} whole cycles of {cut.run:g}, {span}"
 
 
 @findings_of.register(Record)
@@ -107,29 +108,33 @@ def _(record: Record) -> tuple[Finding, ...]:
     """All that a person should look at in a record: its ``findings``."""
     by_kind = findings_by_kind(record).values()
     return tuple(
-        dict.fromkeys(Finding(severity, words, (record.name,)) for severity, some in by_kind for words in some)
+        dict.fromkeys(
+            Finding(severity, sentence, (record.name,)) for severity, sentences in by_kind for sentence in sentences
+        )
     )
 
 
 def findings_by_kind(record: Record) -> dict[str, tuple[Severity, list[str]]]:
     """The severity and the sentences of every kind of finding, whether the record has it or not; in the order of findings."""
-    seen, sampled, noise, smoothing = _looked_at(record)
-    against = [words.removeprefix(f"{record.name}: ") for words in disagreements(record)]
-    energy = against[-1:] if creates_energy(record) else []
-    irregular = [] if seen.repeats else [_in_levels(record) if cut_cycles(record).graded else _irregular(seen)]
+    motion, sampling, noise, smoothing = _checks(record)
+    contradictions = [sentence.removeprefix(f"{record.name}: ") for sentence in disagreements(record)]
+    energy = contradictions[-1:] if creates_energy(record) else []  # which `disagreements` names last
+    irregular = []
+    if not motion.repeats:
+        irregular = [_levels_sentence(record) if cut_cycles(record).graded else _irregular_sentence(motion)]
     integrated = [f"displacement {record.provenance['displacement']}"] if is_integrated(record) else []
     doubts = {
         "mark": list(record.marks),
-        "label": against[: len(against) - len(energy)],
-        **sampled.by_kind,
+        "label": contradictions[: len(contradictions) - len(energy)],
+        **sampling.judged(record.thresholds),
         "undeclared smoothing": _undeclared(smoothing),
-        "noise": list(noise.notes),
+        "noise": list(noise.judged(record.thresholds)),
     }
     notes = {"integrated": integrated, "irregular": irregular, "declared smoothing": _declared(record)}
     return {
         "created energy": ("wrong", energy),
-        **{kind: ("doubt", _condensed(some)) for kind, some in doubts.items()},
-        **{kind: ("note", some) for kind, some in notes.items()},
+        **{kind: ("doubt", _condensed(sentences)) for kind, sentences in doubts.items()},
+        **{kind: ("note", sentences) for kind, sentences in notes.items()},
     }
 
 
@@ -139,38 +144,38 @@ def _condensed(notes: Sequence[str]) -> list[str]:
     for note in notes:
         kinds.setdefault(Finding("doubt", note).kind, []).append(note)
     return [
-        words
-        for some in kinds.values()
-        for words in (some if len(some) <= FEW else [f"{some[0]}, and {len(some) - 1} more like it"])
+        note
+        for alike in kinds.values()
+        for note in (alike if len(alike) <= FEW else [f"{alike[0]}, and {len(alike) - 1} more like it"])
     ]
 
 
-def _irregular(seen: Overview) -> str:
-    if seen.dominant_hz is None:
+def _irregular_sentence(motion: Overview) -> str:
+    if motion.dominant_hz is None:
         return "no whole cycle: nothing moves"
-    return f"no repeating cycle: strongest at {seen.dominant_hz:.2g} Hz, {1e3 * seen.rms_speed:.3g} mm/s rms"
+    return f"no repeating cycle: strongest at {motion.dominant_hz:.2g} Hz, {1e3 * motion.rms_speed:.3g} mm/s rms"
 
 
 def _undeclared(recognised: tuple[Recognised, ...]) -> list[str]:
-    """What is smoothed, as it shows, with the repair."""
+    """Notes on channels that show a moving average which nobody declared, with the repair."""
     notes = []
-    for here in _alike(recognised):
-        one = max(here, key=lambda each: each.sigmas if each.sigmas == each.sigmas else 0.0)
-        names = " and ".join(each.channel for each in here)
-        part = f", {one.periods:.2g} of the period" if one.periods is not None else ""
-        signs = (
-            [] if one.sigmas != one.sigmas else [f"zeros {one.contrast:.2g} dB deep, {one.sigmas:.2g} standard errors"]
-        )
-        signs += [f"{each.channel} differences on its grid" for each in here if each.on_grid is not None]
+    for group in _alike(recognised):
+        # a window that shows on the converter's grid alone has no standard errors (NaN)
+        clearest = max(group, key=lambda channel: 0.0 if math.isnan(channel.sigmas) else channel.sigmas)
+        names = " and ".join(channel.channel for channel in group)
+        part = f", {clearest.periods:.2g} of the period" if clearest.periods is not None else ""
+        signs = [f"{channel.channel} differences on its grid" for channel in group if channel.on_grid is not None]
+        if not math.isnan(clearest.sigmas):
+            signs.insert(0, f"zeros {clearest.contrast:.2g} dB deep, {clearest.sigmas:.2g} standard errors")
         notes.append(
-            f"{names} smoothed? a moving average over {one.window:.4g} s ({one.samples} samples{part}) shows in the spectrum, "
-            f"{'; '.join(signs)}: declare it, --smoothed '{one.samples} samples'"
+            f"{names} smoothed? a moving average over {clearest.window:.4g} s ({clearest.samples} samples{part}) shows in the "
+            f"spectrum, {'; '.join(signs)}: declare it, --smoothed '{clearest.samples} samples'"
         )
     return notes
 
 
 def _declared(record: Record) -> list[str]:
-    """What is smoothed, as it is declared."""
+    """Notes on channels that are declared smoothed."""
     if record.smoothed is None:
         return []
     left = record.smoothed.channels
@@ -183,16 +188,9 @@ def _declared(record: Record) -> list[str]:
 def _alike(recognised: tuple[Recognised, ...]) -> list[list[Recognised]]:
     """Channels together whose windows agree to two hundredths, or to a sample."""
     groups: list[list[Recognised]] = []
-    for one in sorted(recognised, key=lambda each: each.samples):
-        if groups and one.samples - groups[-1][0].samples <= max(1.0, SAME_WINDOW * one.samples):
-            groups[-1].append(one)
+    for channel in sorted(recognised, key=lambda channel: channel.samples):
+        if groups and channel.samples - groups[-1][0].samples <= max(1.0, SAME_WINDOW * channel.samples):
+            groups[-1].append(channel)
         else:
-            groups.append([one])
+            groups.append([channel])
     return [sorted(group, key=recognised.index) for group in groups]
-
-
-def _range(record: Record) -> list[float] | None:
-    value = record.voltage if record.voltage is not None else record.current
-    if value is None:
-        return None
-    return [value, value] if isinstance(value, float) else [float(np.min(value)), float(np.max(value))]

@@ -6,7 +6,8 @@ Everything is SI. Extension is positive; a positive force opposes a positive vel
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from types import MappingProxyType
 from typing import Any, Literal, cast
@@ -19,6 +20,7 @@ from dampyr.findings import Finding, findings_of
 from dampyr.origin import DAY, NOT_STATED, Origin, PublishedData, as_origin
 from dampyr.records.checks.channel_uncertainty import ChannelUncertainty
 from dampyr.records.conditioning.moving_average import MovingAverage
+from dampyr.records.thresholds import USUAL, RecordThresholds
 from dampyr.shown import Shown
 from dampyr.source_file import SourceFile
 from dampyr.units import in_si
@@ -26,6 +28,7 @@ from dampyr.units import in_si
 Array = NDArray[np.float64]
 Role = Literal["fit", "validation"]
 
+UNEVEN = 0.01  # of the sampling interval: a filter or an average that counts samples needs them even
 MIN_SAMPLES = 8  # fewer leave the filter of the velocity nothing to work on
 CHANNELS: Mapping[str, str] = MappingProxyType(
     {
@@ -41,10 +44,10 @@ CHANNELS: Mapping[str, str] = MappingProxyType(
 """The channels that a record can hold, each with the unit it is held in."""
 
 GROUPS: Mapping[str, str] = MappingProxyType({"measurement_session": "session", "specimen": "specimen"})
-"""The fields by which records belong together, each with the word for it in tables."""
+"""The fields by which records belong together, and how tables call them."""
 
 COMMENTS = (*GROUPS, "origin")
-"""What files of columns hold in words, where it is stated: groups, and the kind of the origin."""
+"""What files of columns hold as text, where it is stated: groups, and the kind of the origin."""
 
 
 @dataclass(frozen=True)
@@ -104,6 +107,8 @@ class Record(Shown):
         operator, the date, the data set and dampyr's version.
     source_file
         The name and the SHA-256 of the file that it was read from, or None; reports list them.
+    thresholds
+        From when on what it shows is a finding (:class:`~dampyr.records.thresholds.RecordThresholds`). No file keeps them.
 
     Raises
     ------
@@ -130,6 +135,7 @@ class Record(Shown):
     uncertainty: Mapping[str, ChannelUncertainty] = field(default_factory=dict)
     source_file: SourceFile | None = None
     origin: Origin = NOT_STATED
+    thresholds: RecordThresholds = USUAL
 
     def __post_init__(self) -> None:
         for channel in CHANNELS:
@@ -183,8 +189,18 @@ class Record(Shown):
     @property
     def input_value(self) -> float | None:
         """The mean of the damper's input in V or A, or None when unknown."""
-        value = self.voltage if self.voltage is not None else self.current
+        value = self.input_channel
         return None if value is None else float(np.mean(value))
+
+    @property
+    def input_channel(self) -> float | Array | None:
+        """The damper's input in V or A as the record holds it: a number, a channel (n,), or None when unknown."""
+        return self.voltage if self.voltage is not None else self.current
+
+    @property
+    def evenly_sampled(self) -> bool:
+        """Whether every sampling interval is the median one to 1 %."""
+        return not float(np.max(np.abs(np.diff(self.time) - self.dt))) > UNEVEN * self.dt
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -208,36 +224,40 @@ class Record(Shown):
         window = slice(0, int(np.searchsorted(self.time, end, side="right")))
         if np.size(self.time[window]) < MIN_SAMPLES:
             raise InputError(f"{self.name}: nothing is left before {end:.3g} s; it starts at {self.time[0]:.3g} s")
-        return self._at(window, f"cut at {end:.6g} s")
+        return self.sliced(window, f"cut at {end:.6g} s")
 
     def thinned(self, stride: int) -> Record:
         """Every ``stride``-th sample, nothing averaged."""
         if stride < 1:
             raise InputError(f"stride = {stride} is not allowed; it must be at least 1")
-        return self if stride == 1 else self._at(slice(None, None, stride), f"every {stride}th sample kept")
+        return self if stride == 1 else self.sliced(slice(None, None, stride), f"every {stride}th sample kept")
 
-    def _at(self, window: slice, note: str) -> Record:
-        channels = {c: getattr(self, c) for c in CHANNELS}
-        return self.replace(note=note, **{c: v[window] for c, v in channels.items() if isinstance(v, np.ndarray)})
+    def sliced(self, window: slice, note: str, **changes: Any) -> Record:
+        """The samples of ``window``, with ``note`` in the history and other fields changed as by `replace`."""
+        channels = {name: getattr(self, name) for name in CHANNELS}
+        parts = {name: values[window] for name, values in channels.items() if isinstance(values, np.ndarray)}
+        return self.replace(note=note, **parts, **changes)
 
 
 def _origin_of(record: Record) -> Origin:
-    """The kind that was given, with what the record says of itself."""
-    about = record.provenance
+    """The kind of the origin, completed by what the record says of itself."""
+    provenance = record.provenance
 
     def entries(value: Any) -> tuple[Any, ...]:
         return (value,) if value else ()
 
-    data_set = about.get("data_set", "")
+    data_set = provenance.get("data_set", "")
     return Origin(
         as_origin(record.origin).kind,
         sources=entries(record.source_file),
-        operators=entries(about.get("operator")),
+        operators=entries(provenance.get("operator")),
         specimens=entries(record.specimen),
         sessions=entries(record.measurement_session),
-        dates=entries((about.get("date") or about.get("started", ""))[:DAY]),
-        data_sets=entries(data_set and PublishedData(data_set, about.get("doi", ""), about.get("licence", ""))),
-        versions=entries(about.get("dampyr")),
+        dates=entries((provenance.get("date") or provenance.get("started", ""))[:DAY]),
+        data_sets=entries(
+            data_set and PublishedData(data_set, provenance.get("doi", ""), provenance.get("licence", ""))
+        ),
+        versions=entries(provenance.get("dampyr")),
     )
 
 
@@ -300,6 +320,12 @@ def _check_values(record: Record) -> None:
         )
 
 
+def commonest_name(records: Iterable[Record]) -> tuple[str, int]:
+    """The name that most of the records have, and how many have it; ``("", 0)`` without records."""
+    names = Counter(record.name for record in records).most_common(1)
+    return names[0] if names else ("", 0)
+
+
 def stated(record: Record) -> dict[str, str]:
     """The `COMMENTS` that a record has."""
     held = {name: getattr(record, name) for name in GROUPS} | {"origin": record.origin.kind}
@@ -309,12 +335,12 @@ def stated(record: Record) -> dict[str, str]:
 def as_group(name: str, text: Any) -> str | None:
     """The name of a session or of a specimen without blanks around it, or None; else an :class:`InputError`.
 
-    Records are grouped by these names, so that what is no name, or only looks like another one, is refused.
+    Records are grouped by these names, so that what is not a name, or only looks like another one, is refused.
     """
     if text is None:
         return None
     if not isinstance(text, str):
-        raise InputError(f"{name} = {text!r} is no text; give a name in quotes, or leave it out")
+        raise InputError(f"{name} = {text!r} is not a text; give a name in quotes, or leave it out")
     trimmed = text.strip()
     if not trimmed or not trimmed.isprintable():
         raise InputError(f"{name} = {text!r} is not a name; give one line of text that is not empty, or leave it out")

@@ -66,7 +66,10 @@ class Building(Shown):
         for letter in "MCK":
             self._set(letter, _matrix(letter, getattr(self, letter)))
         self._set("n", len(self.M))
-        _check_sizes(self)
+        sizes = {letter: len(getattr(self, letter)) for letter in "MCK"}
+        if len(set(sizes.values())) > 1:
+            listed = ", ".join(f"{letter} {size}x{size}" for letter, size in sizes.items())
+            raise InputError(f"the matrices differ in size ({listed}); M, C and K must have one row per floor each")
         _check_definite(self)
         self._set("floors", _labels(self))
         self._set("influence", _influence(self))
@@ -80,7 +83,7 @@ class Building(Shown):
             return self._storey(place)
         if len(place) != 2:
             raise InputError(f"{place!r} names {len(place)} floors; a damper stands between 2, such as (0, 2)")
-        first, second = (_floor_count(self.floors, each, self.name) for each in place)
+        first, second = (_floor_count(self.floors, floor, self.name) for floor in place)
         if first == second:
             raise InputError(f"{place!r} joins floor {second} to itself; a damper needs two different ends")
         return second if second == first + 1 else (first, second)
@@ -99,18 +102,18 @@ class Building(Shown):
         ``place`` is a storey, counted from 1, or two floors (i, j) by label or count, 0 or "ground" for the
         ground: the stroke is q_j - q_i, and (i-1, i) is storey i.
         """
-        there = self.resolve_place(place)
-        first, second = (there - 1, there) if isinstance(there, int) else there
+        resolved = self.resolve_place(place)
+        first, second = (resolved - 1, resolved) if isinstance(resolved, int) else resolved
         values = np.zeros(self.n + 1)
         values[first], values[second] = -1.0, 1.0
         return values[1:]
 
     def place_label(self, place: Any) -> str:
         """A place as a response names it: "storey 1", or the labels of its floors as in "0-2"."""
-        there = self.resolve_place(place)
-        if isinstance(there, int):
-            return f"storey {there}"
-        return "-".join(GROUND[0] if k == 0 else self.floors[k - 1] for k in there)
+        resolved = self.resolve_place(place)
+        if isinstance(resolved, int):
+            return f"storey {resolved}"
+        return "-".join(GROUND[0] if k == 0 else self.floors[k - 1] for k in resolved)
 
     @property
     def n_floors(self) -> int:
@@ -171,13 +174,6 @@ def _matrix(letter: str, values: ArrayLike) -> Array:
         )
     array.flags.writeable = False
     return array
-
-
-def _check_sizes(building: Building) -> None:
-    sizes = {letter: len(getattr(building, letter)) for letter in "MCK"}
-    if len(set(sizes.values())) > 1:
-        sizes_text = ", ".join(f"{letter} {size}x{size}" for letter, size in sizes.items())
-        raise InputError(f"the matrices differ in size ({sizes_text}); M, C and K must have one row per floor each")
 
 
 _SIGNS = (("M", "greater than", "masses"), ("K", "at least", "stiffnesses"), ("C", "at least", "dashpots"))
@@ -245,8 +241,8 @@ class Condensed(Building):
 
     ``T`` (m, n) makes displacements of all from the coordinates, in the order of ``all_floors`` (m labels). ``exact`` says
     whether nothing was lost. ``frequency_errors`` (k,) are the relative rises of the natural frequencies above those of the
-    whole (nan for a free mode). ``whole`` is the structure; the last ``interior`` of the n coordinates are no floors but shapes
-    in which the floors stand still (see `dampyr.structures.refined`).
+    whole (nan for a free mode). ``whole`` is the structure; the last ``interior`` of the n coordinates are not floors but
+    shapes in which the floors stand still (see `dampyr.structures.refined`).
     """
 
     T: Array = field(default_factory=lambda: np.zeros((0, 0)))
@@ -297,71 +293,79 @@ def condense(
 ) -> Condensed:
     r"""A building from matrices (m, m) of which some degrees of freedom may have no mass.
 
-    ``keep`` are those that stay, by label or count from 1, in the order in which they shall be floors from the
-    ground up; ``floors`` (m labels, default 1 to m) and ``influence`` (m,) are those of all. The ground's push
-    is kept whole: :math:`\iota' = M'^{-1} T^T M \iota`, and so is its own share of accelerations and base shear. Warns
-    (:class:`~dampyr.errors.DampyrWarning`) where the result is not exact, and says by how much the frequencies rise;
-    :class:`~dampyr.errors.InputError` where a degree of freedom that is left out is held by no spring.
+    The ground's push is kept whole: :math:`\iota' = M'^{-1} T^T M \iota`, and so is its own share of accelerations and base
+    shear. Warns (:class:`~dampyr.errors.DampyrWarning`) where the result is not exact, and says by how much the frequencies
+    rise.
+
+    Parameters
+    ----------
+    M, C, K
+        ``(m, m)`` in kg, N s/m and N/m, symmetric; M may have rows of zeros.
+    keep
+        The degrees of freedom that stay, by label or count from 1, in the order in which they are floors from the ground up.
+    name
+        What the building is called.
+    floors
+        ``(m,)`` labels of all degrees of freedom; by default 1 to m.
+    influence
+        ``(m,)``: how each of them follows a rigid motion of the ground; by default ones.
+
+    Returns
+    -------
+    Condensed
+        The building, which also recovers the motion of what was left out.
+
+    Raises
+    ------
+    InputError
+        A degree of freedom that is left out is held by no spring, or the matrices, labels or ``keep`` do not fit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> K = 1e6 * np.array([[2.0, -1.0, 0.0], [-1.0, 2.0, -1.0], [0.0, -1.0, 1.0]])
+    >>> M = np.diag([1e3, 0.0, 1e3])
+    >>> building = dp.structures.condense(M, 0.0 * K, K, keep=[1, 3])
+    >>> building.floors, building.exact
+    (('1', '3'), True)
     """
-    m, c, k = _matrices(M, C, K)
-    labels = _whole_labels(floors, len(k))
+    matrices = [_matrix(letter, values) for letter, values in zip("MCK", (M, C, K), strict=True)]
+    m, c, k = matrices
+    if len({len(matrix) for matrix in matrices}) > 1:
+        raise InputError("M, C and K differ in size; they must have one row per degree of freedom each")
+    labels = tuple(str(floor) for floor in floors) or tuple(str(i + 1) for i in range(len(k)))
+    if len(labels) != len(k):
+        raise InputError(f"floors = {list(labels)} does not label {len(k)} degrees of freedom; give {len(k)} names")
+    iota = np.ones(len(k)) if influence is None else np.asarray(influence, dtype=float)
+    if iota.shape != (len(k),):
+        raise InputError(f"influence has shape {iota.shape}; it must be {len(k)} numbers, one per degree of freedom")
     retained = _retained_indices(keep, labels, name)
     left = [i for i in range(len(k)) if i not in retained]
     T = _recovery(k, retained, left, labels)
-    made = Building(reduced(T, m), reduced(T, c), reduced(T, k), name, [labels[i] for i in retained])
-    iota = _whole_influence(influence, len(k))
-    pushed = np.asarray(np.linalg.solve(made.M, T.T @ m @ iota), dtype=np.float64)
-    errors = _frequency_errors(made, m, k)
+    building = Building(reduced(T, m), reduced(T, c), reduced(T, k), name, [labels[i] for i in retained])
+    pushed = np.asarray(np.linalg.solve(building.M, T.T @ m @ iota), dtype=np.float64)
+    errors = _frequency_errors(building, m, k)
     exact = not (np.any(m[left]) or np.any(c[left]))
     if not exact:
         _warn_of_error(name, bool(np.any(c[left])), errors)
     whole = Whole(m, c, k, iota, tuple(retained))
-    return Condensed(made.M, made.C, made.K, name, made.floors, pushed, T, labels, exact, errors, whole)
+    return Condensed(building.M, building.C, building.K, name, building.floors, pushed, T, labels, exact, errors, whole)
 
 
 def reduced(T: Array, matrix: Array) -> Array:
     """``T' matrix T``, symmetric."""
     small = T.T @ matrix @ T
-    return np.asarray(0.5 * (small + small.T))
-
-
-def _matrices(*given: ArrayLike) -> list[Array]:
-    matrices = [_square(letter, values) for letter, values in zip("MCK", given, strict=True)]
-    if len({len(each) for each in matrices}) > 1:
-        raise InputError("M, C and K differ in size; they must have one row per degree of freedom each")
-    return matrices
-
-
-def _whole_influence(values: ArrayLike | None, size: int) -> Array:
-    iota = np.ones(size) if values is None else np.asarray(values, dtype=float)
-    if iota.shape != (size,):
-        raise InputError(f"influence has shape {iota.shape}; it must be {size} numbers, one per degree of freedom")
-    return iota
-
-
-def _square(letter: str, values: ArrayLike) -> Array:
-    array = np.array(values, dtype=float)
-    if array.ndim != 2 or array.shape[0] != array.shape[1] or not np.all(np.isfinite(array)):
-        raise InputError(f"{letter} has shape {array.shape}; it must be square, of finite numbers")
-    if np.max(np.abs(array - array.T)) > 1e-9 * np.max(np.abs(array)):
-        raise InputError(f"{letter} is not symmetric; make {letter}[i][j] = {letter}[j][i]")
-    return array
+    return np.asarray(0.5 * (small + small.T))  # rounding leaves the two halves a few digits apart
 
 
 def _retained_indices(keep: Sequence[int | str], labels: tuple[str, ...], name: str) -> list[int]:
-    retained = [_floor_count(labels, each, name) - 1 for each in keep]
+    retained = [_floor_count(labels, floor, name) - 1 for floor in keep]
     if not retained or -1 in retained or len(set(retained)) != len(retained):
         raise InputError(
             f"keep = {list(keep)} is not allowed; give different floors of {name}, the ground not among them"
         )
     return retained
-
-
-def _whole_labels(floors: Sequence[str], size: int) -> tuple[str, ...]:
-    labels = tuple(str(each) for each in floors) or tuple(str(i + 1) for i in range(size))
-    if len(labels) != size:
-        raise InputError(f"floors = {list(labels)} does not label {size} degrees of freedom; give {size} names")
-    return labels
 
 
 def _recovery(k: Array, retained: list[int], left: list[int], labels: tuple[str, ...]) -> Array:
@@ -379,16 +383,17 @@ def _recovery(k: Array, retained: list[int], left: list[int], labels: tuple[str,
     return T
 
 
-def _frequency_errors(made: Building, m: Array, k: Array) -> Array:
+def _frequency_errors(condensed: Building, m: Array, k: Array) -> Array:
     """How far the frequencies lie above the lowest of the whole, whose mass may be singular."""
     from scipy.linalg import eigh
 
+    # mass and stiffness may both be singular: the shifted stiffness is not, and without mass 1/omega^2 is 0 and not infinite
     shift = 1e-3 * np.trace(k) / np.trace(m)
-    inverse = eigh(m, k + shift * m, eigvals_only=True)[::-1][: made.n]
+    inverse = eigh(m, k + shift * m, eigvals_only=True)[::-1][: condensed.n]
     square = 1.0 / inverse - shift
-    ours = (2 * np.pi * made.frequencies) ** 2
+    square_condensed = (2 * np.pi * condensed.frequencies) ** 2
     free = square <= 1e-9 * square[-1]
-    return np.where(free, np.nan, np.sqrt(np.maximum(ours / np.where(free, 1.0, square), 0.0)) - 1.0)
+    return np.where(free, np.nan, np.sqrt(np.maximum(square_condensed / np.where(free, 1.0, square), 0.0)) - 1.0)
 
 
 def _warn_of_error(name: str, damped: bool, errors: Array) -> None:

@@ -54,7 +54,7 @@ def control_law(name: str, **settings: Any) -> Any:
     settings = {"low": 0.0} | settings
     unknown = [key for key in settings if key not in allowed]
     if unknown:
-        raise InputError(f"{unknown[0]!r} is no setting of {name}; it has {', '.join(allowed)}")
+        raise InputError(f"{unknown[0]!r} is not a setting of {name}; it has {', '.join(allowed)}")
     missing = [key for key, field in allowed.items() if field.default is MISSING and key not in settings]
     if missing:
         raise InputError(f"{name} needs {missing[0]}; write {missing[0]}=, a number")
@@ -91,7 +91,7 @@ def _value_of_text(key: str, value: str) -> Any:
 
 def _class(module: ModuleType) -> type:
     wanted = module.__name__.rpartition(".")[2].replace("_", "")
-    return next(c for n, c in vars(module).items() if isinstance(c, type) and n.lower() == wanted)
+    return next(cls for name, cls in vars(module).items() if isinstance(cls, type) and name.lower() == wanted)
 
 
 def _number(name: str, field: Field[Any], value: Any) -> Any:
@@ -123,8 +123,8 @@ def describe_law(law: Any, unit: str = "") -> str:
     description = f"{_name(law)} {law.low:g} to {law.high:g} {unit}".rstrip()
     other = [field for field in fields(law) if field.name not in ("low", "high")]
     changed = [field for field in other if getattr(law, field.name) != field.default]
-    words = [f"{field.name} {_short(getattr(law, field.name))}{_unit(law, field.name)}" for field in changed]
-    return ", ".join([description, *words])
+    settings = [f"{field.name} {_short(getattr(law, field.name))}{_unit(law, field.name)}" for field in changed]
+    return ", ".join([description, *settings])
 
 
 def _short(value: Any) -> str:
@@ -173,13 +173,13 @@ def _check_order(law: Any) -> None:
 def lag_of(law: Any, damper: Any) -> float:
     """The time constant [s] by which the coil follows the law: the damper's own part ``lag``, or the law's setting."""
     k = damper.composition.lag
-    own = 0.0 if k is None else float(list(damper.all_laws.values())[k](law.low))
-    if own > 0 and law.lag > 0:
+    of_damper = 0.0 if k is None else float(list(damper.all_laws.values())[k](law.low))
+    if of_damper > 0 and law.lag > 0:
         raise InputError(
-            f"the damper has a lag of {own:g} s and {_name(law)} one of {law.lag:g} s; "
+            f"the damper has a lag of {of_damper:g} s and {_name(law)} one of {law.lag:g} s; "
             "leave one of the two out, as they are the same coil"
         )
-    lag = max(own, law.lag)
+    lag = max(of_damper, law.lag)
     if 0 < lag < MIN_LAG:
         raise InputError(f"a lag of {lag:g} s is below the {MIN_LAG:g} s that can be resolved; set it to 0")
     return lag

@@ -24,10 +24,22 @@ Array = NDArray[np.float64]
 def rayleigh(
     M: ArrayLike, K: ArrayLike, damping_ratio: float | Sequence[float], modes: tuple[int, int] = (1, 2)
 ) -> Array:
-    """C (n, n) [N s/m] that gives two modes, counted from 1 by rising frequency, their ratios: one for both, or a pair.
+    """C (n, n) [N s/m] that gives two modes their damping ratios.
 
-    A building of one degree of freedom has one mode and takes one ratio. InputError where some mode would have
-    a negative ratio, which would feed it.
+    Parameters
+    ----------
+    M, K
+        ``(n, n)`` in kg and N/m.
+    damping_ratio
+        Of critical, from 0 to below 1: one for both modes, or a pair. A building of one degree of freedom has one mode and
+        takes one ratio.
+    modes
+        The two modes, counted from 1 by rising frequency.
+
+    Raises
+    ------
+    InputError
+        A ratio or a mode is not allowed, or some mode would have a negative ratio, which would feed it.
     """
     square, _ = _modes(M, K)
     ratios = _ratios(damping_ratio, min(len(square), 2), "one, or one for each of the two modes")
@@ -43,26 +55,26 @@ def modal(M: ArrayLike, K: ArrayLike, damping_ratio: float | Sequence[float]) ->
     ratios = _ratios(damping_ratio, len(square), "one, or one per mode")
     shapes = np.asarray(M, dtype=float) @ modes
     c = shapes @ np.diag(2 * ratios * np.sqrt(square)) @ shapes.T
-    return 0.5 * (c + c.T)
+    return 0.5 * (c + c.T)  # a building refuses a C that rounding made unsymmetric
 
 
 def _modes(M: ArrayLike, K: ArrayLike) -> tuple[Array, Array]:
     from scipy.linalg import eigh
 
     square, modes = eigh(np.asarray(K, dtype=float), np.asarray(M, dtype=float))
-    return np.maximum(square, 0.0), modes
+    return np.maximum(square, 0.0), modes  # a mode without stiffness comes out a rounding below 0
 
 
 def _ratios(values: float | Sequence[float], count: int, wanted: str) -> Array:
-    given = np.atleast_1d(np.asarray(values, dtype=float))
-    if given.shape not in ((1,), (count,)):
-        raise InputError(f"{given.size} damping ratios are given; give {wanted} ({count} here)")
-    for ratio in given:
+    ratios = np.atleast_1d(np.asarray(values, dtype=float))
+    if ratios.shape not in ((1,), (count,)):
+        raise InputError(f"{ratios.size} damping ratios are given; give {wanted} ({count} here)")
+    for ratio in ratios:
         if not 0 <= ratio < 1:
             raise InputError(
                 f"damping_ratio = {ratio:g} is not allowed; it must be at least 0 and below 1 (0.03 is 3 %)"
             )
-    return np.broadcast_to(given, (count,))
+    return np.broadcast_to(ratios, (count,))
 
 
 def _pair(modes: tuple[int, int], count: int) -> tuple[int, int]:

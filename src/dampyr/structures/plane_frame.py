@@ -126,7 +126,7 @@ def _element(path: Path, row: dict[str, str], span: Array) -> Array:
     if length == 0.0 or axial < 0.0 or bending < 0.0:
         raise FileError(path, f"line {row['line']}: its length must be more than 0, and EI and EA at least 0")
     a, b, c, d = axial / length, 12 * bending / length**3, 6 * bending / length**2, 2 * bending / length
-    own = np.array(
+    local = np.array(
         [
             [a, 0, 0, -a, 0, 0],
             [0, b, c, 0, -b, c],
@@ -137,8 +137,8 @@ def _element(path: Path, row: dict[str, str], span: Array) -> Array:
         ]
     )
     cosine, sine = span / length
-    turn = np.kron(np.eye(2), [[cosine, sine, 0], [-sine, cosine, 0], [0, 0, 1]])
-    return np.asarray(turn.T @ own @ turn, dtype=np.float64)
+    rotation = np.kron(np.eye(2), [[cosine, sine, 0], [-sine, cosine, 0], [0, 0, 1]])
+    return np.asarray(rotation.T @ local @ rotation, dtype=np.float64)
 
 
 def _table(path: Path, columns: dict[str, str]) -> list[dict[str, str]]:

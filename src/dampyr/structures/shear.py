@@ -27,14 +27,24 @@ def shear_building(
 
     Parameters
     ----------
-    masses, stiffnesses : (n,) [kg], [N/m]
-    damping_ratio : with ``method="rayleigh"``, :math:`C = \alpha M + \beta K`, of two modes, one ratio for
-        both or a pair; with ``method="modal"`` of every mode, one for all or n of them by rising frequency.
-    modes : the two modes of ``"rayleigh"``, counted from 1 by rising frequency.
-    dashpots : (n,) [N s/m], one per storey, instead of a ratio. Give one of the two.
+    masses, stiffnesses
+        ``(n,)`` in kg and N/m, greater than 0: of each floor, and of the storey below it.
+    damping_ratio
+        Of critical, from 0 to below 1 (0.02 is 2 %). With ``method="rayleigh"``, :math:`C = \alpha M + \beta K`, of two modes,
+        one ratio for both or a pair; with ``method="modal"`` of every mode, one for all or n of them by rising frequency.
+    dashpots
+        ``(n,)`` in N s/m, one per storey, instead of a ratio. Give one of the two.
+    method
+        "rayleigh" or "modal": how the ratios make a damping matrix.
+    name
+        What the building is called.
+    modes
+        The two modes of ``"rayleigh"``, counted from 1 by rising frequency.
 
-    :class:`~dampyr.errors.InputError` for numbers that do not match, and for a pair of ratios that would
-    give some mode a negative one.
+    Raises
+    ------
+    InputError
+        Numbers do not match, or a pair of ratios would give some mode a negative one.
 
     Examples
     --------
@@ -64,9 +74,30 @@ def single_mass(
     damping_ratio: float = 0.0,
     name: str = "single mass",
 ) -> Building:
-    r"""One mass [kg] on one spring: :math:`\ddot q + 2\zeta\omega\dot q + \omega^2 q = -a_g`.
+    r"""One mass on one spring: :math:`\ddot q + 2\zeta\omega\dot q + \omega^2 q = -a_g`.
 
-    Give its ``frequency`` [Hz] or its ``stiffness`` [N/m], and the ``damping_ratio`` (0.05 is 5 %).
+    Parameters
+    ----------
+    mass
+        kg, greater than 0.
+    frequency, stiffness
+        The natural frequency in Hz, or the stiffness in N/m. Give one of the two.
+    damping_ratio
+        Of critical, from 0 to below 1 (0.05 is 5 %); by default none.
+    name
+        What the building is called.
+
+    Raises
+    ------
+    InputError
+        A number is not allowed, or both or neither of frequency and stiffness are given.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> tower = dp.structures.single_mass(2e4, frequency=1.5, damping_ratio=0.05)
+    >>> tower.frequencies.round(2)
+    array([1.5])
     """
     if (frequency is None) == (stiffness is None):
         raise InputError("a single mass takes either frequency= in Hz or stiffness= in N/m; give one of the two")
@@ -77,12 +108,12 @@ def single_mass(
 
 
 def _dashpots(values: ArrayLike, count: int) -> Array:
-    each = np.asarray(values, dtype=float)
-    if each.shape != (count,) or not np.all(np.isfinite(each)) or each.min() < 0:
+    dashpots = np.asarray(values, dtype=float)
+    if dashpots.shape != (count,) or not np.all(np.isfinite(dashpots)) or dashpots.min() < 0:
         raise InputError(
-            f"dashpots = {each.tolist()} must be {count} finite numbers of at least 0 N s/m, one per storey"
+            f"dashpots = {dashpots.tolist()} must be {count} finite numbers of at least 0 N s/m, one per storey"
         )
-    return each
+    return dashpots
 
 
 def _storeys(values: Array) -> Array:

@@ -74,17 +74,21 @@ def make_sites(
     ``voltage`` [V] or ``current`` [A] is one number or law for all or a mapping from place to these. The static
     force of a damper is left out: a building is at rest in its equilibrium with it.
     """
-    if voltage is not None and current is not None:
-        raise InputError("both voltage= and current= are given; a damper takes one of the two")
-    dampers = placement(dampers)
+    input_of(voltage, current)
     voltage, current = _by_place(building, voltage), _by_place(building, current)
-    sites = []
-    for key, entry in dampers.items():
-        there = building.resolve_place(key)
-        for damper in entry if isinstance(entry, list | tuple) else (entry,):
-            sites.append(_site(there, damper, voltage, current, allow_extrapolation))
+    sites = [
+        _site(building.resolve_place(key), damper, voltage, current, allow_extrapolation)
+        for key, damper in places_and_dampers(placement(dampers))
+    ]
     _check_places(voltage if current is None else current, sites)
     return tuple(sites)
+
+
+def input_of(voltage: Any, current: Any) -> tuple[str, Any]:
+    """The name of the argument that has the input of the dampers, and that input; only one of the two may be given."""
+    if voltage is not None and current is not None:
+        raise InputError("both voltage= and current= are given; a damper takes one of the two")
+    return ("voltage", voltage) if current is None else ("current", current)
 
 
 def placement(dampers: Any) -> Mapping[Any, Any]:
@@ -125,7 +129,7 @@ def drawn_placements(placed: Mapping[Any, Any], count: int, seed: int) -> list[M
 
 def with_each(placed: Mapping[Any, Any], change: Callable[[Any], Any]) -> Mapping[Any, Any]:
     """A placement with what ``change`` makes of each damper."""
-    wrong = next((each for _, each in places_and_dampers(placed) if not _is_damper(each)), None)
+    wrong = next((damper for _, damper in places_and_dampers(placed) if not _is_damper(damper)), None)
     if wrong is not None:
         raise InputError(f"a place holds a {type(wrong).__name__}; put a dampyr.models.Damper there")
     return {
@@ -177,19 +181,19 @@ def _by_place(building: Building, value: Any) -> Any:
         return value
     inputs_by_place: dict[Any, Any] = {}
     for key, u in value.items():
-        there = building.resolve_place(key)
-        if there in inputs_by_place:
-            raise InputError(f"two inputs are given for the place {describe_place(there)}; give one")
-        inputs_by_place[there] = u
+        place = building.resolve_place(key)
+        if place in inputs_by_place:
+            raise InputError(f"two inputs are given for the place {describe_place(place)}; give one")
+        inputs_by_place[place] = u
     return inputs_by_place
 
 
-def _site(there: Any, damper: Any, voltage: Any, current: Any, allow_extrapolation: bool) -> Site:
+def _site(place: Any, damper: Any, voltage: Any, current: Any, allow_extrapolation: bool) -> Site:
     if not _is_damper(damper):
         raise InputError(
-            f"the place {describe_place(there)} holds a {type(damper).__name__}; put a dampyr.models.Damper there"
+            f"the place {describe_place(place)} holds a {type(damper).__name__}; put a dampyr.models.Damper there"
         )
-    u = _input(there, damper, voltage, current)
+    u = _input(place, damper, voltage, current)
     law = u if is_control_law(u) else None
     if law is None:
         values = damper.values(u, static=False, allow_extrapolation=allow_extrapolation)
@@ -199,53 +203,53 @@ def _site(there: Any, damper: Any, voltage: Any, current: Any, allow_extrapolati
     delay = 0.0 if where is None else float(values[where])
     if 0 < delay < MIN_DELAY:
         raise InputError(
-            f"the damper {describe_place(there)} has a delay of {delay:g} s, below the "
+            f"the damper {describe_place(place)} has a delay of {delay:g} s, below the "
             f"{MIN_DELAY:g} s that can be resolved; set it to 0"
         )
-    storey, floors = (there, None) if isinstance(there, int) else (0, there)
+    storey, floors = (place, None) if isinstance(place, int) else (0, place)
     return Site(storey, damper, u if law is None else None, np.array(values, dtype=float), delay, floors, law)
 
 
-def _input(there: Any, damper: Any, voltage: Any, current: Any) -> Any:
+def _input(place: Any, damper: Any, voltage: Any, current: Any) -> Any:
     """The constant input of a damper, or its law."""
     kind = getattr(damper, "input", "V")
-    given = {"V": voltage, "A": current}
-    value, other = given[kind], given["A" if kind == "V" else "V"]
+    inputs = {"V": voltage, "A": current}
+    value, other = inputs[kind], inputs["A" if kind == "V" else "V"]
     if isinstance(value, Mapping):
-        value = value.get(there)
+        value = value.get(place)
     if not getattr(damper, "needs_input", True) and value is None:
         return 0.0
     if value is None and other is not None:
         wrong = INPUTS["A" if kind == "V" else "V"]
         raise InputError(
-            f"{wrong}= is given, but the damper {describe_place(there)} takes a {INPUTS[kind]}; write {INPUTS[kind]}="
+            f"{wrong}= is given, but the damper {describe_place(place)} takes a {INPUTS[kind]}; write {INPUTS[kind]}="
         )
     if value is None:
         raise InputError(
-            f"the damper {describe_place(there)} has no {INPUTS[kind]}; write {INPUTS[kind]}=, a number in {kind} (0 is one)"
+            f"the damper {describe_place(place)} has no {INPUTS[kind]}; write {INPUTS[kind]}=, a number in {kind} (0 is one)"
         )
     if is_control_law(value):
         return value
     with (
         suppress(InputError) if isinstance(value, str) else nullcontext()
-    ):  # a text that is no quantity may be meant as a law
-        value = in_si(value, kind, f"{INPUTS[kind]} {describe_place(there)}")
+    ):  # a text that is not a quantity may be meant as a law
+        value = in_si(value, kind, f"{INPUTS[kind]} {describe_place(place)}")
     if not isinstance(value, int | float | np.number) or not math.isfinite(value):
         raise InputError(
-            f"{INPUTS[kind]} = {value!r} {describe_place(there)} is not a finite number; write a constant in {kind}, or a "
+            f"{INPUTS[kind]} = {value!r} {describe_place(place)} is not a finite number; write a constant in {kind}, or a "
             'control law, such as control_law("on_off", high=...); several, to compare them, in a list'
         )
     return float(value)
 
 
 def _check_places(value: Any, sites: list[Site]) -> None:
-    taken = {site.place for site in sites}
-    if isinstance(value, Mapping) and (stray := [there for there in value if there not in taken]):
+    occupied = {site.place for site in sites}
+    if isinstance(value, Mapping) and (stray := [place for place in value if place not in occupied]):
         raise InputError(
             f"an input is given for {_place_name(stray[0])}, which holds no damper; "
-            f"dampers stand in {', '.join(_place_name(there) for there in dict.fromkeys(s.place for s in sites))}"
+            f"dampers stand in {', '.join(_place_name(place) for place in dict.fromkeys(s.place for s in sites))}"
         )
 
 
-def _place_name(there: Any) -> str:
-    return f"storey {there}" if isinstance(there, int) else f"floors {there[0]}-{there[1]}"
+def _place_name(place: Any) -> str:
+    return f"storey {place}" if isinstance(place, int) else f"floors {place[0]}-{place[1]}"

@@ -27,7 +27,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.config import fill, load_toml, unknown
+from dampyr.config import Choices, fill, load_toml, unknown
 from dampyr.errors import FileError, InputError
 from dampyr.structures.building import Building
 from dampyr.structures.damping import modal, rayleigh
@@ -39,19 +39,19 @@ from dampyr.units import Quantity, parse, to_si
 Array = NDArray[np.float64]
 
 Mass, Stiffness, Dashpot = Quantity("kg"), Quantity("N/m"), Quantity("N s/m")
-Ratio = Annotated[tuple[float, ...], "of critical: one for all modes of the method, or one for each"]
-METHODS = ("rayleigh", "modal")
+Ratio = Annotated[tuple[float, ...], "ratio to critical damping: one for all modes of the method, or one for each"]
+Method = Annotated[str, Choices(("rayleigh", "modal")), "how the damping matrix follows from the ratios"]
 
 
 @dataclass(frozen=True)
 class Storeys:
     """A structure of storeys, from the ground up: see `dampyr.structures.shear_building`."""
 
-    masses: Annotated[tuple[float, ...], Mass, "of each floor"]
-    stiffnesses: Annotated[tuple[float, ...], Stiffness, "of each storey"]
-    dashpots: Annotated[tuple[float, ...], Dashpot, "of each storey"] = ()
+    masses: Annotated[tuple[float, ...], Mass, "mass of each floor"]
+    stiffnesses: Annotated[tuple[float, ...], Stiffness, "stiffness of each storey"]
+    dashpots: Annotated[tuple[float, ...], Dashpot, "dashpot of each storey"] = ()
     damping_ratio: Ratio = ()
-    method: Annotated[str, '"rayleigh" or "modal"'] = "rayleigh"
+    method: Method = "rayleigh"
     modes: Annotated[tuple[int, ...], 'the two modes of "rayleigh"'] = (1, 2)
     name: str = "shear building"
 
@@ -61,7 +61,7 @@ class Matrices:
     """What stands in the file of a structure of matrices besides ``M``, ``C`` and ``K``."""
 
     damping_ratio: Ratio = ()
-    method: Annotated[str, '"modal" or "rayleigh"'] = "modal"
+    method: Method = "modal"
     modes: Annotated[tuple[int, ...], 'the two modes of "rayleigh"'] = (1, 2)
     floors: Annotated[tuple[str, ...], "labels from the ground up"] = ()
     influence: Annotated[tuple[float, ...], "how each degree of freedom follows the ground"] = ()
@@ -77,7 +77,7 @@ class Frame:
     elements: Annotated[str, "the .csv file of the elements"]
     floors: Annotated[tuple[str, ...], "the nodes whose horizontal displacement is that of a floor, from the ground up"]
     damping_ratio: Ratio
-    method: Annotated[str, '"rayleigh" or "modal"'] = "rayleigh"
+    method: Method = "rayleigh"
     modes: Annotated[tuple[int, ...], 'the two modes of "rayleigh"'] = (1, 2)
     frames: Annotated[int, "equal frames that move together"] = 1
     name: str = "plane frame"
@@ -144,12 +144,11 @@ def structure_of(document: Mapping[str, Any], folder: Path | None = None) -> Bui
     return _of_storeys(fill(Storeys, document)) if has_storeys else _of_matrices(document, folder or Path())
 
 
-def _of_frame(given: Frame, folder: Path) -> Building:
-    _check_method(given.method)
-    if given.frames < 1 or not given.floors or not given.damping_ratio:
+def _of_frame(table: Frame, folder: Path) -> Building:
+    if table.frames < 1 or not table.floors or not table.damping_ratio:
         raise InputError("a frame needs frames of at least 1, floors, and a damping_ratio; give all of them")
-    frame = read_frame(_own_file(folder, given.nodes, "nodes"), _own_file(folder, given.elements, "elements"))
-    M, K, labels, influence = given.frames * frame.M, given.frames * frame.K, frame.labels, frame.influence
+    frame = read_frame(_own_file(folder, table.nodes, "nodes"), _own_file(folder, table.elements, "elements"))
+    M, K, labels, influence = table.frames * frame.M, table.frames * frame.K, frame.labels, frame.influence
     massive = np.diag(M) > 0.0
     if not np.all(massive):  # what has no mass follows by its springs alone, exactly
         held = K[np.ix_(~massive, ~massive)]
@@ -163,55 +162,53 @@ def _of_frame(given: Frame, folder: Path) -> Building:
         )
         K, M, influence = 0.5 * (K + K.T), M[np.ix_(massive, massive)], influence[massive]
         labels = tuple(label for label, has in zip(labels, massive, strict=True) if has)
-    for floor in given.floors:
+    for floor in table.floors:
         if f"{floor} x" not in labels:
-            raise InputError(f"floor {floor!r} is no node that is free in x, with a mass; name others in floors")
-    ratio = given.damping_ratio
-    C = modal(M, K, ratio) if given.method == "modal" else rayleigh(M, K, ratio, _pair(given.modes))
-    keep = [labels.index(f"{floor} x") for floor in given.floors]
-    return modal_condensation(M, C, K, keep, given.name, labels, influence, given.floors)
+            raise InputError(f"floor {floor!r} is not a node with a mass that is free in x; name others in floors")
+    ratio = table.damping_ratio
+    C = modal(M, K, ratio) if table.method == "modal" else rayleigh(M, K, ratio, _pair(table.modes))
+    keep = [labels.index(f"{floor} x") for floor in table.floors]
+    return modal_condensation(M, C, K, keep, table.name, labels, influence, table.floors)
 
 
-def _of_storeys(given: Storeys) -> Building:
-    _check_method(given.method)
+def _of_storeys(table: Storeys) -> Building:
     return shear_building(
-        given.masses,
-        given.stiffnesses,
-        given.damping_ratio or None,
-        given.dashpots or None,
-        given.method,
-        given.name,
-        _pair(given.modes),
+        table.masses,
+        table.stiffnesses,
+        table.damping_ratio or None,
+        table.dashpots or None,
+        table.method,
+        table.name,
+        _pair(table.modes),
     )
 
 
 def _of_matrices(document: Mapping[str, Any], folder: Path) -> Building:
-    given = fill(Matrices, {key: value for key, value in document.items() if key not in UNITS})
-    _check_method(given.method)
+    table = fill(Matrices, {key: value for key, value in document.items() if key not in UNITS})
     for key in ("M", "K"):
         if key not in document:
             raise InputError(f"{key} is missing; give it in {UNITS[key]}, a row for each degree of freedom")
-    if ("C" in document) == bool(given.damping_ratio):
+    if ("C" in document) == bool(table.damping_ratio):
         raise InputError("matrices take either C or damping_ratio; give one of the two")
     matrices = {key: _matrix(key, document[key], UNITS[key], folder) for key in UNITS if key in document}
     M, C, K = matrices["M"], matrices.get("C"), matrices["K"]
-    bare = Building(M, np.zeros_like(K), K, given.name)  # checks M and K before a mode is sought
+    bare = Building(M, np.zeros_like(K), K, table.name)  # checks M and K before a mode is sought
     squared = bare.modes()[0]
     if squared[0] <= 1e-12 * squared[-1]:
         raise InputError(
             "K is not positive definite: the structure can move without a spring; hold every degree of freedom"
         )
-    if C is None and given.method == "modal":
-        C = modal(bare.M, bare.K, given.damping_ratio)
+    if C is None and table.method == "modal":
+        C = modal(bare.M, bare.K, table.damping_ratio)
     elif C is None:
-        C = rayleigh(bare.M, bare.K, given.damping_ratio, _pair(given.modes))
-    whole = Building(M, C, K, given.name, given.floors, given.influence or None)  # type: ignore[arg-type]
-    if not given.keep:
+        C = rayleigh(bare.M, bare.K, table.damping_ratio, _pair(table.modes))
+    whole = Building(M, C, K, table.name, table.floors, table.influence or None)  # type: ignore[arg-type]
+    if not table.keep:
         return whole
-    if len(set(given.keep)) != len(given.keep) or not all(1 <= each <= whole.n for each in given.keep):
-        raise InputError(f"keep = {list(given.keep)} must be different degrees of freedom from 1 to {whole.n}")
-    at = [each - 1 for each in given.keep]
-    return modal_condensation(whole.M, whole.C, whole.K, at, given.name, tuple(whole.floors), whole.influence)
+    if len(set(table.keep)) != len(table.keep) or not all(1 <= count <= whole.n for count in table.keep):
+        raise InputError(f"keep = {list(table.keep)} must be different degrees of freedom from 1 to {whole.n}")
+    at = [count - 1 for count in table.keep]
+    return modal_condensation(whole.M, whole.C, whole.K, at, table.name, tuple(whole.floors), whole.influence)
 
 
 def _matrix(key: str, value: Any, si: str, folder: Path) -> Array:
@@ -231,15 +228,15 @@ def _matrix(key: str, value: Any, si: str, folder: Path) -> Array:
             raise InputError(f'{key}.unit = {unit!r} must be a text such as "{si}"')
     if not isinstance(value, list) or not value:
         raise InputError(f"{key} = {value!r} must be a list of rows, or of the numbers on the diagonal")
-    if all(not isinstance(each, list) for each in value):
-        return np.diag([_number(f"{key}[{i + 1}]", each, unit, si) for i, each in enumerate(value)])
-    rows = [each if isinstance(each, list) else [each] for each in value]
+    if all(not isinstance(entry, list) for entry in value):
+        return np.diag([_number(f"{key}[{i + 1}]", entry, unit, si) for i, entry in enumerate(value)])
+    rows = [entry if isinstance(entry, list) else [entry] for entry in value]
     lengths = [len(row) for row in rows]
     if set(lengths) != {len(rows)}:
         raise InputError(f"{key} has {len(rows)} rows of {', '.join(map(str, lengths))} numbers; it must be square")
     return np.array(
         [
-            [_number(f"{key}[{i + 1}][{j + 1}]", each, unit, si) for j, each in enumerate(row)]
+            [_number(f"{key}[{i + 1}][{j + 1}]", entry, unit, si) for j, entry in enumerate(row)]
             for i, row in enumerate(rows)
         ]
     )
@@ -275,12 +272,12 @@ def _matrix_of_file(key: str, value: Mapping[str, Any], si: str, folder: Path) -
     except OSError as problem:
         raise FileError(path, f"cannot be read ({problem.strerror or problem})") from None
     except (ValueError, TypeError, NotImplementedError) as problem:
-        # numpy quotes the text that is no number: of a message only the place is handed on, not what the file holds.
+        # numpy quotes the text that is not a number: of a message only the place is handed on, not what the file holds.
         place = re.search(r"at row (\d+)(?:, column (\d+))?", str(problem))
         row, column = (place[1], place[2]) if place else ("", "")
         where = f", see row {int(row) + 1}, column {column}" if column else f", see row {row}" if row else ""
         raise FileError(
-            path, f"is no matrix of numbers{where}; give text with a row in each line, .npz, or .mat before v7.3"
+            path, f"is not a matrix of numbers{where}; give text with a row in each line, .npz, or .mat before v7.3"
         ) from None
     if array.ndim == 2 and 1 in array.shape:
         array = array.ravel()
@@ -297,10 +294,10 @@ def _matrix_of_file(key: str, value: Mapping[str, Any], si: str, folder: Path) -
 def _content(path: Path, variable: str) -> Any:
     """What a file holds: text as one matrix, .npz and .mat by the name of a variable; a KeyError names what there is."""
     if path.suffix.lower() == ".npz":
-        with np.load(path, allow_pickle=False) as held:
-            if variable not in held:
-                raise KeyError(", ".join(held.files) or "nothing")
-            return held[variable]
+        with np.load(path, allow_pickle=False) as arrays:
+            if variable not in arrays:
+                raise KeyError(", ".join(arrays.files) or "nothing")
+            return arrays[variable]
     if path.suffix.lower() == ".mat":
         from scipy.io import loadmat
 
@@ -321,11 +318,6 @@ def _number(where: str, value: Any, unit: str, si: str) -> float:
         return parse(value, si) if isinstance(value, str) else float(to_si(value, unit, si))
     except InputError as problem:
         raise InputError(f"{where} = {value!r}: {problem}") from None
-
-
-def _check_method(method: str) -> None:
-    if method not in METHODS:
-        raise InputError(f"damping {unknown(f'method {method!r}', method, list(METHODS))}")
 
 
 def _pair(modes: tuple[int, ...]) -> tuple[int, int]:

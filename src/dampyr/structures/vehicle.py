@@ -31,10 +31,16 @@ def quarter_car(
 
     Parameters
     ----------
-    sprung, unsprung : masses [kg]
-    suspension, tyre : stiffnesses [N/m]
-    damping : of the suspension without the damper that is to be studied [N s/m]
-    tyre_damping : [N s/m]
+    sprung, unsprung
+        The masses of the body and of the wheel, kg, greater than 0.
+    suspension, tyre
+        Their stiffnesses, N/m, greater than 0.
+    damping
+        Of the suspension without the damper that is to be studied, N s/m; by default none.
+    tyre_damping
+        Of the tyre, N s/m; by default none.
+    name
+        What the car is called.
 
     The damper stands between wheel and body, ``dampers={2: damper}`` or ``{("unsprung", "sprung"): damper}``.
     ``peak_drift`` is then (tyre deflection, suspension travel), ``acceleration[1]`` the body's, ``base_shear``
@@ -44,11 +50,23 @@ def quarter_car(
     There are no defaults, cars differ. The Golden Car of the International Roughness Index has, per kg of
     sprung mass, unsprung 0.15, suspension 63.3 1/s2, tyre 653 1/s2 and damping 6.0 1/s (Sayers, Gillespie and
     Queiroz 1986, World Bank Technical Paper 45; ASTM E1926).
+
+    Raises
+    ------
+    InputError
+        A mass or a stiffness is not greater than 0, or a dashpot is negative.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> car = dp.structures.quarter_car(400.0, 60.0, suspension=25e3, tyre=260e3)
+    >>> car.floors, car.frequencies.round(2)
+    (('unsprung', 'sprung'), array([ 1.2 , 10.98]))
     """
-    given = {"sprung": sprung, "unsprung": unsprung, "suspension": suspension, "tyre": tyre}
-    for key, value in (given | {"damping": damping, "tyre_damping": tyre_damping}).items():
-        low = "greater than 0" if key in given else "at least 0"
-        if not np.isfinite(value) or value < 0 or (key in given and value == 0):
+    positive = {"sprung": sprung, "unsprung": unsprung, "suspension": suspension, "tyre": tyre}
+    for key, value in (positive | {"damping": damping, "tyre_damping": tyre_damping}).items():
+        low = "greater than 0" if key in positive else "at least 0"
+        if not np.isfinite(value) or value < 0 or (key in positive and value == 0):
             raise InputError(f"{key} = {value!r} is not allowed; it must be finite and {low}")
     return Building(
         M=np.diag([unsprung, sprung]),
@@ -60,11 +78,35 @@ def quarter_car(
 
 
 def road(height: ArrayLike, spacing: float, speed: float, name: str = "road") -> GroundMotion:
-    """The ground motion under a car that drives at ``speed`` [m/s] over ``height`` (n,) [m], every ``spacing`` [m].
+    """The ground motion under a car that drives over a road.
 
     The profile is the cubic spline through the heights, level at its start; its second derivative is linear
-    between them, as a ground motion is, so a car in it follows the given heights exactly. Samples are
+    between them, as a ground motion is, so a car in it follows these heights exactly. Samples are
     spacing/speed seconds apart. A step in the profile becomes a ramp one spacing long.
+
+    Parameters
+    ----------
+    height
+        ``(n,)`` in m, n at least 3.
+    spacing
+        Between the heights, m, greater than 0.
+    speed
+        Of the car, m/s, greater than 0.
+    name
+        What the motion is called.
+
+    Raises
+    ------
+    InputError
+        The heights are too few or not finite, or spacing or speed is not greater than 0.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> bump = dp.structures.road(0.05 * np.hanning(21), spacing=0.1, speed=10.0)
+    >>> bump.n, bump.dt
+    (21, 0.01)
     """
     from scipy.interpolate import CubicSpline
 
@@ -75,6 +117,7 @@ def road(height: ArrayLike, spacing: float, speed: float, name: str = "road") ->
         if not np.isfinite(value) or value <= 0:
             raise InputError(f"{key} = {value!r} is not allowed; it must be greater than 0")
     dt = spacing / speed
+    # level at its start, as the car comes from a level road; without bending at its end, of which nothing is known
     spline = CubicSpline(dt * np.arange(len(y)), y, bc_type=((1, 0.0), (2, 0.0)))
     return GroundMotion(spline(spline.x, 2), dt, name, f"road profile at {speed:g} m/s", ("a road",))
 

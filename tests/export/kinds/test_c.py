@@ -208,6 +208,6 @@ def test_the_history_of_a_delay_is_chosen(tmp_path) -> None:
     export(everything(), "c", tmp_path, history=50, name="small")
     assert "late_f[50]" in (tmp_path / "small.h").read_text()
     for wrong in (1, 2_000_000, True):
-        with pytest.raises(InputError, match="is no number of samples; choose 2 to 1000000"):
+        with pytest.raises(InputError, match="is not a valid number of samples; choose 2 to 1000000"):
             export(everything(), "c", tmp_path / "none", history=wrong)
     assert not (tmp_path / "none").exists()

@@ -229,9 +229,9 @@ def test_there_is_no_python_in_it_and_its_sources_compile_elsewhere(tmp_path: Pa
 
 def test_what_cannot_be_written_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for options, words in (
-        ({"fmi": 1}, "fmi = 1 is no version that is written; choose 2 or 3"),
+        ({"fmi": 1}, "fmi = 1 is not a version that is written; choose 2 or 3"),
         ({"drive": "force"}, "drive = 'force' is not known; choose from both, displacement, velocity"),
-        ({"single": True}, "single is no option of the export fmu; its options are fmi, drive"),
+        ({"single": True}, "single is not an option of the export fmu; its options are fmi, drive"),
     ):
         with pytest.raises(InputError, match=words):
             export(everything(), "fmu", tmp_path / "new", **options)

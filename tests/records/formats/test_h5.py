@@ -98,7 +98,7 @@ def changed(path, change):
         ),
         (
             lambda f: f.attrs.update({"format": "other"}),
-            r"is HDF5 but no dampyr record: its format is 'other'",
+            r"is HDF5 but not a dampyr record: its format is 'other'",
         ),
         (lambda f: f.__delitem__("calibrated/force"), r"/calibrated/force is missing"),
         (

@@ -60,8 +60,8 @@ def test_broken_files(tmp_path, variables):
         r"Tout\[30\] = 0.1 s does not come after 0.29 s; time must strictly increase": {"Tout": backwards},
         r"Tout has 10 samples and dist has 50": {"Tout": variables["Tout"][:10]},
         r"Ts = 0.02 s but Tout steps by 0.01 s": {"Ts": 0.02},
-        r"Ts = \[-0.01\] s is no sampling interval; it must be": {"Ts": -0.01, "Tout": None},
-        r"Ts = \[0.01, 0.02\] s is no sampling interval": {"Ts": [0.01, 0.02]},
+        r"Ts = \[-0.01\] s is not a sampling interval; it must be": {"Ts": -0.01, "Tout": None},
+        r"Ts = \[0.01, 0.02\] s is not a sampling interval": {"Ts": [0.01, 0.02]},
         r"the variable dist is not real numbers": {"dist": "abc"},
         r"unknown unit 'furlongs/blink'": {},
     }
@@ -75,7 +75,7 @@ def test_broken_files(tmp_path, variables):
 def test_a_truncated_file(tmp_path, variables):
     path = saved(tmp_path, variables)
     path.write_bytes(path.read_bytes()[:700])
-    with pytest.raises(FileError, match=r"is no readable MATLAB v5 file|is missing"):
+    with pytest.raises(FileError, match=r"is not a readable MATLAB v5 file|is missing"):
         read(path)
 
 
@@ -116,7 +116,7 @@ def test_any_matrix_by_its_columns(tmp_path, variables, version):
         ({"variable": "rum"}, r"there is no variable 'rum'; choose from note, run, specimen"),
         ({"variable": "note"}, r"the variable note is not real numbers"),
         ({}, r"columns by number \(force = 0\) are those of a matrix; declare which, --variable NAME"),
-        ({"variable": "run", "columns": {"force": 3}}, r"columns\['force'\] = 3 is no column; .* from 0 to 2"),
+        ({"variable": "run", "columns": {"force": 3}}, r"columns\['force'\] = 3 is not a column; .* from 0 to 2"),
         ({"variable": "run", "columns": {"force": 0, "displacement": 2}}, r"any\.mat: .*have no unit"),
         (
             {"variable": "run", "columns": {"force": 0}, "units": units},

@@ -82,7 +82,7 @@ def test_broken_bytes_are_one_line(tmp_path: Path) -> None:
     zipfile.ZipFile(empty, "w").close()
     for content in (b"", b"no workbook", whole[: len(whole) // 2], empty.read_bytes()):
         path.write_bytes(content)
-        with pytest.raises(FileError, match=r"run\.xlsx: is no readable \.xlsx file") as caught:
+        with pytest.raises(FileError, match=r"run\.xlsx: is not a readable \.xlsx file") as caught:
             read(path, voltage=0.0)
         assert "\n" not in str(caught.value)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -54,13 +55,13 @@ def write(
     """
     check_name(name)
     precision = SINGLE if single else DOUBLE
-    made = c_source(damper, name, allow_extrapolation, precision, history)
+    c = c_source(damper, name, allow_extrapolation, precision, history)
     texts = {
-        f"{name}.h": made.header,
-        f"{name}.c": made.source,
+        f"{name}.h": c.header,
+        f"{name}.c": c.source,
         f"{name}_vectors.h": _vectors(damper, name),
         f"{name}_test.c": _test_program(name, precision),
-        "Makefile": _makefile(made),
+        "Makefile": _makefile(c),
     }
     folder.mkdir(parents=True, exist_ok=True)
     for file, text in texts.items():
@@ -106,10 +107,12 @@ def c_source(
     """The C text of a damper; :class:`InputError` for one that has no C form, and for a ``history`` out of range."""
     check_exportable(damper)
     if isinstance(history, bool) or not HISTORIES[0] <= history <= HISTORIES[1]:
-        raise InputError(f"history = {history} is no number of samples; choose {HISTORIES[0]} to {HISTORIES[1]}")
+        raise InputError(
+            f"history = {history} is not a valid number of samples; choose {HISTORIES[0]} to {HISTORIES[1]}"
+        )
     source = _source(damper, name, allow_extrapolation, precision, history)
     calls = re.findall(rf"\b({'|'.join(LIBM)}){precision.suffix}\(", source)
-    libm = tuple(each for each in LIBM if each in calls)
+    libm = tuple(called for called in LIBM if called in calls)
     return CSource(name, _header(damper, name, precision, history, libm), source, libm)
 
 
@@ -122,7 +125,7 @@ def _header(damper: Damper, name: str, precision: Precision, history: int, libm:
         else ""
     )
     link = (
-        f"Link with -lm: it calls {', '.join(each + precision.suffix for each in libm)}."
+        f"Link with -lm: it calls {', '.join(called + precision.suffix for called in libm)}."
         if libm
         else "It needs no mathematics library."
     )
@@ -133,9 +136,9 @@ def _header(damper: Damper, name: str, precision: Precision, history: int, libm:
     )
     guard = f"{name.upper()}_H"
     warned = "".join(f"\n * {line}" for line in wrap(before_use(damper), WIDTH))
-    said = f"\n *\n * {text}." if (text := damper.origin.notice) else ""
+    origin = f"\n *\n * {notice}." if (notice := damper.origin.notice) else ""
     return f"""\
-/* A damper written by dampyr {full_version()}: {damper.composition}.{said}
+/* A damper written by dampyr {full_version()}: {damper.composition}.{origin}
  *
  * Units: s, m, m/s, {damper.input} ({word} at the coil), N. A positive force opposes a positive velocity.
  * The damper {damper.range_words}. {"Single" if precision == SINGLE else "Double"} precision. {link}{warned}
@@ -173,25 +176,33 @@ void {name}_parameters({real} u, {real} *p);
 """
 
 
+def function_trees(damper: Damper) -> tuple[list[ast.FunctionDef], list[ast.FunctionDef]]:
+    """The formulas of a damper's parts, and the functions of the whole that call them, which any language exports."""
+    composition = damper.composition
+    return (
+        [formula.tree for formula in composition.formulas()],
+        [formula.tree() for formula in composition.functions() if formula.name in EXPORTED],
+    )
+
+
 def _source(damper: Damper, name: str, allow_extrapolation: bool, precision: Precision, history: int) -> str:
     prefix = f"{name}_"
-    formulas = [f.tree for f in damper.composition.formulas()]
-    whole = [f.tree() for f in damper.composition.functions() if f.name in EXPORTED]
-    own = {tree.name for tree in (*formulas, *whole)}
+    formulas, whole = function_trees(damper)
+    names = {tree.name for tree in (*formulas, *whole)}
     laws = [_law(law, f"{prefix}law_{k}", key, precision) for k, (key, law) in enumerate(damper.all_laws.items())]
-    functions = [function(tree, prefix, own, precision=precision) for tree in formulas]
-    functions += [function(tree, prefix, own, ARRAYS, precision) for tree in whole]
+    functions = [function(tree, prefix, names, precision=precision) for tree in formulas]
+    functions += [function(tree, prefix, names, ARRAYS, precision) for tree in whole]
     text = "\n".join(functions)
-    extremes = [_extreme(prefix, each, precision) for each in ("min", "max") if f"{prefix}{each}(" in text]
-    extremes += [COMPOSITION[each].replace("PREFIX", prefix) for each in COMPOSED if f"{prefix}{each}(" in text]
+    helpers = [_extreme(prefix, which, precision) for which in ("min", "max") if f"{prefix}{which}(" in text]
+    helpers += [COMPOSITION[name].replace("PREFIX", prefix) for name in COMPOSED if f"{prefix}{name}(" in text]
     return (
         "\n\n".join(
             [
-                *([f"/* {text}. */"] if (text := damper.origin.notice) else []),
+                *([f"/* {notice}. */"] if (notice := damper.origin.notice) else []),
                 f'#include "{name}.h"\n#include <math.h>',
                 *laws,
                 _values(damper, prefix, precision),
-                *extremes,
+                *helpers,
                 *functions,
                 _in_range(damper, prefix, allow_extrapolation, precision),
                 *([_late(prefix, precision, history)] if damper.composition.has_delay else []),
@@ -396,8 +407,8 @@ int main(void)
 """
 
 
-def _makefile(made: CSource) -> str:
-    name, link = made.name, " -lm" if made.libm else ""
+def _makefile(c: CSource) -> str:
+    name, link = c.name, " -lm" if c.libm else ""
     return f"""\
 CC ?= cc
 CFLAGS ?= -std=c99 -O2 -Wall -Wextra -Wconversion -Wdouble-promotion -pedantic

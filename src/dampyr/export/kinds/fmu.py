@@ -15,7 +15,7 @@ from xml.sax.saxutils import quoteattr
 from dampyr.atomic_write import whole_file
 from dampyr.errors import InputError
 from dampyr.export import fmi_text
-from dampyr.export.kinds.c import CSource, c_source, check_name
+from dampyr.export.kinds.c import c_source, check_name
 from dampyr.models import Damper
 from dampyr.source_digest import full_version
 
@@ -42,18 +42,20 @@ def write(
     """
     check_name(name)
     if fmi not in (2, 3):
-        raise InputError(f"fmi = {fmi} is no version that is written; choose 2 or 3")
+        raise InputError(f"fmi = {fmi} is not a version that is written; choose 2 or 3")
     if drive not in DRIVES:
         raise InputError(f"drive = {drive!r} is not known; choose from {', '.join(DRIVES)}")
-    made = c_source(damper, name, allow_extrapolation)
+    c = c_source(damper, name, allow_extrapolation)
     compiler = next((path for path in map(shutil.which, COMPILERS) if path), None)
     if compiler is None:
         raise InputError("an FMU needs a C compiler, and none is installed; install gcc, or export to c")
     wrapper = fmi_text.wrapper(damper, name, fmi, drive)
-    token = _token(made, wrapper)
+    # a name of the content, in the form of a GUID
+    digest = hashlib.sha256("\n".join((c.header, c.source, wrapper)).encode()).hexdigest()
+    token = "{" + "-".join((digest[:8], digest[8:12], digest[12:16], digest[16:20], digest[20:32])) + "}"
     sources = {
-        f"{name}.h": made.header,
-        f"{name}.c": made.source,
+        f"{name}.h": c.header,
+        f"{name}.c": c.source,
         f"{name}_fmi.c": f'#define INSTANTIATION_TOKEN "{token}"\n{wrapper}',
     }
     files: dict[str, str | bytes] = {
@@ -71,37 +73,31 @@ def write(
     return [path]
 
 
-def _token(made: CSource, wrapper: str) -> str:
-    """A name of the content, in the form of a GUID."""
-    digest = hashlib.sha256("\n".join((made.header, made.source, wrapper)).encode()).hexdigest()
-    return "{" + "-".join((digest[:8], digest[8:12], digest[12:16], digest[16:20], digest[20:32])) + "}"
-
-
 def _compiled(compiler: str, sources: dict[str, str], name: str) -> bytes:
     """The shared library."""
-    with tempfile.TemporaryDirectory() as place:
+    with tempfile.TemporaryDirectory() as folder:
         for file, text in sources.items():
-            (Path(place) / file).write_text(text, encoding="utf-8")
+            (Path(folder) / file).write_text(text, encoding="utf-8")
         library = f"{name}{_suffix()}"
-        position = [] if sys.platform == "win32" else ["-fPIC"]
+        position_independent = [] if sys.platform == "win32" else ["-fPIC"]
         units = [file for file in sources if file.endswith(".c")]
         command = [
             compiler,
             "-std=c99",
             "-O2",
             "-shared",
-            *position,
+            *position_independent,
             "-fvisibility=hidden",
             *units,
             "-o",
             library,
             "-lm",
         ]
-        done = subprocess.run(command, cwd=place, capture_output=True, text=True, check=False)
-        if done.returncode:
-            reason = " ".join(done.stderr.split())[:300]
+        run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        if run.returncode:
+            reason = " ".join(run.stderr.split())[:300]
             raise InputError(f"{compiler} could not compile the FMU ({reason}); export to c, and compile its sources")
-        return (Path(place) / library).read_bytes()
+        return (Path(folder) / library).read_bytes()
 
 
 def _suffix() -> str:

@@ -7,7 +7,7 @@ from textwrap import wrap
 
 from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError
-from dampyr.export.kinds.c import ARRAYS, EXPORTED, WIDTH, before_use, check_exportable, check_name
+from dampyr.export.kinds.c import ARRAYS, WIDTH, before_use, check_exportable, check_name, function_trees
 from dampyr.export.matlab_text import SUPPORT, function, number
 from dampyr.models import Constant, Damper, Interpolation, Law, Polynomial
 from dampyr.models.damper import INPUTS
@@ -19,12 +19,11 @@ def write(damper: Damper, folder: Path, name: str, allow_extrapolation: bool = F
     check_name(name)
     check_exportable(damper)
     prefix = f"{name}_"
-    formulas = [f.tree for f in damper.composition.formulas()]
-    whole = [f.tree() for f in damper.composition.functions() if f.name in EXPORTED]
-    own = {tree.name for tree in (*formulas, *whole)}
+    formulas, whole = function_trees(damper)
+    names = {tree.name for tree in (*formulas, *whole)}
     texts = [_main(damper, name, allow_extrapolation), _parameters(damper, prefix)]
-    texts += [function(tree, prefix, own) for tree in formulas]
-    texts += [function(tree, prefix, own, ARRAYS) for tree in whole]
+    texts += [function(tree, prefix, names) for tree in formulas]
+    texts += [function(tree, prefix, names, ARRAYS) for tree in whole]
     texts += [SUPPORT.replace("{prefix}", prefix).strip()]
     if damper.composition.has_delay:
         texts += [_late(prefix)]
@@ -46,7 +45,7 @@ def _main(damper: Damper, name: str, allow_extrapolation: bool) -> str:
     late = composition.delay is not None
     delayed = f"\n        [f(k), state] = {prefix}late(state, f(k), p({(composition.delay or 0) + 1}));" if late else ""
     empty = "\n        state.late_t = []; state.late_f = [];" if late else ""
-    said = f"\n%   {text}." if (text := damper.origin.notice) else ""
+    origin = f"\n%   {notice}." if (notice := damper.origin.notice) else ""
     return f"""\
 function [f, state] = {name}(t, x, v, u, state)
 %{name.upper()}  Force of a damper along a path.
@@ -55,7 +54,7 @@ function [f, state] = {name}(t, x, v, u, state)
 %   velocity. The path begins at rest.
 %   [f, state] = {name}(t, x, v, u, state) goes on from the state that an earlier call returned, with later samples.
 %
-%   The model: {composition}. The damper {damper.range_words}. Written by dampyr {full_version()}.{said}{warned}
+%   The model: {composition}. The damper {damper.range_words}. Written by dampyr {full_version()}.{origin}{warned}
     if nargin < 5, state = []; end
     if isscalar(u), u = repmat(u, size(x)); end
     if ~isequal(numel(t), numel(x), numel(v), numel(u))

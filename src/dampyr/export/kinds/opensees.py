@@ -41,13 +41,13 @@ def write(
     parts = [part.name for part in damper.composition.parts]
     others = [part for part in parts if part not in ALLOWED]
     if others or sum(part in HYSTERETIC for part in parts) != 1:
-        said = (
+        why = (
             f"{', '.join(others)} {'has' if len(others) == 1 else 'have'} no material"
             if others
             else "it has no such part"
         )
         raise InputError(
-            f"OpenSees has materials for one {' or '.join(HYSTERETIC)}, with or without spring and offset; {said}. "
+            f"OpenSees has materials for one {' or '.join(HYSTERETIC)}, with or without spring and offset; {why}. "
             "dampyr serve CARD --opensees PORT runs any damper in OpenSees"
         )
     at = np.atleast_1d(np.asarray(inputs, dtype=float)) if len(inputs) else _nodes(damper)
@@ -85,7 +85,7 @@ def _head(damper: Damper, name: str) -> list[str]:
     left_out = "; its static offset is left out" if "offset.f0" in damper.all_laws else ""
     return [
         f"{name}: a damper written by dampyr {full_version()}, {damper.composition}{left_out}.",
-        *([f"{text}."] if (text := damper.origin.notice) else []),
+        *([f"{notice}."] if (notice := damper.origin.notice) else []),
         "Units: m, N, s. One material for each input at the coil, which stays constant.",
         "OpenSees integrates BoucWen by backward Euler: its error is proportional to the step. Halve it until the peaks stay.",
         *wrap(before_use(damper), WIDTH),

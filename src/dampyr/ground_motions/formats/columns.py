@@ -29,7 +29,9 @@ def read(path: Path, units: str | None = None, dt: float | None = None) -> Groun
     if unit is None:
         raise FileError(path, "no unit is known for the acceleration; declare it, such as units='g' or units='m/s^2'")
     if rows.shape[1] == 2:
-        _check_seconds(path, names)
+        unit_of_time = _bracketed(names[0]) if len(names) == 2 else None
+        if unit_of_time not in (None, "s"):
+            raise FileError(path, f"time is in {unit_of_time}; write it in s")
         return motion_of(path, rows[:, 1], step_of(path, rows[:, 0], dt), unit, source=path.name)
     if dt is None:
         raise FileError(path, "holds accelerations only; give the seconds between samples, such as dt=0.02")
@@ -70,9 +72,3 @@ def _numbers(text: str) -> list[float] | None:
 def _bracketed(name: str) -> str | None:
     match = re.search(r"[\[(]([^\])]+)[\])]", name)
     return match[1].strip() if match else None
-
-
-def _check_seconds(path: Path, names: list[str]) -> None:
-    unit = _bracketed(names[0]) if len(names) == 2 else None
-    if unit not in (None, "s"):
-        raise FileError(path, f"time is in {unit}; write it in s")

@@ -32,6 +32,7 @@ def rest_tolerance(x: Array) -> float:
     The noise comes from third differences (variance 20 times its own), which hold next to nothing of the
     motion.
     """
+    # 0.6745: the median of |z| of a normal distribution
     spread = np.median(np.abs(np.diff(x, 3))) / (0.6745 * np.sqrt(20.0))
     step = quantum(x)
     return max(1.5 * (step or 0.0), 4.0 * float(spread), 1e-9 * float(np.ptp(x)))
@@ -41,7 +42,7 @@ def last_at_rest(x: Array, away: int) -> int:
     """The last sample before ``away`` that is still at the level at which ``x`` begins, 0 where there is none."""
     near = rest_tolerance(x)
     level = x[0]
-    for _ in range(2):
+    for _ in range(2):  # the first sample has noise, too: the second round starts from the median of the rest
         at_rest = np.flatnonzero(np.abs(x[:away] - level) <= near)
         if len(at_rest) == 0:
             return 0

@@ -9,28 +9,27 @@ from dampyr.records.cycle_analysis.cycles import cycles
 from dampyr.records.cycle_analysis.measure import cycle_energies, measure
 from dampyr.records.record import Record
 
-# Relative: more than the rounding of a table and the table's own overshoot explain.
-FREQUENCY_TOLERANCE = 0.05
-PEAK_TO_PEAK_TOLERANCE = 0.05  # as for the frequency
 
-
-def disagreements(
-    record: Record, frequency: float = FREQUENCY_TOLERANCE, peak_to_peak: float = PEAK_TO_PEAK_TOLERANCE
-) -> list[str]:
+def disagreements(record: Record, frequency: float | None = None, peak_to_peak: float | None = None) -> list[str]:
     """What does not agree in a record, one sentence each; an empty list when all agrees.
 
-    The labelled frequency and peak-to-peak displacement are compared with the measured ones (tolerances
-    relative to the measured, 5 % each by default), and the loops must dissipate energy, else the sign of the
-    force is inverted; without a whole cycle the work over all of the record tells. A record without a whole
-    cycle can confirm no label, and says so where it has one.
+    The labelled frequency and peak-to-peak displacement are compared with the measured ones (tolerances relative to the
+    measured, by default those of the record's thresholds, 5 % each), and the loops must dissipate energy, else the sign of the
+    force is inverted; without a whole cycle the work over all of the record tells. A record without a whole cycle can confirm
+    no label, and says so where it has one.
     """
     spans = cycles(record)
-    said = []
+    sentences = []
     if record.label and spans:
-        said += _against_label(record, frequency, peak_to_peak)
+        limits = record.thresholds
+        sentences += _against_label(
+            record,
+            limits.label_frequency if frequency is None else frequency,
+            limits.label_peak_to_peak if peak_to_peak is None else peak_to_peak,
+        )
     elif record.label:
-        said.append(f"{record.name}: no whole cycle, so its label cannot be checked")
-    return said + _against_dissipation(record, spans)
+        sentences.append(f"{record.name}: no whole cycle, so its label cannot be checked")
+    return sentences + _against_dissipation(record, spans)
 
 
 def creates_energy(record: Record) -> bool:
@@ -51,17 +50,17 @@ def _against_dissipation(record: Record, spans: list[tuple[int, int]]) -> list[s
 def _against_label(record: Record, frequency: float, peak_to_peak: float) -> list[str]:
     label, measured = record.label, measure(record)
     assert label is not None
-    said = []
-    off = label.frequency_hz / measured.frequency_hz - 1.0
-    if abs(off) > frequency:
-        said.append(
+    sentences = []
+    deviation = label.frequency_hz / measured.frequency_hz - 1.0
+    if abs(deviation) > frequency:
+        sentences.append(
             f"{record.name}: labelled {label.frequency_hz:.4g} Hz, measures {measured.frequency_hz:.4g} Hz "
-            f"({100 * off:+.1f} %)"
+            f"({100 * deviation:+.1f} %)"
         )
-    off = label.peak_to_peak_m / measured.peak_to_peak_m - 1.0
-    if abs(off) > peak_to_peak:
-        said.append(
+    deviation = label.peak_to_peak_m / measured.peak_to_peak_m - 1.0
+    if abs(deviation) > peak_to_peak:
+        sentences.append(
             f"{record.name}: labelled {1e3 * label.peak_to_peak_m:.4g} mm peak to peak, "
-            f"measures {1e3 * measured.peak_to_peak_m:.4g} mm per cycle ({100 * off:+.1f} %)"
+            f"measures {1e3 * measured.peak_to_peak_m:.4g} mm per cycle ({100 * deviation:+.1f} %)"
         )
-    return said
+    return sentences

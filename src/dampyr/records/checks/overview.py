@@ -1,4 +1,4 @@
-"""What can be said of any motion, and whether its whole cycles stand for it."""
+"""Measures of any motion, and whether its whole cycles stand for it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dampyr.records.checks.quality import motion_start
 from dampyr.records.conditioning.velocity import default_bandwidth, differentiate
 from dampyr.records.cycle_analysis.cycles import cut_cycles, similar_cycles, turning_points
 from dampyr.records.cycle_analysis.measure import fundamental
-from dampyr.records.record import Array, Record
+from dampyr.records.record import MIN_SAMPLES, Array, Record
 from dampyr.shown import Shown
 
 SHARE = 0.5  # of the moving time: cycles that cover less do not stand for the motion
@@ -47,7 +47,7 @@ class Overview(Shown):
 def overview(record: Record) -> Overview:
     """Describe the motion of a record, whatever it is."""
     first = int(np.searchsorted(record.time, motion_start(record)))
-    moves = record.n - first >= 8
+    moves = record.n - first >= MIN_SAMPLES
     part = slice(first if moves else 0, record.n)
     speed = differentiate(record.time, record.displacement, default_bandwidth(record))[part]
     return Overview(
@@ -72,7 +72,7 @@ def repeats(record: Record) -> bool:
 
 def work(record: Record) -> float:
     """What the force about its mean dissipates over the whole record, J."""
-    force = record.force - np.mean(record.force)
+    force = record.force - np.mean(record.force)  # else gas force times the net way would count as dissipated
     return float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(record.displacement)))
 
 

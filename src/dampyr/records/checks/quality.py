@@ -3,33 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.phrases import counted
 from dampyr.records.checks.channel_noise import last_at_rest, quantum, rest_tolerance
 from dampyr.records.cycle_analysis.cycles import cycles, legs
 from dampyr.records.record import CHANNELS, Array, Record
 from dampyr.records.record_cache import cached_by_record
+from dampyr.records.thresholds import USUAL, RecordThresholds
 from dampyr.shown import Shown
 
-GAP = 1.5  # median intervals: halfway to one missing sample
 MAX_PLATEAU = 5  # equal samples: a smooth extreme has fewer
 SPIKE_WINDOW = 5  # samples of the running median: a false value of one or two samples stands out of it
-SPIKE_SHARE = 0.10  # of the channel's range but for a hundredth at either end: smaller ones move no score
-SPIKE_OVER_REST = 5.0  # times what 99 of 100 samples differ from the running median: steep loops are no spikes
+SPIKE_OVER_REST = 5.0  # times what 99 of 100 samples differ from the running median: steep loops are not spikes
 PLATEAU_OF_CYCLE = 0.05  # of a cycle: a sine counted in fine steps stays at its extreme for less
-LEAP_OVER_FASTEST = 5.0  # times the step that 99 of 100 samples stay below: a sine's fastest is 1.6 times its mean
 LEAP_OVER_NEIGHBOURS = 3.0  # times the steps before and after: a motion that is only fast has neighbours as fast
-RUN_AWAY = 1.0  # of the stroke, in the whole record: the table of the published campaign drifts by up to 0.76 of it
-RUN_AWAY_PER_CYCLE = 0.08  # of the stroke: there up to 0.051; what an encoder loses that counts so much less one way
 RUN_AWAY_STRAIGHT = 0.9  # of the variance of the cycles' middles that a straight line holds
-MAX_JITTER = 0.01  # rms, of the interval: beyond it the samples are not even
-MIN_PER_CYCLE = 40  # samples: with fewer a loop has corners
-UNLIKELY_STROKE = 2.0  # m: dampers of buildings and bridges reach 1 m; 2 mm read as m are there
 NOISE_WINDOW = 20  # samples in which a channel's noise is looked at
 MIN_NOISY = 3  # windows in which it has to show
 NOISE_ORDER = 5  # of the differences that hold noise and none of the motion
@@ -85,21 +79,37 @@ class Quality(Shown):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a person should look at, one sentence each; empty when all is well."""
-        return tuple(words for some in self.by_kind.values() for words in some)
+        """What a person should look at by the usual thresholds, one sentence each; empty when all is well.
+
+        Those of a record by its own thresholds are among ``record.findings``.
+        """
+        return tuple(note for notes in self.by_kind.values() for note in notes)
 
     @property
     def by_kind(self) -> dict[str, list[str]]:
         """The notes by their kind, all of which are named."""
+        return self.judged(USUAL)
+
+    def judged(self, thresholds: RecordThresholds) -> dict[str, list[str]]:
+        """The notes by their kind, by other thresholds than the usual ones."""
         return {
             "gap": [f"gap of {length:.4g} s at {at:.4g} s" for at, length in self.gaps],
-            "jitter": [f"sampling jitter of {100 * self.jitter:.2g} % rms"] if self.jitter > MAX_JITTER else [],
+            "jitter": [f"sampling jitter of {100 * self.jitter:.2g} % rms"] if self.jitter > thresholds.jitter else [],
             "saturated": [
                 f"{channel} may be saturated: {count} samples stand at its extreme"
                 for channel, count in self.saturated.items()
             ],
-            "false samples": [_false_samples(channel, times) for channel, times in self.spikes.items()],
-            "leap": [self._leaps_in_words()] if self.leaps else [],
+            "false samples": [
+                f"{channel} has {counted(len(times), 'false sample')}, it seems: at {_first_three(times)} s it leaps away from "
+                "its neighbours and back; cut or repair them, or fit with a loss of huber or l1"
+                for channel, times in self.spikes.items()
+            ],
+            "leap": [
+                f"the displacement leaps {counted(len(self.leaps), 'time')} within one sample, at {_first_three(self.leaps)} "
+                "s, and stays there: the encoder slipped, or counts were lost; cut the record there, or record it again"
+            ]
+            if self.leaps
+            else [],
             "run away": [
                 f"the displacement runs away: its middle moves by {1e3 * self.run_away:.3g} mm in one direction; look whether "
                 "the encoder counts less one way than the other, or the table drifts; record it again, or fit a part of it"
@@ -110,35 +120,24 @@ class Quality(Shown):
                 f"the displacement covers {self.stroke:.4g} m: is its unit right? Give it in m, or name the "
                 "unit (--unit, units=)"
             ]
-            if self.stroke > UNLIKELY_STROKE
+            if self.stroke > thresholds.unlikely_stroke
             else [],
             "coarse": [f"only {self.per_cycle:.0f} samples per cycle"]
-            if self.per_cycle is not None and self.per_cycle < MIN_PER_CYCLE
+            if self.per_cycle is not None and self.per_cycle < thresholds.samples_per_cycle
             else [],
         }
 
-    def _leaps_in_words(self) -> str:
-        return (
-            f"the displacement leaps {len(self.leaps)} time{'s' * (len(self.leaps) > 1)} within one sample, at "
-            f"{', '.join(f'{t:.4g}' for t in self.leaps[:3])}{' ...' * (len(self.leaps) > 3)} s, and stays there: the "
-            "encoder slipped, or counts were lost; cut the record there, or record it again"
-        )
 
-
-def _false_samples(channel: str, times: tuple[float, ...]) -> str:
-    return (
-        f"{channel} has {len(times)} false sample{'s' * (len(times) > 1)}, it seems: at "
-        f"{', '.join(f'{t:.4g}' for t in times[:3])}{' ...' * (len(times) > 3)} s it leaps away from its neighbours and "
-        "back; cut or repair them, or fit with a loss of huber or l1"
-    )
+def _first_three(times: Sequence[float]) -> str:
+    return ", ".join(f"{time:.4g}" for time in times[:3]) + " ..." * (len(times) > 3)
 
 
 def quality(record: Record) -> Quality:
     """Report gaps, jitter, saturation and quantisation of a record."""
     steps = np.diff(record.time)
     dt = record.dt
-    gaps = np.flatnonzero(steps > GAP * dt)
-    even = steps[steps <= GAP * dt]
+    gaps = np.flatnonzero(steps > record.thresholds.gap * dt)
+    even = steps[steps <= record.thresholds.gap * dt]
     spans = cycles(record)
     per_cycle = float(np.mean([i1 - i0 for i0, i1 in spans])) if spans else None
     channels = {name: getattr(record, name) for name in CHANNELS if name != "time"}
@@ -158,7 +157,7 @@ def quality(record: Record) -> Quality:
         spikes={
             name: tuple(map(float, record.time[at]))
             for name in ("displacement", "force")
-            if len(at := spikes(getattr(record, name)))
+            if len(at := spikes(getattr(record, name), record.thresholds.false_sample))
         },
         leaps=tuple(map(float, record.time[leaps(record)])),
         run_away=_run_away(record, spans),
@@ -166,14 +165,15 @@ def quality(record: Record) -> Quality:
     )
 
 
-def spikes(values: Array) -> NDArray[np.int64]:
-    """The samples of a channel that leap away from their neighbours and back, as their numbers."""
+def spikes(values: Array, share: float = USUAL.false_sample) -> NDArray[np.int64]:
+    """The samples of a channel that leap away from their neighbours and back by more than ``share`` of its range, as their
+    numbers."""
     from scipy.ndimage import maximum_filter, median_filter
 
     apart = np.abs(values - median_filter(values, SPIKE_WINDOW, mode="nearest"))
     low, high = np.quantile(values, (0.01, 0.99))
     usual = float(np.quantile(apart, 0.99))
-    limit = max(SPIKE_SHARE * (high - low), SPIKE_OVER_REST * usual, 3.0 * (quantum(values) or 0.0))
+    limit = max(share * (high - low), SPIKE_OVER_REST * usual, 3.0 * (quantum(values) or 0.0))
     if limit <= 0.0:
         return np.empty(0, dtype=np.int64)
     # Beside a spike the running median is off too, but by less than the spike itself.
@@ -184,10 +184,10 @@ def spikes(values: Array) -> NDArray[np.int64]:
 def leaps(record: Record) -> NDArray[np.int64]:
     """The samples at which the displacement is suddenly at another place, and stays there, as their numbers."""
     steps = np.abs(np.diff(record.displacement))
-    steps[np.diff(record.time) > GAP * record.dt] = 0.0  # across a gap it had the time to move
+    steps[np.diff(record.time) > record.thresholds.gap * record.dt] = 0.0  # across a gap it had the time to move
     if len(steps) < 4:
         return np.empty(0, dtype=np.int64)
-    limit = max(LEAP_OVER_FASTEST * float(np.quantile(steps, 0.99)), 3.0 * (quantum(record.displacement) or 0.0))
+    limit = max(record.thresholds.leap * float(np.quantile(steps, 0.99)), 3.0 * (quantum(record.displacement) or 0.0))
     padded = np.r_[0.0, steps, 0.0]
     around = np.maximum(padded[:-2], padded[2:])  # a spike leaps back at once: its two steps are alike
     alone = (steps > limit) & (steps > LEAP_OVER_NEIGHBOURS * around)
@@ -201,13 +201,13 @@ def _run_away(record: Record, spans: list[tuple[int, int]]) -> float:
     extremes = [(float(x.min()), float(x.max())) for i0, i1 in spans for x in [record.displacement[i0 : i1 + 1]]]
     middles = np.array([0.5 * (low + high) for low, high in extremes])
     stroke = float(np.median([high - low for low, high in extremes]))
-    count = np.arange(len(middles)) - 0.5 * (len(middles) - 1)
-    line = float(count @ middles / (count @ count)) * count
+    number = np.arange(len(middles)) - 0.5 * (len(middles) - 1)  # of the cycle, about the middle one
+    line = float(number @ middles / (number @ number)) * number  # least squares
     rest = middles - middles.mean() - line
     moved = float(line[-1] - line[0]) * len(middles) / (len(middles) - 1)  # from the first begin to the last end
-    far = abs(moved) > stroke * min(RUN_AWAY, RUN_AWAY_PER_CYCLE * len(middles))
+    far = abs(moved) > stroke * min(record.thresholds.run_away, record.thresholds.run_away_per_cycle * len(middles))
     straight = float(rest @ rest) <= (1.0 - RUN_AWAY_STRAIGHT) * float(np.sum((middles - middles.mean()) ** 2))
-    return moved if straight and far else 0.0
+    return moved if straight and far else 0.0  # a table that wanders to and fro is no run-away
 
 
 def _moving(record: Record, spans: list[tuple[int, int]]) -> slice:
@@ -226,10 +226,15 @@ def _motion(record: Record) -> slice:
 
 def _stuck(moving: Array, per_cycle: float | None) -> int:
     """How many samples stand at the highest or the lowest value in long runs, once the table moves."""
-    long = max(MAX_PLATEAU, PLATEAU_OF_CYCLE * (per_cycle or 0.0))
+    shortest = max(MAX_PLATEAU, PLATEAU_OF_CYCLE * (per_cycle or 0.0))
     if len(moving) == 0 or np.ptp(moving) == 0:
         return 0
-    return sum(_in_runs(moving == extreme, long) for extreme in (moving.max(), moving.min()))
+    count = 0
+    for extreme in (moving.max(), moving.min()):
+        edges = np.flatnonzero(np.diff(np.r_[False, moving == extreme, False].astype(int)))
+        runs = edges[1::2] - edges[::2]
+        count += int(np.sum(runs[runs >= shortest]))
+    return count
 
 
 def flat_levels(values: Array, moving: Any, step: float) -> list[tuple[float, NDArray[np.bool_]]]:
@@ -255,18 +260,20 @@ def flat_levels(values: Array, moving: Any, step: float) -> list[tuple[float, ND
     bins = np.rint(values / width)
     ordered = np.sort(bins[moving])
 
-    def about(place: Array, reach: float) -> Array:
-        """The samples in the bins within ``reach`` of ``place``."""
+    def count_near(place: Array, reach: float) -> Array:
+        """How many samples lie in the bins within ``reach`` of ``place``."""
         first = np.searchsorted(ordered, place - reach, "left")
         last = np.searchsorted(ordered, place + reach, "right")
         return np.asarray(last - first, dtype=np.float64)
 
     place, count = np.unique(ordered, return_counts=True)
-    three, flanks = about(place, 1.0), np.maximum(about(place - 3.0, 1.0), about(place + 3.0, 1.0))
+    three, flanks = count_near(place, 1.0), np.maximum(count_near(place - 3.0, 1.0), count_near(place + 3.0, 1.0))
     inner, outer = 1.5 * QUIETER * width / noise, 4.5 * QUIETER * width / noise
     expected = float(ndtr(inner) - ndtr(-inner)) / max(float(ndtr(outer) - ndtr(inner)), 1e-9)
     flat = (three >= FLATTER * expected * (flanks + 1.0)) & (three >= SHARE_OF_FLAT * len(among))
-    flat &= count >= np.maximum(about(place - 1.0, 0.0), about(place + 1.0, 0.0))  # and not beside such a level
+    flat &= count >= np.maximum(
+        count_near(place - 1.0, 0.0), count_near(place + 1.0, 0.0)
+    )  # and not beside such a level
     levels: list[tuple[float, NDArray[np.bool_]]] = []
     for level in place[flat]:
         at = np.zeros(len(values), dtype=bool)
@@ -286,14 +293,9 @@ def _noise(values: Array) -> float:
     turns = np.mean(differences[:, 1:] * differences[:, :-1] < 0.0, axis=1)
     size = np.median(np.abs(differences), axis=1)
     live = size[(size > 0.0) & (turns > 0.5)]
+    # fifth differences of white noise have the variance C(10, 5) times its own; 0.6745 is the median of |z| of a normal one
     gain = 0.6745 * math.sqrt(math.comb(2 * NOISE_ORDER, NOISE_ORDER))
     return float(np.quantile(live, 0.25)) / gain if len(live) >= MIN_NOISY else 0.0
-
-
-def _in_runs(flags: Array, long: float) -> int:
-    edges = np.flatnonzero(np.diff(np.r_[False, flags, False].astype(int)))
-    runs = edges[1::2] - edges[::2]
-    return int(np.sum(runs[runs >= long]))
 
 
 @cached_by_record
@@ -306,13 +308,9 @@ def motion_start(record: Record) -> float:
     moves starts at its end.
     """
     x = record.displacement
-    size = _size(record)
+    lengths = np.abs(legs(record))
+    size = float(np.median(lengths)) if len(lengths) else float(np.ptp(x))
     away = np.flatnonzero(np.abs(x - x[0]) > EXCURSION * size)
     if size == 0 or len(away) == 0:
         return float(record.time[-1])
     return float(record.time[last_at_rest(x, int(away[0]))])
-
-
-def _size(record: Record) -> float:
-    lengths = np.abs(legs(record))
-    return float(np.median(lengths)) if len(lengths) else float(np.ptp(record.displacement))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.records.checks.channel_noise import rest_tolerance
-from dampyr.records.record import CHANNELS, MIN_SAMPLES, Array, Record
+from dampyr.records.record import MIN_SAMPLES, Array, Record, commonest_name
 from dampyr.units import parse
 
 EVENTS = "events"
@@ -39,7 +38,7 @@ def cut(record: Record, by: float | str, rest: float = REST) -> list[Record]:
     Raises
     ------
     InputError
-        ``by`` is neither a duration nor "events", ``rest`` is no duration, or a piece would have fewer than 8 samples.
+        ``by`` is neither a duration nor "events", ``rest`` is not a duration, or a piece would have fewer than 8 samples.
     """
     if by == EVENTS:
         if not (math.isfinite(rest) and rest > 0.0):
@@ -62,7 +61,7 @@ def cut(record: Record, by: float | str, rest: float = REST) -> list[Record]:
 def cut_all(records: Sequence[Record], by: float | str) -> list[Record]:
     """The pieces of several records, each cut as by `cut`; :class:`~dampyr.errors.InputError` where two have one name."""
     pieces = [piece for record in records for piece in cut(record, by)]
-    name, count = Counter(piece.name for piece in pieces).most_common(1)[0] if pieces else ("", 0)
+    name, count = commonest_name(pieces)
     if count > 1:
         raise InputError(f"{count} records or pieces are called {name!r}; rename a file, or read them without cut")
     return pieces
@@ -95,7 +94,7 @@ def _every(record: Record, duration: float) -> list[int]:
 
 
 def _in_rests(record: Record, rest: float) -> list[int]:
-    """The same, cut in the middle of each rest that lies between two motions."""
+    """As `_every`, cut in the middle of each rest that lies between two motions."""
     still = _still(record.time, record.displacement, rest)
     changes = np.flatnonzero(np.diff(still)) + 1
     bounds = [0, *changes.tolist(), record.n]
@@ -122,13 +121,11 @@ def _still(time: Array, x: Array, rest: float) -> NDArray[np.bool_]:
 
 
 def _piece(record: Record, window: slice, number: int, count: int, how: str) -> Record:
-    channels = {name: getattr(record, name) for name in CHANNELS}
-    parts = {name: values[window] for name, values in channels.items() if isinstance(values, np.ndarray)}
     place = f"{number} of {count}"
     start, end = record.time[window][[0, -1]]
-    return record.replace(
+    return record.sliced(
+        window,
         note=f"piece {place} of {record.name}, {start:.6g} to {end:.6g} s, cut {how}",
         name=f"{record.name}_{number:0{len(str(count))}d}",
         provenance=dict(record.provenance) | {"piece_of": record.name, "piece": place},
-        **parts,
     )

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from dampyr.records.cycle_analysis.cycles import require_cycles
+from dampyr.records.cycle_analysis.cycles import mean_over_time, require_cycles
 from dampyr.records.record import Array, Record
 
 
-def middles(record: Record) -> tuple[Array, Array]:
+def mean_positions(record: Record) -> tuple[Array, Array]:
     """Times (s) and mean positions (m) of the whole cycles, ``(cycles,)`` each."""
     spans = require_cycles(record, "the drift")
     at = np.array([0.5 * (record.time[i0] + record.time[i1]) for i0, i1 in spans])
-    return at, np.array([_mean(record, i0, i1) for i0, i1 in spans])
+    return at, np.array([mean_over_time(record.displacement, record, i0, i1) for i0, i1 in spans])
 
 
 def drift(record: Record) -> float:
@@ -20,7 +20,7 @@ def drift(record: Record) -> float:
 
     One cycle alone shows its drift as the distance between its two equal turning points over its duration.
     """
-    at, mean = middles(record)
+    at, mean = mean_positions(record)
     if len(at) == 1:
         i0, i1 = require_cycles(record, "the drift")[0]
         moved = record.displacement[i1] - record.displacement[i0]
@@ -38,8 +38,3 @@ def remove_drift(record: Record) -> Record:
     velocity = None if record.velocity is None else record.velocity - slope
     note = f"drift of {slope:.6g} m/s removed from the displacement"
     return record.replace(note=note, displacement=x, velocity=velocity)
-
-
-def _mean(record: Record, i0: int, i1: int) -> float:
-    edges = np.diff(record.time[i0 : i1 + 1])
-    return float(np.sum(record.displacement[i0:i1] * edges) / np.sum(edges))

@@ -58,7 +58,9 @@ def estimate_delay(record: Record) -> ForceLag:
     lags: dict[int, list[float]] = {1: [], -1: []}
     reach = int(np.median(np.diff(points)) / 2)
     for point in points:
-        upper = 1 if _turns_down(record.displacement, int(point), reach) else -1
+        before, after = max(point - reach, 0), min(point + reach, record.n - 1)
+        ends = record.displacement[before] + record.displacement[after]
+        upper = 1 if record.displacement[point] > 0.5 * ends else -1
         lag = _lag(record.time, upper * speed, upper * force, int(point), reach)
         if lag is not None:
             lags[upper].append(lag)
@@ -67,6 +69,7 @@ def estimate_delay(record: Record) -> ForceLag:
             f"{record.name}: the force does not change sign within half a stroke of the turning points; "
             "remove its offset or check its channel"
         )
+    # an offset of the force lengthens one kind of lag by what it shortens the other
     upper_lag, lower_lag = float(np.median(lags[1])), float(np.median(lags[-1]))
     apart = np.abs(np.r_[np.array(lags[1]) - upper_lag, np.array(lags[-1]) - lower_lag])
     return ForceLag(0.5 * (upper_lag + lower_lag), upper_lag, lower_lag, float(np.median(apart)), len(apart))
@@ -80,12 +83,12 @@ def correct_delay(record: Record, seconds: float) -> Record:
     """
     if not (math.isfinite(seconds) and abs(seconds) < 0.5 * record.duration):
         raise InputError(
-            f"seconds = {seconds:g} s is no delay of a record of {record.duration:g} s; "
+            f"seconds = {seconds:g} s is not a possible delay of a record of {record.duration:g} s; "
             "give less than half of its duration"
         )
     t = record.time
     indices = np.flatnonzero((t - seconds >= t[0]) & (t - seconds <= t[-1]))
-    moved = {
+    delayed = {
         name: np.interp(t[indices] - seconds, t, getattr(record, name))
         for name in ("displacement", "velocity")
         if getattr(record, name) is not None
@@ -96,12 +99,7 @@ def correct_delay(record: Record, seconds: float) -> Record:
         if isinstance(values := getattr(record, name), np.ndarray)
     }
     note = f"motion delayed by {seconds:.6g} s to meet the force, {record.n - len(indices)} samples cut off"
-    return record.replace(note=note, **moved, **cut)
-
-
-def _turns_down(x: Array, point: int, reach: int) -> bool:
-    before, after = max(point - reach, 0), min(point + reach, len(x) - 1)
-    return bool(x[point] > 0.5 * (x[before] + x[after]))
+    return record.replace(note=note, **delayed, **cut)
 
 
 def _lag(time: Array, speed: Array, force: Array, point: int, reach: int) -> float | None:

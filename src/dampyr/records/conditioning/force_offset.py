@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from dampyr.records.cycle_analysis.cycles import whole
+from dampyr.records.cycle_analysis.cycles import mean_over_time, whole
 from dampyr.records.record import Record
 
 
 def mean_force(record: Record) -> float:
     """The mean force, N, over whole cycles, each instant weighted by its sampling interval."""
     part = whole(record, "the force offset")
-    edges = np.diff(record.time[part.start : part.stop + 1])
-    return float(np.sum(record.force[part] * edges) / np.sum(edges))
+    return mean_over_time(record.force, record, part.start, part.stop)
 
 
 def remove_offset(record: Record, offset: float | None = None) -> Record:

@@ -41,7 +41,7 @@ def with_integrated_displacement(*, velocity: Any, provenance: Mapping[str, str]
     assert v is not None
     x = integral(t, v)
     moved = record.replace(note=f"displacement {INTEGRATED} by trapezoids, 0 at the first sample", displacement=x)
-    if repeats(moved):
+    if repeats(moved):  # then the mean position of a cycle is known, and what it does from cycle to cycle is drift
         slope = drift(moved)
         left = f"drift of {1e3 * slope:.3g} mm/s, {1e3 * slope * record.duration:.3g} mm in all, removed"
         moved = moved.replace(

@@ -21,11 +21,11 @@ from dampyr.records.checks.quality import motion_start
 from dampyr.records.conditioning.velocity import PER_TEST_FREQUENCY, WITHOUT_CYCLES, default_bandwidth
 from dampyr.records.cycle_analysis.cycles import Cut, cut_cycles, turning_points
 from dampyr.records.cycle_analysis.measure import fundamental
-from dampyr.records.record import Array, Record
+from dampyr.records.record import MIN_SAMPLES, Array, Record
+from dampyr.records.thresholds import USUAL, RecordThresholds
 from dampyr.shown import Shown
 
 PROVENANCE = "displacement_lowpass_hz"
-UNCERTAIN = 0.01  # of the samples: encoders and their last count give half of it on sines
 WHITE = 0.6745 * math.sqrt(20.0)  # the median absolute third difference of white noise over its standard deviation
 ABOVE_NOISE = 10.0  # times the noise's power: there the motion stands out
 PASSED = 3.0  # times the highest frequency that stands out: there the low-pass takes less than 1 %
@@ -51,12 +51,16 @@ class DisplacementNoise(Shown):
     @property
     def hides_direction(self) -> bool:
         """Whether the direction of motion is uncertain in more than 1 % of the samples."""
-        return self.backward > UNCERTAIN
+        return self.backward > USUAL.uncertain_direction
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a person should look at, with the repair; empty where the direction of motion is clear."""
-        if not self.hides_direction:
+        """What a person should look at by the usual thresholds, with the repair; empty where the direction is clear."""
+        return self.judged(USUAL)
+
+    def judged(self, thresholds: RecordThresholds) -> tuple[str, ...]:
+        """The `notes` by other thresholds."""
+        if self.backward <= thresholds.uncertain_direction:
             return ()
         return (
             f"displacement noise of {1e6 * self.rms:.2g} um rms turns the direction of motion in {100 * self.backward:.2g} % "
@@ -74,28 +78,28 @@ def displacement_noise(record: Record) -> DisplacementNoise:
     ``backward`` is 0.
     """
     first = int(np.searchsorted(record.time, motion_start(record)))
-    first = first if record.n - first >= 8 else 0
+    first = first if record.n - first >= MIN_SAMPLES else 0
     x = record.displacement
     rms = float(np.median(np.abs(np.diff(x[first:], 3)))) / WHITE
     chosen = _proposed(record, rms)
     moves = np.diff(smooth(record.time, x, chosen))[first:]
     against = np.diff(x)[first:] * moves < 0.0
-    made = cut_cycles(record)
-    if made.graded:  # digitised loops have corners, which a low-pass rounds; no noise is needed for that
+    cut = cut_cycles(record)
+    if cut.graded:  # digitised loops have corners, which a low-pass rounds; no noise is needed for that
         for point in turning_points(record) - first:
             against[max(point - CORNER, 0) : max(point + CORNER, 0)] = False
     backward = float(np.mean(against))
-    if _period(record, made) < SAMPLES_PER_CYCLE * record.dt:
+    if _period(record, cut) < SAMPLES_PER_CYCLE * record.dt:
         backward = 0.0
     frequencies = np.linspace(0.0, 0.5 / record.dt, 2000)
     passed = float(np.trapezoid(response(frequencies, chosen) ** 2, frequencies)) * 2.0 * record.dt
     return DisplacementNoise(rms, backward, chosen, rms * math.sqrt(passed))
 
 
-def _period(record: Record, made: Cut) -> float:
+def _period(record: Record, cut: Cut) -> float:
     """The period of the motion, s: of the shortest level of a test in levels; infinite where it has none."""
-    if made.graded:
-        return min(level.period_s for level in made.levels)
+    if cut.graded:
+        return min(level.period_s for level in cut.levels)
     return 1.0 / fundamental(record)[0] if repeats(record) else math.inf
 
 
@@ -103,9 +107,9 @@ def _proposed(record: Record, rms: float) -> float:
     if repeats(record):
         return default_bandwidth(record)
     limit = WITHOUT_CYCLES / record.dt
-    made = cut_cycles(record)
-    if made.graded:
-        return min(PER_TEST_FREQUENCY / _period(record, made), limit)
+    cut = cut_cycles(record)
+    if cut.graded:
+        return min(PER_TEST_FREQUENCY / _period(record, cut), limit)
     power = np.abs(np.fft.rfft((record.displacement - record.displacement[0]) * np.hanning(record.n))) ** 2
     floor = rms**2 * float(np.sum(np.hanning(record.n) ** 2))
     averaged = np.convolve(power, np.ones(LINES) / LINES, "same")
@@ -114,29 +118,29 @@ def _proposed(record: Record, rms: float) -> float:
     return min(max(PASSED * highest, 4.0 / record.duration), limit)
 
 
-def multiple_or_hz(given: Any) -> tuple[float, bool]:
+def multiple_or_hz(lowpass: Any) -> tuple[float, bool]:
     """A low-pass in Hz, or, from ``"15 f"``, as a multiple of the motion's frequency: the value, and whether it is a multiple.
 
     Raises :class:`~dampyr.errors.InputError` where it is neither.
     """
-    match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*(Hz|f)?\s*", given) if isinstance(given, str) else None
+    match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*(Hz|f)?\s*", lowpass) if isinstance(lowpass, str) else None
     try:
-        value = float(match[1] if match else given if isinstance(given, int | float) else "")
+        value = float(match[1] if match else lowpass if isinstance(lowpass, int | float) else "")
     except ValueError:
         value = math.nan
-    if isinstance(given, bool) or not (math.isfinite(value) and value > 0.0):
+    if isinstance(lowpass, bool) or not (math.isfinite(value) and value > 0.0):
         raise InputError(
-            f'lowpass = {given!r} is no frequency; give Hz above 0, such as 20, or "15 f", 15 times the motion\'s'
+            f'lowpass = {lowpass!r} is not a frequency; give Hz above 0, such as 20, or "15 f", 15 times the motion\'s'
         )
     return value, bool(match and match[2] == "f")
 
 
-def as_lowpass(given: Any) -> float | str:
+def as_lowpass(lowpass: Any) -> float | str:
     """A low-pass as it is compared: Hz as a number, a multiple of the motion's frequency as a text such as ``"15 f"``.
 
     Raises :class:`~dampyr.errors.InputError` where it is neither.
     """
-    value, is_multiple = multiple_or_hz(given)
+    value, is_multiple = multiple_or_hz(lowpass)
     return f"{value:.12g} f" if is_multiple else value
 
 
@@ -153,7 +157,7 @@ def with_lowpass(record: Record, lowpass: Any) -> Record:
     Raises
     ------
     InputError
-        It is no frequency that the samples carry.
+        It is not a frequency that the samples carry.
     """
     value, is_multiple = multiple_or_hz(lowpass)
     if is_multiple and not repeats(record):

@@ -5,6 +5,7 @@ r"""A moving average over N samples, of which b lie before each sample and a aft
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -25,7 +26,7 @@ EXAMPLE = '"0.3 s", "15 samples" or "0.1 periods"'
 
 @dataclass(frozen=True)
 class Declaration:
-    """What is declared of files: the window of a moving average in s, in samples or in periods of the motion.
+    """A declared moving average: the window of a moving average in s, in samples or in periods of the motion.
 
     ``trailing``: the window ends with the sample (else the sample is in its middle; of an even number of samples one more lies
     before it). ``channels``: those that were smoothed. ``undo``: whether it is undone where it can be.
@@ -41,43 +42,37 @@ class Declaration:
     undo: bool = True
 
     def __post_init__(self) -> None:
-        given = {name: getattr(self, name) for name in UNITS.values() if getattr(self, name) is not None}
-        if len(given) != 1:
-            raise InputError(f"smoothed needs one window and has {len(given)}; give one, such as {EXAMPLE}")
-        [(name, value)] = given.items()
-        least = 2 if name == "samples" else 0.0
-        if (
-            isinstance(value, bool)
-            or not np.isfinite(value)
-            or value <= 0.0
-            or value < least
-            or (int(least) and value % 1)
-        ):
+        windows = {name: getattr(self, name) for name in UNITS.values() if getattr(self, name) is not None}
+        if len(windows) != 1:
+            raise InputError(f"smoothed needs one window and has {len(windows)}; give one, such as {EXAMPLE}")
+        [(name, value)] = windows.items()
+        is_window = not isinstance(value, bool) and np.isfinite(value) and value > 0.0
+        if not is_window or (name == "samples" and (value < 2 or value % 1)):
             unit = next(word for word, field in UNITS.items() if field == name)
             raise InputError(
-                f"smoothed = {value:g} {unit} is no window; give a number above 0, of samples a whole one from 2 on"
+                f"smoothed = {value:g} {unit} is not a valid window; give a number above 0, of samples a whole one from 2 on"
             )
         wrong = [c for c in self.channels if c not in AVERAGED]
         if wrong or not self.channels:
-            what = f"{wrong[0]!r} is no channel that can be smoothed" if wrong else "no channel is smoothed"
+            what = f"{wrong[0]!r} is not a channel that can be smoothed" if wrong else "no channel is smoothed"
             raise InputError(f"smoothed: {what}; choose from {', '.join(AVERAGED)}")
 
     @staticmethod
-    def of(given: Any) -> Declaration:
+    def of(declared: Any) -> Declaration:
         """From a number of s, from a text such as ``"0.1 periods, trailing, force"``, or from a mapping of the fields."""
-        if isinstance(given, Declaration):
-            return given
-        if isinstance(given, Mapping):
-            return _from_mapping(given)
-        if isinstance(given, str):
-            return _from_text(given)
-        if isinstance(given, int | float) and not isinstance(given, bool):
-            return Declaration(seconds=float(given))
-        raise InputError(f"smoothed = {given!r} is no window; give s as a number, or {EXAMPLE}")
+        if isinstance(declared, Declaration):
+            return declared
+        if isinstance(declared, Mapping):
+            return _from_mapping(declared)
+        if isinstance(declared, str):
+            return _from_text(declared)
+        if isinstance(declared, int | float) and not isinstance(declared, bool):
+            return Declaration(seconds=float(declared))
+        raise InputError(f"smoothed = {declared!r} is not a valid window; give s as a number, or {EXAMPLE}")
 
     @property
     def window(self) -> str:
-        """The window in words, such as "0.1 periods"."""
+        """The window with its unit, such as "0.1 periods"."""
         word, value = next((w, getattr(self, f)) for w, f in UNITS.items() if getattr(self, f) is not None)
         return f"{value:g} {word}"
 
@@ -92,39 +87,39 @@ def _from_text(text: str) -> Declaration:
     first, *rest = (word.strip() for word in text.split(","))
     match = re.fullmatch(r"([0-9.eE+-]+)\s*(s|samples|periods)?", first)
     try:
-        value = float(match[1]) if match else float("nan")
+        value = float(match[1]) if match else math.nan
     except ValueError:
-        value = float("nan")
-    if match is None or value != value:
-        raise InputError(f"smoothed = {text!r} is no window; write it as in {EXAMPLE}")
+        value = math.nan
+    if match is None or math.isnan(value):
+        raise InputError(f"smoothed = {text!r} is not a valid window; write it as in {EXAMPLE}")
     fields: dict[str, Any] = {UNITS[match[2] or "s"]: value}
     channels = tuple(word for word in rest if word in AVERAGED)
-    words = [word for word in rest if word not in AVERAGED]
-    unknown = [word for word in words if word not in ("trailing", "centred", "not undone")]
+    flags = [word for word in rest if word not in AVERAGED]
+    unknown = [word for word in flags if word not in ("trailing", "centred", "not undone")]
     if unknown:
         raise InputError(
             f"smoothed = {text!r}: {unknown[0]!r} is not among trailing, centred, not undone, {', '.join(AVERAGED)}; correct it"
         )
     if channels:
         fields["channels"] = channels
-    return _with_whole_samples(fields | {"trailing": "trailing" in words, "undo": "not undone" not in words})
+    return _with_whole_samples(fields | {"trailing": "trailing" in flags, "undo": "not undone" not in flags})
 
 
-def _from_mapping(given: Mapping[str, Any]) -> Declaration:
-    unknown = [key for key in given if key not in KEYS]
+def _from_mapping(declared: Mapping[str, Any]) -> Declaration:
+    unknown = [key for key in declared if key not in KEYS]
     if unknown:
         raise InputError(f"smoothed: {unknown[0]!r} is not among {', '.join(KEYS)}; correct it")
-    fields = dict(given)
+    fields = dict(declared)
     for key in ("trailing", "undo"):
         if not isinstance(fields.get(key, True), bool):
             raise InputError(f"smoothed: {key} = {fields[key]!r} is neither true nor false; write one of them")
     for key in UNITS.values():
         if key in fields and (isinstance(fields[key], bool) or not isinstance(fields[key], int | float)):
-            raise InputError(f"smoothed: {key} = {fields[key]!r} is no number; give one above 0")
+            raise InputError(f"smoothed: {key} = {fields[key]!r} is not a number; give one above 0")
     if "channels" in fields:
         channels = fields["channels"]
-        if isinstance(channels, str) or not all(isinstance(each, str) for each in channels):
-            raise InputError(f'smoothed: channels = {channels!r} is no list of channels; write it as in ["force"]')
+        if isinstance(channels, str) or not all(isinstance(channel, str) for channel in channels):
+            raise InputError(f'smoothed: channels = {channels!r} is not a list of channels; write it as in ["force"]')
         fields["channels"] = tuple(channels)
     return _with_whole_samples(fields)
 
@@ -156,7 +151,7 @@ class MovingAverage:
 
     def without(self, channels: tuple[str, ...]) -> MovingAverage | None:
         """The same for what is left of its channels, or None."""
-        left = tuple(each for each in self.channels if each not in channels)
+        left = tuple(channel for channel in self.channels if channel not in channels)
         return replace(self, channels=left) if left else None
 
 

@@ -30,7 +30,7 @@ WINDOWS = (255, 127, 63, 31, 15, 9)  # samples of a running median, the widest f
 STILL_NOISE = 1.05  # times the noise: what a running median may take off; more of it would be the command
 SUSTAINED = 2.5  # times the noise: what the median of 9 samples of pure noise exceeds once in ten million samples
 SAME_PLATEAU = 5.0  # standard errors of a running median, within which it stays on a plateau
-ON_PLATEAUS = 0.8  # of the samples: with fewer the command is no sequence of plateaus
+ON_PLATEAUS = 0.8  # of the samples: with fewer the command is not a sequence of plateaus
 RARE = 0.005  # of the samples beyond either end of a command without plateaus
 
 
@@ -56,12 +56,17 @@ def nominal_inputs(records: Sequence[Record], nominal_values: Iterable[float] = 
         raise InputError(
             f"{named['V']} has a voltage and {named['A']} a current as its input; take records of one kind together"
         )
-    largest = max([SMALLEST, *map(abs, nominal_values), *(_largest(record) for record in records)])
+    inputs = [record.input_channel for record in records]
+    blocks = [mean for values in inputs if values is not None for mean in _block_means(np.atleast_1d(values))]
+    largest = max([SMALLEST, *map(abs, nominal_values), *map(abs, blocks)])
     steady = [_is_measured(record) and is_steady(record, largest) for record in records]
-    stated = {_mean(r) for r in records if r.input and not _is_measured(r)}
-    means = sorted({_mean(r) for r, yes in zip(records, steady, strict=True) if yes})
+    stated = {_mean(record) for record in records if record.input and not _is_measured(record)}
+    means = sorted({_mean(record) for record, is_constant in zip(records, steady, strict=True) if is_constant})
     nominal = _nominal(means, sorted({0.0, *map(float, nominal_values), *stated}), largest)
-    return [_constant(r, nominal[_mean(r)]) if yes else r for r, yes in zip(records, steady, strict=True)]
+    return [
+        _constant(record, nominal[_mean(record)]) if is_constant else record
+        for record, is_constant in zip(records, steady, strict=True)
+    ]
 
 
 @dataclass(frozen=True)
@@ -109,9 +114,13 @@ def commanded_input(values: Array) -> Commanded | None:
         if NORMAL * float(np.median(np.abs(values - smooth))) > STILL_NOISE * noise:
             continue
         largest = max(SMALLEST, float(np.abs(smooth).max()))
-        made = _of_plateaus(values, smooth, window, noise, largest) or _of_quantiles(smooth, noise, largest)
-        if made.low - SUSTAINED * noise <= short.min() and short.max() <= made.high + SUSTAINED * noise:
-            return made
+        commanded = _of_plateaus(values, smooth, window, noise, largest)
+        if commanded is None:  # its outer quantiles, an end that is 0 but for the tolerance at 0
+            ends = np.quantile(smooth, (RARE, 1.0 - RARE))
+            low, high = (0.0 if abs(end) <= TOLERANCE * largest else float(end) for end in ends)
+            commanded = Commanded(np.unique(np.clip(smooth, low, high)), noise, plateaus=False)
+        if commanded.low - SUSTAINED * noise <= short.min() and short.max() <= commanded.high + SUSTAINED * noise:
+            return commanded
     return Commanded(np.unique(short), noise, plateaus=False)
 
 
@@ -132,21 +141,16 @@ def _of_plateaus(values: Array, smooth: Array, window: int, noise: float, larges
     return Commanded(np.array(sorted(set(nominal.values()))), noise, plateaus=True)
 
 
-def _of_quantiles(smooth: Array, noise: float, largest: float) -> Commanded:
-    """The running median between its outer quantiles, an end that is 0 but for the tolerance at 0."""
-    ends = np.quantile(smooth, (RARE, 1.0 - RARE))
-    low, high = (0.0 if abs(end) <= TOLERANCE * largest else float(end) for end in ends)
-    return Commanded(np.unique(np.clip(smooth, low, high)), noise, plateaus=False)
-
-
 def in_common(commanded: Sequence[Commanded], stated: Iterable[float] = ()) -> list[Commanded]:
     """The commands, plateaus that agree with each other, 0 or a ``stated`` input at one level: see `nominal_inputs`."""
-    levels = sorted({float(level) for one in commanded if one.plateaus for level in one.levels})
+    levels = sorted({float(level) for command in commanded if command.plateaus for level in command.levels})
     largest = max([SMALLEST, *map(abs, levels)])
     nominal = _nominal(levels, sorted({0.0, *map(float, stated)}), largest)
     return [
-        replace(one, levels=np.array(sorted({nominal[float(level)] for level in one.levels}))) if one.plateaus else one
-        for one in commanded
+        replace(command, levels=np.array(sorted({nominal[float(level)] for level in command.levels})))
+        if command.plateaus
+        else command
+        for command in commanded
     ]
 
 
@@ -156,18 +160,18 @@ def without_noise_beyond(record: Record, low: float, high: float) -> Record:
     As it is where its input is a number, has no noise, or was commanded beyond them by more than 2 % of the largest
     input and its own noise, which is how well an end is known.
     """
-    value = _value(record)
+    value = record.input_channel
     if not isinstance(value, np.ndarray) or (low <= value.min() and value.max() <= high):
         return record
-    meant = commanded_input(value)
-    if meant is None:
+    command = commanded_input(value)
+    if command is None:
         return record
-    slack = TOLERANCE * max(SMALLEST, abs(low), abs(high)) + meant.noise
-    if meant.low < low - slack or meant.high > high + slack:
+    slack = TOLERANCE * max(SMALLEST, abs(low), abs(high)) + command.noise
+    if command.low < low - slack or command.high > high + slack:
         return record
     name = "voltage" if record.input == "V" else "current"
     ends = f"{low:.4g} to {high:.4g} {record.input}"
-    note = f"{name}: what its noise of {meant.noise:.2g} {record.input} rms reaches beyond {ends} counts as the end"
+    note = f"{name}: what its noise of {command.noise:.2g} {record.input} rms reaches beyond {ends} counts as the end"
     return record.replace(note=note, **{name: np.clip(value, low, high)})
 
 
@@ -176,9 +180,9 @@ def is_steady(record: Record, largest: float) -> bool:
 
     A record without an input is not.
     """
-    values = _channel(record)
-    if values is None:
+    if record.input_channel is None:
         return False
+    values = np.atleast_1d(np.asarray(record.input_channel, dtype=float))
     mean = float(np.mean(values))
     away = max(abs(block - mean) for block in _block_means(values))
     return away <= TOLERANCE * largest and float(np.std(values)) <= NOISE * largest
@@ -221,35 +225,21 @@ def _groups(values: list[float], tolerance: float) -> list[list[float]]:
 
 def _constant(record: Record, value: float) -> Record:
     name = "voltage" if record.input == "V" else "current"
-    if isinstance(_value(record), float) and _value(record) == value:
+    if isinstance(record.input_channel, float) and record.input_channel == value:
         return record
     unit = record.input
     note = f"{name} constant but for noise, {_mean(record):.4g} {unit} as measured: counts as {value:.6g} {unit}"
     return record.replace(note=note, provenance=dict(record.provenance) | {SOURCE: "nominal"}, **{name: value})
 
 
-def _channel(record: Record) -> Array | None:
-    value = _value(record)
-    return None if value is None else np.atleast_1d(np.asarray(value, dtype=float))
-
-
 def _is_measured(record: Record) -> bool:
     """A channel, or a number that is a channel which never changes."""
-    return isinstance(_value(record), np.ndarray) or record.provenance.get(SOURCE) == MEASURED
-
-
-def _value(record: Record) -> float | Array | None:
-    return record.voltage if record.voltage is not None else record.current
+    return isinstance(record.input_channel, np.ndarray) or record.provenance.get(SOURCE) == MEASURED
 
 
 def _mean(record: Record) -> float:
-    return float(np.mean(np.asarray(_value(record), dtype=float)))
+    return float(np.mean(np.asarray(record.input_channel, dtype=float)))
 
 
 def _block_means(values: Array) -> list[float]:
     return [float(np.mean(block)) for block in np.array_split(values, BLOCKS) if len(block)]
-
-
-def _largest(record: Record) -> float:
-    values = _channel(record)
-    return 0.0 if values is None else max(map(abs, _block_means(values)))

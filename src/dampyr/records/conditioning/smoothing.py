@@ -9,6 +9,7 @@ over whole windows only.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -18,12 +19,11 @@ from dampyr.records.checks.overview import repeats
 from dampyr.records.checks.quality import motion_start
 from dampyr.records.conditioning.integrated_displacement import integral, is_integrated
 from dampyr.records.conditioning.moving_average import Alignment, Declaration, MovingAverage, reach_of, whole_windows
-from dampyr.records.conditioning.smoothing_inverse import Undone, undo
+from dampyr.records.conditioning.smoothing_inverse import undo
 from dampyr.records.cycle_analysis.cycles import cycles
 from dampyr.records.cycle_analysis.measure import fundamental
 from dampyr.records.record import CHANNELS, Array, Record
 
-UNEVEN = 0.01  # of the sampling interval: a moving average counts samples
 PROVENANCE = "smoothing"
 CLEARER = 0.5  # times the noise: of windows one sample apart the right one leaves far less than its neighbours
 ALIKE = 1.2  # times the noise: in a channel without noise all windows leave the same
@@ -48,8 +48,7 @@ def with_smoothing(record: Record, declared: Any) -> Record:
     declaration = Declaration.of(declared)
     if record.smoothed is not None or PROVENANCE in record.provenance:
         raise InputError(f"{record.name} is declared smoothed already; declare it once")
-    steps = np.diff(record.time)
-    if float(np.max(np.abs(steps - record.dt))) > UNEVEN * record.dt:
+    if not record.evenly_sampled:
         raise InputError(
             f"{record.name}: its sampling steps differ by more than 1 %, so that no moving average of samples is undone or "
             "repeated; resample it evenly, or leave smoothed out"
@@ -125,49 +124,47 @@ def period(record: Record) -> float:
 def _clearest(record: Record, channels: tuple[str, ...], samples: int, trailing: bool, rest: int) -> int:
     """``samples``, or one more or less where that window leaves far less noise in every channel."""
 
-    def left(size: int) -> Array:
-        made = [_tried(getattr(record, c), size, trailing, rest) for c in channels]
-        return np.array([np.inf if one is None else float(np.hypot(one.noise, one.error)) for one in made])
+    def remaining_noise(size: int) -> Array:
+        """Of each channel; infinite where the window cannot be undone."""
+        noise = np.full(len(channels), np.inf)
+        for k, channel in enumerate(channels):
+            with suppress(InputError):
+                undone = undo(getattr(record, channel), *reach_of(size, trailing), rest)
+                noise[k] = np.hypot(undone.noise, undone.error)
+        return noise
 
-    declared, best = left(samples), samples
+    declared, best = remaining_noise(samples), samples
     for size in (samples - 1, samples + 1):
-        other = left(size) if size >= 2 else np.full(len(channels), np.inf)
+        other = remaining_noise(size) if size >= 2 else np.full(len(channels), np.inf)
         if np.any(other < CLEARER * declared) and np.all(other < ALIKE * declared):
             declared, best = other, size
     return best
-
-
-def _tried(values: Array, samples: int, trailing: bool, rest: int) -> Undone | None:
-    try:
-        return undo(values, *reach_of(samples, trailing), rest)
-    except InputError:
-        return None
 
 
 def _raw(values: Array, channel: str, before: int, after: int, rest: int) -> tuple[Array | None, str]:
     """The raw channel and how it was made, or None and why it cannot be."""
     unit = CHANNELS[channel]
     try:
-        made = undo(values, before, after, rest)
+        undone = undo(values, before, after, rest)
     except InputError as problem:
         return None, str(problem)
-    if not made.reliable:
-        own = made.error / made.growth
+    if not undone.reliable:
+        error = undone.error / undone.growth
         return None, (
-            f"since the smoothed values hold an error of their own, such as rounding, of about {own:.2g} {unit}, which "
-            f"grows {made.growth:.3g}-fold to {made.error:.2g} {unit} (noise {made.noise:.2g} {unit}); export more digits"
+            f"since the smoothed values hold an error of their own, such as rounding, of about {error:.2g} {unit}, which "
+            f"grows {undone.growth:.3g}-fold to {undone.error:.2g} {unit} (noise {undone.noise:.2g} {unit}); export more digits"
         )
-    if channel == "force" and not made.complete:
+    if channel == "force" and not undone.complete:
         return None, (
-            f"since about {made.missing:.2g} {unit} rms of it repeats itself in each window, which the average has removed for "
-            "good; a record that begins with two windows of rest would tell it"
+            f"since about {undone.missing:.2g} {unit} rms of it repeats itself in each window, which the average has removed "
+            "for good; a record that begins with two windows of rest would tell it"
         )
-    how = f"start values from {made.start}, errors of the smoothed values are multiplied by up to {made.growth:.3g}"
-    if made.grid is not None:
-        how += f" but for those that rounding to the converter's steps of {made.grid:.4g} {unit} removed"
-    if made.missing > made.noise:
-        how += f"; about {made.missing:.2g} {unit} rms that repeats itself in each window is lost"
-    return made.values, how
+    how = f"start values from {undone.start}, errors of the smoothed values are multiplied by up to {undone.growth:.3g}"
+    if undone.grid is not None:
+        how += f" but for those that rounding to the converter's steps of {undone.grid:.4g} {unit} removed"
+    if undone.missing > undone.noise:
+        how += f"; about {undone.missing:.2g} {unit} rms that repeats itself in each window is lost"
+    return undone.values, how
 
 
 def force_average(record: Record) -> MovingAverage | None:

@@ -31,9 +31,8 @@ LEVELS = 5  # of a grid at least
 ON_GRID = 0.25  # of a step: rounding to the grid is then certain
 SMALL_ERROR = 1e-3  # of a channel's standard deviation: below the steps of the converters that laboratories use
 SMALL_PART = 1e-2  # of a channel's standard deviation: a fifth of what good models miss
-EIGHTHS = (
-    8  # parts of a record whose noise is compared: long enough for a median, and an error that grows differs in them
-)
+# Parts of a record whose noise is compared: long enough for a median, and an error that grows differs in them.
+EIGHTHS = 8
 NORMAL = 0.6745 * np.sqrt(20.0)  # the median absolute third difference of white noise over its standard deviation
 
 
@@ -72,10 +71,31 @@ def undo(smoothed: Array, before: int, after: int, rest: int = 0) -> Undone:
     """The raw values under a moving average, see the module.
 
     Only samples whose window lies inside the record are used, so that it does not matter what a program does at the ends.
-    ``rest``: how many samples at the beginning are at rest; with two windows or more of them the start values are their
-    level, else those of least second differences.
 
-    Raises :class:`~dampyr.errors.InputError` for a record shorter than four windows.
+    Parameters
+    ----------
+    smoothed
+        ``(n,)``, evenly sampled, in any unit.
+    before, after
+        How many samples of the window lie before and after the sample itself.
+    rest
+        How many samples at the beginning are at rest. With two windows or more of them the start values are their level, else
+        (by default) those of least second differences.
+
+    Raises
+    ------
+    InputError
+        The record is shorter than four windows.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> raw = np.r_[np.zeros(20), np.sin(0.3 * np.arange(100))]
+    >>> smoothed = np.convolve(raw, np.ones(5) / 5, "same")
+    >>> undone = dp.records.undo(smoothed, 2, 2, rest=18)
+    >>> bool(np.max(np.abs(undone.values - raw)[2:-2]) < 1e-12)
+    True
     """
     size, n = before + 1 + after, smoothed.size
     if n < 4 * size:

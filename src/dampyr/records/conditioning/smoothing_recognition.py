@@ -19,6 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,15 +29,14 @@ from dampyr.records.conditioning.moving_average import AVERAGED, UNITS
 from dampyr.records.cycle_analysis.cycles import RUN_IN_TO, cut_cycles
 from dampyr.records.cycle_analysis.measure import fundamental
 from dampyr.records.record import Array, Record
+from dampyr.records.thresholds import RecordThresholds
 
 Bools = NDArray[np.bool_]
-LEAST = 4  # samples: shorter windows have no whole lobe between two zeros below half the sampling rate
+SHORTEST = 4  # samples: shorter windows have no whole lobe between two zeros below half the sampling rate
 LOBES = (3, 12)  # how many zeros are looked at: rounding hides all but the first ones, or does not
 NEAR, MIDDLE = 0.12, 0.2  # how far from a zero and from the middle of a lobe, in lobes
-CONTRAST = 8.0  # dB: half of what a moving average shows there without leakage
-HALF = 0.5  # of what is needed, for a window that another channel of the record shows clearly
+EASED = 0.5  # of what is needed, for a window that another channel of the record shows clearly
 IN_LOBES = 0.7  # of the zeros must each lie below their sides by half of that: every second one is not enough
-SURE = 6.0  # standard errors: of a hundred windows tried in a thousand channels none comes so far by chance
 SCATTER = 5.57  # dB, the standard deviation of the logarithm of a periodogram of noise
 OF_MEDIANS = 1.5  # the variance of a median over that of a mean, of logarithms of noise
 LEAKED = 1.5  # lines that share their noise under a Hann window
@@ -45,9 +45,9 @@ OF_PERIOD = 0.25  # the widest window that is tried: longer ones take a third of
 COARSE = 0.01  # of a window: at the twelfth zero a window that much longer is still within `NEAR` of it
 WINDOWS = 16  # that a record must hold at least
 FEW = 0.1  # of the samples: where fewer differ from one period to the next, these are single steps and no noise
-NOTHING = 1e-12  # of the channel's largest value: differences below are rounding
+ROUNDING = 1e-12  # of the channel's largest value: differences below are rounding
 AS_GOOD = 0.8  # of the best contrast: a third of a window has a third of its zeros, so the widest such is taken
-MULTIPLE = 0.02  # of a converter's step
+ON_STEP = 0.02  # of a converter's step
 
 
 @dataclass(frozen=True)
@@ -75,26 +75,25 @@ def recognise_smoothing(record: Record, steps: Mapping[str, float] | None = None
     of the record, are tried; of a test with rising or falling strokes within one level of three cycles or more.
     Channels that the record says are smoothed are left out, and so is a record with uneven sampling.
     """
-    intervals = np.diff(record.time)
-    if float(np.max(np.abs(intervals - record.dt))) > 0.01 * record.dt:
+    if not record.evenly_sampled:
         return ()
-    part, period = _looked_at(record)
+    part, period = _telling_part(record)
     if part is None:
         return ()
     stated = record.smoothed.channels if record.smoothed is not None else ()
     channels = {c: getattr(record, c)[part] for c in AVERAGED if c not in stated and getattr(record, c) is not None}
-    windows = {c: _by_zeros(values, period) for c, values in channels.items()}
-    clear = [one[0] for one in windows.values() if one is not None]
+    windows = {c: _by_zeros(values, period, record.thresholds) for c, values in channels.items()}
+    clear = [window[0] for window in windows.values() if window is not None]
     recognised = []
     for channel, values in channels.items():
-        one = windows[channel]
-        if one is None and clear:  # what is clear in another channel needs less to be believed in this one
-            one = _by_zeros(values, period, range(min(clear) - 1, max(clear) + 2), HALF)
+        window = windows[channel]
+        if window is None and clear:  # what is clear in another channel needs less to be believed in this one
+            window = _by_zeros(values, period, record.thresholds, range(min(clear) - 1, max(clear) + 2), EASED)
         step = (steps or {}).get(channel)
         on_grid = None if step is None else _by_grid(values, step, period)
-        if one is None and on_grid is None:
+        if window is None and on_grid is None:
             continue
-        samples, contrast, sigmas = one or (0, math.nan, math.nan)
+        samples, contrast, sigmas = window or (0, math.nan, math.nan)
         samples = on_grid or samples
         periods = None if period is None else samples / period
         shown = step if on_grid is not None else None
@@ -112,44 +111,46 @@ def common_windows(recognised: Mapping[str, Recognised]) -> dict[str, list[str]]
     """
     remaining, windows = dict(recognised), dict[str, list[str]]()
     while remaining:
-        declared = [(unit, value) for unit in UNITS for one in remaining.values() for value in _rounded(one, unit)]
-        undone = {each: [name for name, one in remaining.items() if _undoes(one, *each)] for each in declared}
-        unit, value = max(undone, key=lambda each: len(undone[each]))  # the first of equals
-        windows[f"{value:g} {unit}"] = undone[unit, value]
-        remaining = {name: one for name, one in remaining.items() if name not in undone[unit, value]}
-    return dict(sorted(windows.items(), key=lambda each: -len(each[1])))
+        undone: dict[tuple[str, float], list[str]] = {}
+        for unit in UNITS:
+            for value in chain.from_iterable(_rounded(average, unit) for average in remaining.values()):
+                undone[unit, value] = [name for name, average in remaining.items() if _undoes(average, unit, value)]
+        best, names = max(undone.items(), key=lambda item: len(item[1]))  # the first of equals
+        windows[f"{best[1]:g} {best[0]}"] = names
+        remaining = {name: average for name, average in remaining.items() if name not in names}
+    return dict(sorted(windows.items(), key=lambda item: -len(item[1])))
 
 
-def _size(one: Recognised, unit: str) -> float | None:
+def _size(average: Recognised, unit: str) -> float | None:
     """The window in one of `UNITS`."""
-    return {"s": one.window, "samples": float(one.samples), "periods": one.periods}[unit]
+    return {"s": average.window, "samples": float(average.samples), "periods": average.periods}[unit]
 
 
-def _rounded(one: Recognised, unit: str) -> list[float]:
+def _rounded(average: Recognised, unit: str) -> list[float]:
     """The window as it could be declared in a unit, from one digit to four."""
-    size = _size(one, unit)
+    size = _size(average, unit)
     return [] if size is None else [float(f"{size:.{digits}g}") for digits in range(1, 5)]
 
 
-def _undoes(one: Recognised, unit: str, value: float) -> bool:
+def _undoes(average: Recognised, unit: str, value: float) -> bool:
     """Whether a declared window is that of a record, with the sample more or less that is tried where it is not in samples."""
-    size = _size(one, unit)
+    size = _size(average, unit)
     if size is None:
         return False
-    return abs(round(value * one.samples / size) - one.samples) <= (0 if unit == "samples" else 1)
+    return abs(round(value * average.samples / size) - average.samples) <= (0 if unit == "samples" else 1)
 
 
-def _looked_at(record: Record) -> tuple[slice | None, float | None]:
+def _telling_part(record: Record) -> tuple[slice | None, float | None]:
     """The samples in whose spectrum zeros tell something, and the period in samples of a motion that repeats itself there.
 
     Of a test of levels that is the level with most samples, of three cycles or more. Strokes that rise from cycle to
     cycle, as in quasi-static tests, have lines, corners and straight pieces between digitised points that look like
     an average: none then.
     """
-    made = cut_cycles(record)
-    if not made.graded:
+    cut = cut_cycles(record)
+    if not cut.graded:
         return slice(0, record.n), 1.0 / fundamental(record)[0] / record.dt if repeats(record) else None
-    spans = [(made.cycles[one.first - 1].first, made.cycles[one.last - 1].last + 1, one) for one in made.levels]
+    spans = [(cut.cycles[level.first - 1].first, cut.cycles[level.last - 1].last + 1, level) for level in cut.levels]
     first, last, level = max(spans, key=lambda span: (span[2].count >= RUN_IN_TO, span[1] - span[0]))
     return (slice(first, last), level.period_s / record.dt) if level.count >= RUN_IN_TO else (None, None)
 
@@ -159,7 +160,7 @@ def _last_window(n: int, period: float | None) -> int:
 
 
 def _by_zeros(
-    values: Array, period: float | None, tried: range | None = None, part: float = 1.0
+    values: Array, period: float | None, limits: RecordThresholds, tried: range | None = None, part: float = 1.0
 ) -> tuple[int, float, float] | None:
     """The window, its contrast in dB and that in standard errors; None where none stands out.
 
@@ -168,7 +169,7 @@ def _by_zeros(
     lag = None if period is None else round(period)
     rest = values if lag is None else values[lag:] - values[:-lag]
     bent = np.diff(rest, 2)
-    if bent.size < WINDOWS * LEAST or np.mean(np.abs(bent) > NOTHING * np.max(np.abs(values))) < FEW:
+    if bent.size < WINDOWS * SHORTEST or np.mean(np.abs(bent) > ROUNDING * np.max(np.abs(values))) < FEW:
         return None
     power = np.abs(np.fft.rfft(bent * np.hanning(bent.size))) ** 2
     frequency = np.arange(power.size) / bent.size  # cycles per sample
@@ -176,10 +177,10 @@ def _by_zeros(
     if lag is not None:
         seen &= np.abs(np.sin(np.pi * frequency * lag)) > SEEN
     level, at = 10.0 * np.log10(power[seen]), frequency[seen]
-    passed = _passed(level, at, tried or _spaced(_last_window(bent.size, period)), part)
+    passed = _passed(level, at, tried or _spaced(_last_window(bent.size, period)), limits, part)
     if tried is None:
         close = {k + away for k in passed for away in range(-round(COARSE * k) - 1, round(COARSE * k) + 2)}
-        passed |= _passed(level, at, sorted(k for k in close if k >= LEAST and k not in passed), part)
+        passed |= _passed(level, at, sorted(k for k in close if k >= SHORTEST and k not in passed), limits, part)
     if not passed:
         return None
     best = max(contrast for contrast, _ in passed.values())
@@ -191,25 +192,33 @@ def _by_zeros(
 
 def _spaced(last: int) -> list[int]:
     """Windows to try first: all, or of wide ones every hundredth part; what stands out there is looked at closely."""
-    windows = [LEAST]
+    windows = [SHORTEST]
     while windows[-1] < last:
         windows.append(windows[-1] + max(1, int(COARSE * windows[-1])))
     return [k for k in windows if k <= last]
 
 
-def _passed(level: Array, at: Array, windows: Iterable[int], part: float) -> dict[int, tuple[float, float]]:
+def _passed(
+    level: Array, at: Array, windows: Iterable[int], limits: RecordThresholds, part: float
+) -> dict[int, tuple[float, float]]:
     """The windows that stand out, each with its contrast in dB and in standard errors."""
     passed = {}
     for samples in windows:
-        measured = [_contrast(level, at, samples, lobes, part) for lobes in LOBES]
-        one = max((one for one in measured if one[1] >= part * SURE), default=None)
-        if one is not None:
-            passed[samples] = one
+        half_depth = 0.5 * limits.smoothing_contrast
+        contrasts = [
+            _contrast(level, at, samples, lobes, part * limits.smoothing_contrast, half_depth) for lobes in LOBES
+        ]
+        sure = [(contrast, sigmas) for contrast, sigmas in contrasts if sigmas >= part * limits.smoothing_sigmas]
+        if sure:
+            passed[samples] = max(sure)
     return passed
 
 
-def _contrast(level: Array, frequency: Array, samples: int, lobes: int, part: float) -> tuple[float, float]:
-    """Of a window the contrast in dB, and how many standard errors of noise it is; nothing below ``part`` of the least one."""
+def _contrast(
+    level: Array, frequency: Array, samples: int, lobes: int, least: float, depth: float
+) -> tuple[float, float]:
+    """Of a window the contrast in dB, and how many standard errors of noise it is; nothing below ``least`` dB, or where most
+    zeros are less than ``depth`` dB deep."""
     zeros = min(lobes, int(samples / 2 - 0.7))  # with the middle of the lobe beyond
     stop = int(np.searchsorted(frequency, (zeros + 0.5 + MIDDLE) / samples))
     phase, level = frequency[:stop] * samples, level[:stop]
@@ -220,19 +229,19 @@ def _contrast(level: Array, frequency: Array, samples: int, lobes: int, part: fl
     if few < 4 or many < 4:
         return -math.inf, 0.0
     contrast = float(np.median(level[between]) - np.median(level[at_zero]))
-    if contrast < part * CONTRAST or not _in_each_lobe(phase, level, at_zero, between, zeros):
+    if contrast < least or not _in_each_lobe(phase, level, at_zero, between, zeros, depth):
         return -math.inf, 0.0
     return contrast, contrast / (SCATTER * math.sqrt(OF_MEDIANS * LEAKED * (1.0 / few + 1.0 / many)))
 
 
-def _in_each_lobe(phase: Array, level: Array, at_zero: Bools, between: Bools, zeros: int) -> bool:
-    """Whether most zeros lie below the lobes on both sides: not one slope, and not every second zero."""
+def _in_each_lobe(phase: Array, level: Array, at_zero: Bools, between: Bools, zeros: int, depth: float) -> bool:
+    """Whether most zeros lie ``depth`` dB below the lobes on both sides: not one slope, and not every second zero."""
     deep = 0
     for k in range(1, zeros + 1):
-        here = level[at_zero & (np.abs(phase - k) < 0.5)]
+        at_this_zero = level[at_zero & (np.abs(phase - k) < 0.5)]
         sides = [level[between & (np.abs(phase - middle) < 0.5)] for middle in (k - 0.5, k + 0.5)]
-        if here.size and all(side.size for side in sides):
-            deep += min(float(np.median(side)) for side in sides) - float(np.median(here)) > 0.5 * CONTRAST
+        if at_this_zero.size and all(side.size for side in sides):
+            deep += min(float(np.median(side)) for side in sides) - float(np.median(at_this_zero)) > depth
     return deep >= IN_LOBES * zeros
 
 
@@ -241,6 +250,6 @@ def _by_grid(values: Array, step: float, period: float | None) -> int | None:
     differences = np.diff(values) / step
     for samples in range(1, _last_window(values.size, period) + 1):
         whole = samples * differences[samples:-samples]  # at its ends an average may be over fewer samples
-        if whole.size and np.all(np.abs(whole - np.rint(whole)) < MULTIPLE):
-            return samples if samples >= LEAST else None
+        if whole.size and np.all(np.abs(whole - np.rint(whole)) < ON_STEP):
+            return samples if samples >= SHORTEST else None
     return None

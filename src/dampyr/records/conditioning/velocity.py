@@ -29,7 +29,7 @@ def default_bandwidth(record: Record) -> float:
 def check_bandwidth(records: Sequence[Record], bandwidth_hz: float) -> None:
     """InputError, naming a record, where one's samples do not carry this bandwidth of the velocity in Hz."""
     spans = [(record, *carried(record.dt, float(record.time[-1] - record.time[0]))) for record in records]
-    lowest, highest = max(spans, key=lambda one: one[1]), min(spans, key=lambda one: one[2])
+    lowest, highest = max(spans, key=lambda span: span[1]), min(spans, key=lambda span: span[2])
     if not bandwidth_hz <= highest[2]:
         record, limit, repair = highest[0], highest[2], f"lower it to {highest[2]:.4g} Hz or less"
         carry = f"samples {record.dt:.4g} s apart carry at most {limit:.4g} Hz"

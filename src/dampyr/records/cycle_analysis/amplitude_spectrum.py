@@ -13,7 +13,7 @@ import numpy as np
 
 from dampyr.errors import InputError
 from dampyr.records.checks.quality import motion_start
-from dampyr.records.record import Array, Record
+from dampyr.records.record import MIN_SAMPLES, Array, Record
 
 CHANNELS = ("displacement", "force", "velocity")
 
@@ -28,7 +28,7 @@ def spectrum(record: Record, channel: str = "force") -> tuple[Array, Array]:
     if values is None:
         raise InputError(f"{record.name} has no {channel}; choose from {', '.join(CHANNELS)} where it is recorded")
     first = int(np.searchsorted(record.time, motion_start(record)))
-    part = slice(first if record.n - first >= 8 else 0, record.n)
+    part = slice(first if record.n - first >= MIN_SAMPLES else 0, record.n)
     count = round(float(record.time[-1] - record.time[part][0]) / record.dt) + 1
     even = record.time[part][0] + record.dt * np.arange(count)
     resampled = np.interp(even, record.time[part], values[part])

@@ -16,10 +16,9 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.errors import InputError
 from dampyr.models.numerics.differentiation import carried
 from dampyr.records.conditioning.velocity import PER_TEST_FREQUENCY, WITHOUT_CYCLES, differentiate
-from dampyr.records.cycle_analysis.cycles import Cut, CutCycle, cut_cycles
+from dampyr.records.cycle_analysis.cycles import Cut, CutCycle, cut_cycles, no_cycle
 from dampyr.records.record import Array, Record
 
 WINDOW = 0.95  # of the peak velocity
@@ -70,36 +69,35 @@ def cycle_table(record: Record, offset: float | None = None) -> list[Cycle]:
 
     Raises InputError where there is no whole cycle.
     """
-    made = cut_cycles(record)
-    if not made.cycles:
-        raise InputError(
-            f"{record.name}: no whole cycle in {record.duration:g} s, and a table of cycles needs one; "
-            "give a record with at least three turning points"
-        )
-    mean = _mean_force(record, [one for one in made.cycles if one.level] or made.cycles)
+    cut = cut_cycles(record)
+    if not cut.cycles:
+        raise no_cycle(record, "a table of cycles")
+    mean = _mean_force(record, [cycle for cycle in cut.cycles if cycle.level] or cut.cycles)
     zero = mean if offset is None else offset
     table: list[Cycle] = []
-    for _, group in groupby(made.cycles, key=lambda one: one.level or -one.number):
+    for _, group in groupby(cut.cycles, key=lambda cycle: cycle.level or -cycle.number):
         level = list(group)
         speed = _speed(record, level)
-        windows = {way: [_window(record, made, one, way * speed) for one in level] for way in (1, -1)}
+        windows = {way: [_window(record, cut, cycle, way * speed) for cycle in level] for way in (1, -1)}
         noise = {way: _noise(record, windows[way], level) for way in (1, -1)}
-        for k, one in enumerate(level):
-            force, x = record.force[one.first : one.last + 1], record.displacement[one.first : one.last + 1]
+        for k, cycle in enumerate(level):
+            force, x = record.force[cycle.first : cycle.last + 1], record.displacement[cycle.first : cycle.last + 1]
             out, back = windows[1][k], windows[-1][k]
-            both = [each for each in noise.values() if each is not None]
-            energy_error = math.hypot(*both) / math.sqrt(len(both)) * _reach(x) if both else None
+            # the deviation of a loop integral by trapezoids over that of independent samples of the force, m
+            reach = float(np.linalg.norm(np.gradient(x)))
+            both = [deviation for deviation in noise.values() if deviation is not None]
+            energy_error = math.hypot(*both) / math.sqrt(len(both)) * reach if both else None
             table.append(
                 Cycle(
-                    number=one.number,
-                    level=one.level,
-                    start_s=one.start_s,
-                    period_s=one.stop_s - one.start_s,
-                    stroke_m=one.stroke_m,
-                    open_m=one.open_m,
+                    number=cycle.number,
+                    level=cycle.level,
+                    start_s=cycle.start_s,
+                    period_s=cycle.stop_s - cycle.start_s,
+                    stroke_m=cycle.stroke_m,
+                    open_m=cycle.open_m,
                     least_force=float(force.min()),
                     largest_force=float(force.max()),
-                    energy=_energy(record, one, mean),
+                    energy=_energy(record, cycle, mean),
                     speed_out=float(np.max(speed[out])),
                     force_out=float(np.mean(record.force[out]) - zero),
                     speed_in=float(np.min(speed[back])),
@@ -116,36 +114,38 @@ def _mean_force(record: Record, spans: Sequence[CutCycle]) -> float:
     """The mean over these cycles, each instant weighted by its sampling interval."""
     edges = np.gradient(record.time)
     weights = np.zeros(record.n)
-    for one in spans:
-        weights[one.first : one.last + 1] = edges[one.first : one.last + 1]
+    for cycle in spans:
+        weights[cycle.first : cycle.last + 1] = edges[cycle.first : cycle.last + 1]
     return float(np.average(record.force, weights=weights))
 
 
 def _speed(record: Record, level: Sequence[CutCycle]) -> Array:
     """The velocity ``(n,)``, m/s, of the cycles of one level, NaN elsewhere; cycles that a pause parts by themselves."""
     out = np.full(record.n, np.nan)
-    period = float(np.median([one.stop_s - one.start_s for one in level]))
+    period = float(np.median([cycle.stop_s - cycle.start_s for cycle in level]))
     bandwidth = min(PER_TEST_FREQUENCY / period, WITHOUT_CYCLES / record.dt)
     begin = 0
-    for k, one in enumerate(level):
-        if k + 1 < len(level) and level[k + 1].first - one.last <= 2:
+    for k, cycle in enumerate(level):
+        if k + 1 < len(level) and level[k + 1].first - cycle.last <= 2:
             continue
-        part = slice(level[begin].first, one.last + 1)
+        part = slice(level[begin].first, cycle.last + 1)
         low, high = carried(record.dt, float(record.time[part][-1] - record.time[part][0]))
-        own = None if part.stop - part.start < FEW else min(max(bandwidth, low), high)
-        out[part] = differentiate(record.time[part], record.displacement[part], own)
+        carried_bandwidth = None if part.stop - part.start < FEW else min(max(bandwidth, low), high)
+        out[part] = differentiate(record.time[part], record.displacement[part], carried_bandwidth)
         begin = k + 1
     return out
 
 
-def _window(record: Record, made: Cut, one: CutCycle, speed: Array) -> Indices:
+def _window(record: Record, cut: Cut, cycle: CutCycle, speed: Array) -> Indices:
     """The samples of a cycle at which ``speed`` is above 95 % of its peak."""
-    first = one.first
-    if one.number == 1 and made.begins_in_the_middle and made.from_start:
-        first = int(np.clip(np.searchsorted(record.time, made.first_turn), one.first, one.last))
-    if not np.any(speed[first : one.last + 1] > 0.0):  # an irregular motion may not move this way after its first turn
-        first = one.first
-    part = speed[first : one.last + 1]
+    first = cycle.first
+    if cycle.number == 1 and cut.begins_in_the_middle and cut.from_start:
+        first = int(np.clip(np.searchsorted(record.time, cut.first_turn), cycle.first, cycle.last))
+    if not np.any(
+        speed[first : cycle.last + 1] > 0.0
+    ):  # an irregular motion may not move this way after its first turn
+        first = cycle.first
+    part = speed[first : cycle.last + 1]
     peak = float(np.max(part))
     return first + np.flatnonzero(part >= (WINDOW * peak if peak > 0.0 else peak))
 
@@ -153,11 +153,11 @@ def _window(record: Record, made: Cut, one: CutCycle, speed: Array) -> Indices:
 def _noise(record: Record, windows: Sequence[Indices], level: Sequence[CutCycle]) -> float | None:
     """The deviation of the samples in the windows of one direction, N; None where they are too few."""
     force, columns, count = [], [], 0
-    for window, one in zip(windows, level, strict=True):
+    for window, cycle in zip(windows, level, strict=True):
         for run in np.split(window, np.flatnonzero(np.diff(window) > 1) + 1):
             if run.size < 2:
                 continue
-            u = (record.displacement[run] - np.mean(record.displacement[run])) / one.stroke_m
+            u = (record.displacement[run] - np.mean(record.displacement[run])) / cycle.stroke_m
             force.append(record.force[run] - np.mean(record.force[run]))
             columns.append(np.column_stack([u, u**2 - np.mean(u**2)]))
             count += 1
@@ -175,18 +175,13 @@ def _error(noise: float | None, window: Indices) -> float | None:
     return None if noise is None else noise / math.sqrt(window.size)
 
 
-def _reach(x: Array) -> float:
-    """The deviation of a loop integral by trapezoids over that of independent samples of the force, m."""
-    return float(np.linalg.norm(np.gradient(x)))
-
-
-def _energy(record: Record, one: CutCycle, mean: float) -> float:
+def _energy(record: Record, cycle: CutCycle, mean: float) -> float:
     """The loop integral from the start to the end of a cycle, by trapezoids; both lie between samples.
 
     The mean force is left out, so that gas force times drift is not counted.
     """
-    ends = np.array([one.start_s, one.stop_s])
-    inner = slice(one.first, one.last + 1)
+    ends = np.array([cycle.start_s, cycle.stop_s])
+    inner = slice(cycle.first, cycle.last + 1)
     x, f = (np.interp(ends, record.time, values) for values in (record.displacement, record.force - mean))
     path = np.r_[x[0], record.displacement[inner], x[1]]
     force = np.r_[f[0], record.force[inner] - mean, f[1]]

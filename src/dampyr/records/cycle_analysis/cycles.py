@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.records.checks.channel_noise import last_at_rest, rest_tolerance
-from dampyr.records.record import Array, Record
+from dampyr.records.record import MIN_SAMPLES, Array, Record
 from dampyr.records.record_cache import cached_by_record
 from dampyr.shown import Shown
 
@@ -111,13 +111,13 @@ class Cut(Shown):
     @property
     def stepped(self) -> bool:
         """Whether this is a test of levels: two or more of different strokes or periods, which hold most of its cycles."""
-        several = [each for each in self.levels if each.count > 1]
-        return len(several) > 1 and sum(each.count for each in several) > 0.5 * len(self.cycles)
+        several = [level for level in self.levels if level.count > 1]
+        return len(several) > 1 and sum(level.count for level in several) > 0.5 * len(self.cycles)
 
     @property
     def graded(self) -> bool:
         """Whether the motion was commanded with rising or falling strokes: in levels, or from cycle to cycle."""
-        strokes = np.array([each.stroke_m for each in self.cycles if each.level])
+        strokes = np.array([cycle.stroke_m for cycle in self.cycles if cycle.level])
         if self.stepped:
             return True
         if strokes.size < RISING or strokes.max() < RANGE * strokes.min():
@@ -128,9 +128,10 @@ class Cut(Shown):
     @property
     def repeats(self) -> bool:
         """Whether most of the cycles are like a neighbour."""
-        return sum(each.count for each in self.levels if each.count > 1) > 0.5 * len(self.cycles)
+        return sum(level.count for level in self.levels if level.count > 1) > 0.5 * len(self.cycles)
 
 
+@cached_by_record
 def cut_cycles(record: Record) -> Cut:
     """Cut a motion into half cycles, cycles and levels, counted from its start.
 
@@ -147,11 +148,28 @@ def cut_cycles(record: Record) -> Cut:
     >>> import dampyr as dp
     >>> t = np.linspace(0.0, 6.0, 1201)
     >>> x = np.where(t < 3.0, 0.004, 0.008) * np.sin(2 * np.pi * t)
-    >>> made = dp.records.cut_cycles(dp.records.Record(t, x, x))
-    >>> [(each.count, round(each.stroke_m, 4)) for each in made.levels]
+    >>> cut = dp.records.cut_cycles(dp.records.Record(t, x, x))
+    >>> [(level.count, round(level.stroke_m, 4)) for level in cut.levels]
     [(3, 0.008), (3, 0.016)]
     """
-    return _cut(record)
+    points = _fine_turning_points(record)
+    if len(points) < 2:
+        return Cut()
+    x = record.displacement
+    start, stop = _rest_ends(x, points)
+    bounds = [0, *_meetings(x, points), len(points)]
+    halves: list[tuple[float, float]] = []
+    from_start, in_the_middle = True, False
+    for k, (low, high) in enumerate(pairwise(bounds)):
+        stretch = points[low:high]
+        begins = start if k == 0 else _left(x, int(points[low - 1]), int(stretch[0]))
+        ends = stop if high == len(points) else _reached(x, int(stretch[-1]), int(points[high]))
+        edges, start_is_seen, middle_of_stretch = _edges(record, stretch, begins, ends, k > 0)
+        halves += [(a[1], b[0]) for a, b in pairwise(edges)]
+        if k == 0:  # a later stretch begins where the one before it has ended
+            from_start, in_the_middle = start_is_seen, middle_of_stretch
+    legs = np.abs(np.diff(x[np.r_[start, points, stop]]))
+    return _number_cycles(record, halves, from_start, float(np.max(legs)), in_the_middle, float(record.time[points[0]]))
 
 
 def turning_points(record: Record, threshold: float | None = None) -> Indices:
@@ -215,10 +233,10 @@ def similar_cycles(record: Record) -> list[tuple[int, int]]:
 @cached_by_record
 def _similar_cycles(record: Record) -> list[tuple[int, int]]:
     points = turning_points(record)
-    made = cut_cycles(record)
-    if made.stepped:
-        largest = max(made.levels, key=lambda each: (each.count > 1, each.stroke_m))
-        start, stop = made.cycles[largest.first - 1].first, made.cycles[largest.last - 1].last
+    cut = cut_cycles(record)
+    if cut.stepped:
+        largest = max(cut.levels, key=lambda level: (level.count > 1, level.stroke_m))
+        start, stop = cut.cycles[largest.first - 1].first, cut.cycles[largest.last - 1].last
         points = points[(points >= start) & (points <= stop + 1)]
     cuts = [_like_the_others(record, points[first:]) for first in (0, 1)]
     return max(cuts, key=len)
@@ -296,28 +314,6 @@ def _like_the_others(record: Record, points: Indices) -> list[tuple[int, int]]:
     return [(int(edges[k]), int(edges[k + 1])) for k in range(indices[0], indices[-1] + 1)]
 
 
-@cached_by_record
-def _cut(record: Record) -> Cut:
-    points = _fine_turning_points(record)
-    if len(points) < 2:
-        return Cut()
-    x = record.displacement
-    start, stop = _rest_ends(x, points)
-    bounds = [0, *_meetings(x, points), len(points)]
-    halves: list[tuple[float, float]] = []
-    from_start, in_the_middle = True, False
-    for k, (low, high) in enumerate(pairwise(bounds)):
-        own = points[low:high]
-        begins = start if k == 0 else _left(x, int(points[low - 1]), int(own[0]))
-        ends = stop if high == len(points) else _reached(x, int(own[-1]), int(points[high]))
-        edges, start_is_seen, in_middle = _edges(record, own, begins, ends, k > 0)
-        halves += [(a[1], b[0]) for a, b in pairwise(edges)]
-        if k == 0:  # a later stretch begins where the one before it has ended
-            from_start, in_the_middle = start_is_seen, in_middle
-    legs = np.abs(np.diff(x[np.r_[start, points, stop]]))
-    return _counted(record, halves, from_start, float(np.max(legs)), in_the_middle, float(record.time[points[0]]))
-
-
 def _fine_turning_points(record: Record) -> Indices:
     """The turning points, and those of levels with small strokes before, after and between them."""
     x = record.displacement
@@ -352,11 +348,10 @@ def _turns_within(x: Array, low: int, high: int, floor: float, neighbour: float 
     first, last = low + int(turns[0]), low + int(turns[-1])
     if len(turns) == 1:
         return [first]
-    own = [low + int(each) for each in turns]
     leg = FRACTION_OF_LEG * np.abs(np.diff(part[turns]))
     return [
         *_turns_within(x, low, first, floor, leg[0]),
-        *own,
+        *(low + int(turn) for turn in turns),
         *_turns_within(x, last, high, floor, leg[-1]),
     ]
 
@@ -398,21 +393,16 @@ def _edges(
     opposite = away * (x[points[0]] - x[start]) < 0.0
     from_start = True
     if abs(away) <= (STARTS_IN_THE_MIDDLE if rested else AT_ONCE):
-        edges, level, begins = [(t[start], t[start])], centre + (x[start] - centre[0]), True
+        edges, level = [(t[start], t[start])], centre + (x[start] - centre[0])
     elif opposite and abs(away) >= (STARTS_IN_THE_MIDDLE if rested else 1.0 - AT_ONCE):
         lasting = HALTED * 0.5 * period
         edges = [(t[start], t[start]), *(_turned(t, x, points, k, lasting) for k in range(len(points)))]
         return _with_end(edges, x, t, points, stop, float(x[points[-2]]), noise), True, False
     else:
-        edges, level, from_start, begins = (
-            _passed(t, x, start, int(points[0]), float(centre[0]), noise),
-            centre,
-            rested,
-            True,
-        )
-    for k, (one, other) in enumerate(pairwise(points.tolist())):
-        edges += _passed(t, x, one, other, float(level[k]), noise)
-    return _with_end(edges, x, t, points, stop, float(level[-1]), noise), from_start, begins
+        edges, level, from_start = _passed(t, x, start, int(points[0]), float(centre[0]), noise), centre, rested
+    for k, (first, last) in enumerate(pairwise(points.tolist())):
+        edges += _passed(t, x, first, last, float(level[k]), noise)
+    return _with_end(edges, x, t, points, stop, float(level[-1]), noise), from_start, True
 
 
 def _with_end(
@@ -427,19 +417,19 @@ def _with_end(
     return [*edges, (t[stop], t[stop])] if abs(x[stop] - level) <= NEAR_MIDDLE * leg else edges
 
 
-def _passed(t: Array, x: Array, one: int, other: int, level: float, noise: float) -> list[tuple[float, float]]:
+def _passed(t: Array, x: Array, first: int, last: int, level: float, noise: float) -> list[tuple[float, float]]:
     """Where the motion from one sample to another passes ``level``: the time twice, or those of both ends of a pause there."""
-    side = x[one : other + 1] - level
+    side = x[first : last + 1] - level
     leg = abs(side[-1] - side[0])
     crossed = np.flatnonzero(side[:-1] * side[-1] < 0.0)
     if not crossed.size or side[0] * side[-1] >= 0.0:
         return []
     near = np.flatnonzero(np.abs(side) <= NEAR_MIDDLE * leg)
-    if near.size and t[one + near[-1]] - t[one + near[0]] > HALTED * (t[other] - t[one]):
+    if near.size and t[first + near[-1]] - t[first + near[0]] > HALTED * (t[last] - t[first]):
         at = np.flatnonzero(np.abs(side) <= max(AT_MIDDLE * leg, noise))
         halted = at if at.size else near
-        return [(float(t[one + halted[0]]), float(t[one + halted[-1]]))]
-    k = one + int(crossed[-1])
+        return [(float(t[first + halted[0]]), float(t[first + halted[-1]]))]
+    k = first + int(crossed[-1])
     a, b = float(x[k] - level), float(x[k + 1] - level)
     at_time = float(t[k] + (t[k + 1] - t[k]) * a / (a - b))
     return [(at_time, at_time)]
@@ -447,10 +437,10 @@ def _passed(t: Array, x: Array, one: int, other: int, level: float, noise: float
 
 def _turned(t: Array, x: Array, points: Indices, k: int, lasting: float) -> tuple[float, float]:
     """The time of a turning point twice, or those of both ends of a pause of more than ``lasting`` s there."""
-    at = int(points[k])
-    before = _reached(x, int(points[k - 1]) if k else 0, at)
-    after = _left(x, at, int(points[k + 1]) if k + 1 < len(points) else len(x) - 1)
-    return (t[before], t[after]) if t[after] - t[before] > lasting else (t[at], t[at])
+    point = int(points[k])
+    before = _reached(x, int(points[k - 1]) if k else 0, point)
+    after = _left(x, point, int(points[k + 1]) if k + 1 < len(points) else len(x) - 1)
+    return (t[before], t[after]) if t[after] - t[before] > lasting else (t[point], t[point])
 
 
 def _reached(x: Array, last: int, meeting: int) -> int:
@@ -467,7 +457,7 @@ def _left(x: Array, meeting: int, following: int) -> int:
     return meeting + int(moving[0]) - 1 if moving.size else meeting
 
 
-def _counted(
+def _number_cycles(
     record: Record, halves: Sequence[tuple[float, float]], from_start: bool, stroke: float, middle: bool, turn: float
 ) -> Cut:
     """The half cycles numbered and paired, the cycles in levels."""
@@ -475,27 +465,30 @@ def _counted(
     pairs = zip(halves[::2], halves[1::2], strict=False)
     whole = [_span(record, k + 1, a[0], b[1]) for k, (a, b) in enumerate(pairs)]
     groups: list[list[CutCycle]] = []
-    for one in whole:
-        if groups and _alike(groups[-1], one):
-            groups[-1].append(one)
+    for cycle in whole:
+        if groups and _alike(groups[-1], cycle):
+            groups[-1].append(cycle)
         else:
-            groups.append([one])
+            groups.append([cycle])
     levels, of_cycle = _levels(groups)
     of_half = {2 * number - side: level for number, level in of_cycle.items() for side in (0, 1)}
     return Cut(
-        tuple(_on_level(one, of_cycle[one.number]) for one in whole),
-        tuple(_on_level(one, of_half.get(one.number, 0)) for one in half_cycles),
+        tuple(replace(cycle, level=of_cycle[cycle.number]) for cycle in whole),
+        tuple(replace(half, level=of_half.get(half.number, 0)) for half in half_cycles),
         levels, from_start, stroke, middle, turn,
     )  # fmt: skip
 
 
-def _alike(group: Sequence[CutCycle], one: CutCycle) -> bool:
-    stroke = float(np.median([each.stroke_m for each in group]))
-    period = float(np.median([each.stop_s - each.start_s for each in group]))
-    return (
-        abs(one.stroke_m / stroke - 1.0) <= SAME_STROKE
-        and abs((one.stop_s - one.start_s) / period - 1.0) <= SAME_PERIOD
-    )
+def _typical(group: Sequence[CutCycle]) -> tuple[float, float]:
+    """The median stroke, m, and the median period, s, of some cycles."""
+    stroke = float(np.median([cycle.stroke_m for cycle in group]))
+    return stroke, float(np.median([cycle.stop_s - cycle.start_s for cycle in group]))
+
+
+def _alike(group: Sequence[CutCycle], cycle: CutCycle) -> bool:
+    stroke, period = _typical(group)
+    same_stroke = abs(cycle.stroke_m / stroke - 1.0) <= SAME_STROKE
+    return same_stroke and abs((cycle.stop_s - cycle.start_s) / period - 1.0) <= SAME_PERIOD
 
 
 def _levels(groups: Sequence[Sequence[CutCycle]]) -> tuple[tuple[Level, ...], dict[int, int]]:
@@ -506,17 +499,15 @@ def _levels(groups: Sequence[Sequence[CutCycle]]) -> tuple[tuple[Level, ...], di
     of_cycle: dict[int, int] = {}
     for k, group in enumerate(groups):
         if k not in ramps:
-            stroke = float(np.median([each.stroke_m for each in group]))
-            period = float(np.median([each.stop_s - each.start_s for each in group]))
-            levels.append(Level(len(levels) + 1, group[0].number, group[-1].number, stroke, period))
-        of_cycle |= {each.number: 0 if k in ramps else len(levels) for each in group}
+            levels.append(Level(len(levels) + 1, group[0].number, group[-1].number, *_typical(group)))
+        of_cycle |= {cycle.number: 0 if k in ramps else len(levels) for cycle in group}
     return tuple(levels), of_cycle
 
 
 def _growing(groups: Sequence[Sequence[CutCycle]]) -> set[int]:
     """The places of single cycles at the start that grow up to a level."""
     for k, group in enumerate(groups):
-        strokes = [float(np.median([each.stroke_m for each in one])) for one in groups[: k + 1]]
+        strokes = [_typical(earlier)[0] for earlier in groups[: k + 1]]
         if any(b <= a for a, b in pairwise(strokes)):
             return set()
         if len(group) >= RUN_IN_TO:
@@ -531,25 +522,32 @@ def _span(record: Record, number: int, start: float, stop: float) -> CutCycle:
     first = int(np.searchsorted(t, start, side="left"))
     last = max(int(np.searchsorted(t, stop, side="right")) - 1, first)
     ends = np.interp([start, stop], t, x)
-    own = np.r_[ends, x[first : last + 1]]
+    positions = np.r_[ends, x[first : last + 1]]
     return CutCycle(
-        number, 0, float(start), float(stop), first, last, float(np.ptp(own)), float(abs(ends[1] - ends[0]))
+        number, 0, float(start), float(stop), first, last, float(np.ptp(positions)), float(abs(ends[1] - ends[0]))
     )
-
-
-def _on_level(one: CutCycle, level: int) -> CutCycle:
-    return replace(one, level=level)
 
 
 def require_cycles(record: Record, purpose: str) -> list[tuple[int, int]]:
     """The whole cycles, or an :class:`InputError` that says what needs them."""
     spans = cycles(record)
     if not spans:
-        raise InputError(
-            f"{record.name}: no whole cycle in {record.duration:g} s, and {purpose} needs one; "
-            "give a record with at least three turning points"
-        )
+        raise no_cycle(record, purpose)
     return spans
+
+
+def no_cycle(record: Record, purpose: str) -> InputError:
+    """The error of a record without a whole cycle, for what needs one."""
+    return InputError(
+        f"{record.name}: no whole cycle in {record.duration:g} s, and {purpose} needs one; "
+        "give a record with at least three turning points"
+    )
+
+
+def mean_over_time(values: Array, record: Record, i0: int, i1: int) -> float:
+    """The mean of the samples ``[i0, i1)`` of a channel (n,), each weighted by the interval to the next."""
+    intervals = np.diff(record.time[i0 : i1 + 1])
+    return float(np.sum(values[i0:i1] * intervals) / np.sum(intervals))
 
 
 def whole(record: Record, purpose: str) -> slice:
@@ -566,8 +564,8 @@ def cycle_average(record: Record, samples: int | None = None) -> Record:
     """
     spans = require_cycles(record, "a cycle average")
     count = samples or int(np.median([i1 - i0 for i0, i1 in spans]))
-    if count < 8:
-        raise InputError(f"samples = {count} is too few for a cycle; give at least 8")
+    if count < MIN_SAMPLES:
+        raise InputError(f"samples = {count} is too few for a cycle; give at least {MIN_SAMPLES}")
     phases = np.arange(count) / count
 
     def mean(values: Any) -> Any:

@@ -61,7 +61,7 @@ class Measured(Shown):
     @property
     def total_harmonic_distortion(self) -> float:
         """The root of the sum of the squares of `harmonics`: of the orders 2 to 7, over the fundamental."""
-        return float(np.sqrt(sum(each**2 for each in self.harmonics.values())))
+        return float(np.sqrt(sum(amplitude**2 for amplitude in self.harmonics.values())))
 
 
 def measure(record: Record) -> Measured:
@@ -158,17 +158,17 @@ def _harmonics(record: Record, spans: list[tuple[int, int]]) -> tuple[float, Arr
     middle = 0.5 * (record.time[part.start] + record.time[part.stop - 1])
     t, x = record.time[part] - middle, record.displacement[part]
     frequency = len(spans) / float(t[-1] - t[0])
-    for _ in range(8 if len(spans) > 1 else 0):
+    for _ in range(8 if len(spans) > 1 else 0):  # converges in two or three
         basis, slope, coefficients = _fit(t, x, frequency)
         size = float(np.linalg.norm(slope)) or 1.0
         step = float(_solve(np.column_stack([basis, slope / size]), x)[-1]) / size
-        frequency += step
+        frequency += step  # Gauss-Newton: the last column is the slope of the fitted curve by the frequency
         if abs(step) < 1e-10 * frequency:
             break
     basis, _, coefficients = _fit(t, x, frequency)
     amplitudes = np.hypot(coefficients[3 : 3 + ORDERS], coefficients[3 + ORDERS :])
     left = float(np.sqrt(np.mean((x - basis @ coefficients) ** 2)))
-    return frequency, amplitudes, left / float(amplitudes[0] / np.sqrt(2.0))
+    return frequency, amplitudes, left / float(amplitudes[0] / np.sqrt(2.0))  # both rms
 
 
 def _solve(basis: Array, x: Array) -> Array:

@@ -28,7 +28,7 @@ from urllib.parse import quote
 
 from dampyr.atomic_write import whole_file
 from dampyr.config import fill, load_toml
-from dampyr.errors import FileError, InputError, MissingData
+from dampyr.errors import FileError, InputError, MissingData, one_line
 from dampyr.records.files.folder_metadata import NAME as READING
 from dampyr.records.files.folder_metadata import TABLE
 from dampyr.source_file import SourceFile
@@ -124,14 +124,14 @@ class DataSet:
 
 @lru_cache(maxsize=1)
 def _sets() -> Mapping[str, DataSet]:
-    files = sorted(Path(__file__).parent.glob("*.toml"))
-    return {file.stem: _read(file) for file in files}
-
-
-def _read(path: Path) -> DataSet:
-    table = load_toml(path)
-    texts = {key: " ".join(text.split()) for key, text in table.items() if isinstance(text, str) and key != "reading"}
-    return fill(DataSet, table | texts | {"name": path.stem}, path.name)
+    sets = {}
+    for path in sorted(Path(__file__).parent.glob("*.toml")):
+        table = load_toml(path)
+        texts = {
+            key: " ".join(text.split()) for key, text in table.items() if isinstance(text, str) and key != "reading"
+        }
+        sets[path.stem] = fill(DataSet, table | texts | {"name": path.stem}, path.name)
+    return sets
 
 
 def available_data_sets() -> list[str]:
@@ -145,7 +145,7 @@ def data_set(name: str) -> DataSet:
         return _sets()[name]
     close = get_close_matches(name, available_data_sets(), n=1)
     hint = f"did you mean {close[0]!r}? " if close else ""
-    raise InputError(f"{name!r} is no data set; {hint}choose from {', '.join(available_data_sets())}")
+    raise InputError(f"{name!r} is not a data set; {hint}choose from {', '.join(available_data_sets())}")
 
 
 def _table_rows(table: str) -> list[dict[str, str]]:
@@ -201,13 +201,13 @@ def describe(name: str) -> dict[str, Any]:
     except MissingData:
         folder = None
     missing = [] if folder is None else missing_files(folder, name)
-    words = f"{len(missing)} files missing" if missing else "complete"
+    state = f"{len(missing)} files missing" if missing else "complete"
     left_out = ("contents", "files", "groups", "table", "reading")
     fields_of = {key: value for key, value in vars(dataset).items() if key not in left_out}
     fields_of |= {"licence": dataset.licence_in_words, "files": [asdict(file) for file in dataset.contents]}
     fields_of |= {"size": dataset.size or None, "count": dataset.count or None}
     return fields_of | {
-        "state": f"absent; dampyr datasets fetch {name}" if folder is None else words,
+        "state": f"absent; dampyr datasets fetch {name}" if folder is None else state,
         "folder": folder,
         "missing_files": None if folder is None else missing,
     }
@@ -252,12 +252,12 @@ def fetch(
     target = Path(folder) if folder is not None else data_root() / dataset.folder
     source = dataset.base_url if base_url is None else base_url
     _check_source(dataset, source, target, accept_no_licence)
-    _make(target)
+    _make_folder(target)
     sums = _read_sums(target)
     for file in dataset.contents:
-        got = _get(dataset, file, file.sha256 or sums.get(file.name, ""), source, target, downloader)
+        sha256 = _get(dataset, file, file.sha256 or sums.get(file.name, ""), source, target, downloader)
         if not file.sha256 and file.name not in sums:
-            sums[file.name] = got
+            sums[file.name] = sha256
             _write_sums(target, sums)
         if progress is not None:
             progress(file.name)
@@ -290,7 +290,7 @@ def _source_in_words(dataset: DataSet) -> str:
     return f"doi {dataset.doi}, {dataset.page}" if dataset.doi else dataset.page
 
 
-def _make(target: Path) -> None:
+def _make_folder(target: Path) -> None:
     try:
         target.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
@@ -304,22 +304,21 @@ def _get(dataset: DataSet, file: DataFile, sha256: str, source: str, target: Pat
     if "://" in source:
         _download(dataset, file, sha256, source, target, downloader)
         return _sha256(target / file.name)
-    there = [Path(source) / place for place in file.places if (Path(source) / place).is_file()]
-    local = next((path for path in there if _sha256(path) == sha256), there[0] if there else None)
+    candidates = [Path(source) / place for place in file.places if (Path(source) / place).is_file()]
+    local = next((path for path in candidates if _sha256(path) == sha256), candidates[0] if candidates else None)
     if local is None:
         raise MissingData(
             f"{Path(source) / file.name}: there is no such file; give a folder that holds the data set {dataset.name}"
         )
     actual = _sha256(local)
     if sha256 and actual != sha256:
-        raise FileError(local, _not_published(file, sha256, actual))
+        whose = "the published file" if file.sha256 else f"the file of the first fetch, which {SUMS} remembers"
+        raise FileError(
+            local,
+            f"its sha256 is {actual}, expected {sha256}: it is not {whose}; fetch it again, or from its publisher",
+        )
     _copy(local, target / file.name)
     return actual
-
-
-def _not_published(file: DataFile, expected: str, actual: str) -> str:
-    whose = "the published file" if file.sha256 else f"the file of the first fetch, which {SUMS} remembers"
-    return f"its sha256 is {actual}, expected {expected}: it is not {whose}; fetch it again, or from its publisher"
 
 
 def _download(dataset: DataSet, file: DataFile, sha256: str, source: str, target: Path, downloader: Any) -> None:
@@ -342,8 +341,10 @@ def _download(dataset: DataSet, file: DataFile, sha256: str, source: str, target
             got = str(problem).partition(" but got ")[2][:64]
             message = f"not the published file came: its sha256 is {got}, expected {sha256}; fetch again"
             raise FileError(target / file.name, message) from problem
+        reason = one_line(problem)
+        reason = reason if len(reason) <= 160 else reason[:157] + "..."
         raise MissingData(
-            f"{address} cannot be fetched ({_reason(problem)}); check the network, or get it from "
+            f"{address} cannot be fetched ({reason}); check the network, or get it from "
             f"{f'https://doi.org/{dataset.doi}' if dataset.doi else dataset.page} and put it in {target}, or "
             "give a folder that holds the set (--from)"
         ) from problem
@@ -373,8 +374,3 @@ def _copy(source: Path, target: Path) -> None:
     part = target.with_name(target.name + ".part")
     part.write_bytes(source.read_bytes())
     part.replace(target)
-
-
-def _reason(problem: BaseException) -> str:
-    text = " ".join(str(problem).split()) or type(problem).__name__
-    return text if len(text) <= 160 else text[:157] + "..."

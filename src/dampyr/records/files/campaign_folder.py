@@ -78,7 +78,7 @@ def read_campaign(
     ----------
     folder
         A folder with a ``campaign.csv``; or any folder with ``.csv``, ``.txt``, ``.mat`` or ``.h5`` files, each a record.
-        What they do not say themselves is said here, or once for all in a ``reading.toml`` beside them
+        What they do not state themselves is given here, or once for all in a ``reading.toml`` beside them
         (:mod:`dampyr.records.files.folder_metadata`).
     role
         "fit" (the rows of the tables), "validation" (the tests that no fit may use), or None for both.
@@ -114,15 +114,15 @@ def read_campaign(
     ['test1', 'test2']
     """
     options = ReadOptions.of("read_campaign", options, keywords)
-    whole = replace(options, cut=None)
+    uncut = replace(options, cut=None)
     folder = _folder(folder)
     wanted = None if role is None else as_role(role)
     if (folder / TABLE).is_file():
         _check_no_input(folder, options)
         rows = [row for row in campaign_rows(folder) if wanted in (None, row.role)]
-        records = [read_row(row, whole) for row in rows if row.file is not None]
+        records = [read_row(row, uncut) for row in rows if row.file is not None]
     else:
-        records = [record for record in read_folder(folder, whole, incomplete) if wanted in (None, record.role)]
+        records = [record for record in read_folder(folder, uncut, incomplete) if wanted in (None, record.role)]
     return records if options.cut is None else cut_all(records, options.cut)
 
 
@@ -211,14 +211,14 @@ def _row(path: Path, line: int, cells: dict[str, str], folder: Path | None) -> C
     groups = {name: as_group(name, text) for name in GROUPS if (text := (cells.get(name) or "").strip())}
     printed = {c: parts for c, parts in PUBLISHED.items() if (cells.get(c) or "").strip()}
     name = (cells["file"] or "").strip()
-    there = folder is not None and bool(name) and (folder / name).is_file()
+    file = folder / name if folder is not None and name else None
     return CampaignRow(
         file_name=name,
-        file=folder / name if folder is not None and there else None,
+        file=file if file is not None and file.is_file() else None,
         label=label,
         voltage=number("voltage_V"),
         role="validation" if label.row is None else "fit",
         sha256=(cells.get("sha256") or "").strip(),
-        published={word: round_trip(to_si(number(c), unit, si)) for c, (word, unit, si) in printed.items()},
+        published={key: round_trip(to_si(number(c), unit, si)) for c, (key, unit, si) in printed.items()},
         **groups,
     )

@@ -40,7 +40,7 @@ class Checksums:
 
     def write(self, file: Any) -> None:
         """Write them; everything else is in the file already."""
-        sums = {name: each.hexdigest() for name, each in self._hashes.items()}
+        sums = {name: digest.hexdigest() for name, digest in self._hashes.items()}
         file.attrs[NAME] = json.dumps(sums | {ATTRIBUTES: _sum_of(attributes_of(file), sums)})
 
 
@@ -70,23 +70,24 @@ class Stored:
 def attributes_of(file: Any) -> Attributes:
     """The attributes of the root, of its groups and of what is in them, by path; a record's file is not deeper."""
     attributes = {"/": dict(file.attrs)}
-    for name, each in _members(file):
-        attributes[name] = dict(each.attrs)
-        attributes |= {f"{name}/{inner}": dict(data.attrs) for inner, data in _members(each)}
+    for name, member in _members(file):
+        attributes[name] = dict(member.attrs)
+        attributes |= {f"{name}/{inner}": dict(data.attrs) for inner, data in _members(member)}
     return attributes
 
 
 def _members(group: Any) -> list[tuple[str, Any]]:
     """What is in a group, but for links that lead nowhere; nothing where it is a dataset."""
-    return [(name, each) for name, each in group.items() if each is not None] if hasattr(group, "items") else []
+    return [(name, member) for name, member in group.items() if member is not None] if hasattr(group, "items") else []
 
 
 def _sum_of(attributes: Attributes, datasets: Iterable[str]) -> str:
     """Of a record's own attributes: what somebody added elsewhere in the file is theirs."""
     root = {name: value for name, value in attributes["/"].items() if name in ROOT}
-    own = {name: attributes[name] for name in (*datasets, *GROUPS) if name in attributes}
+    covered = {name: attributes[name] for name in (*datasets, *GROUPS) if name in attributes}
     plain = {
-        where: {name: _plain(value) for name, value in each.items()} for where, each in ({"/": root} | own).items()
+        path: {name: _plain(value) for name, value in entries.items()}
+        for path, entries in ({"/": root} | covered).items()
     }
     return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()
 

@@ -18,22 +18,47 @@ HEADER = "time [s],displacement [m],measured force [N],predicted force [N]"
 def write_comparison(record: Record, predicted: Array, path: str | Path, offset: float = 0.0) -> Path:
     """Write time (s), displacement (m), measured and predicted force (N) of a record as CSV, whole or not at all.
 
-    ``predicted`` is ``(n,)`` in N; ``offset`` (N) is added to it and told in the second line. A file that is there is replaced
-    if :func:`check_free` lets it.
+    Parameters
+    ----------
+    record
+        The measured record of n samples.
+    predicted
+        ``(n,)`` in N: the force of a model along the record's motion.
+    path
+        Where to. A file that this function wrote before is replaced.
+    offset
+        N, added to ``predicted`` and stated in the second line: what a fit found as the zero of the load cell; by default 0.
+
+    Returns
+    -------
+    Path
+        ``path``.
 
     Raises
     ------
     FileError
         The folder is not there, or the file was not written by this function.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> t = np.linspace(0.0, 1.0, 101)
+    >>> record = dp.records.Record(t, 0.01 * np.sin(6 * t), 50.0 * np.cos(6 * t))
+    >>> path = dp.records.write_comparison(record, 49.0 * np.cos(6 * t), "sine.csv")
+    >>> path.read_text().splitlines()[2]
+    'time [s],displacement [m],measured force [N],predicted force [N]'
     """
     path = Path(path)
     check_free(path)
-    page = io.StringIO()
+    text = io.StringIO()
     values = np.column_stack([record.time, record.displacement, record.force, predicted + offset])
-    said = f"# {text}\n" if (text := record.origin.notice) else ""
-    head = f"{SIGNATURE}\n{said}# record {record.name}; the predicted force holds an offset of {offset:.6g} N\n{HEADER}"
-    np.savetxt(page, values, delimiter=",", header=head, comments="", fmt="%.9g")
-    write_whole(path, page.getvalue())
+    origin = f"# {notice}\n" if (notice := record.origin.notice) else ""
+    head = (
+        f"{SIGNATURE}\n{origin}# record {record.name}; the predicted force holds an offset of {offset:.6g} N\n{HEADER}"
+    )
+    np.savetxt(text, values, delimiter=",", header=head, comments="", fmt="%.9g")
+    write_whole(path, text.getvalue())
     return path
 
 

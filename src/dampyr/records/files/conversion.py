@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from dampyr import registry
 from dampyr.errors import InputError
 from dampyr.records.conditioning.velocity import with_velocity
-from dampyr.records.files.record_files import REGISTRY, write
-from dampyr.records.record import Record
+from dampyr.records.files.record_files import REGISTRY, writable_formats, write
+from dampyr.records.record import Record, commonest_name
 
 
 def convert(
@@ -36,20 +35,29 @@ def convert(
         Before anything is written: a format that is not written, two records of one name, a file that is there.
     FileError
         A record that the format cannot hold, such as a smoothed one in columns; what was written before it stays.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> t = np.linspace(0.0, 1.0, 101)
+    >>> record = dp.records.Record(t, 0.01 * np.sin(6 * t), 50.0 * np.cos(6 * t), voltage=1.0, name="sine")
+    >>> [path.name for path in dp.records.convert([record], "converted", to="csv")]
+    ['sine.csv']
     """
-    writable = [name for name, module in registry.members(REGISTRY) if hasattr(module, "write")]
+    writable = writable_formats()
     kind = to.lower().removeprefix(".")
     if kind not in writable:
         raise InputError(f"records are not written as {to!r}; choose from {', '.join(writable)}")
     records = list(records)
-    name, count = Counter(record.name for record in records).most_common(1)[0] if records else ("", 0)
+    name, count = commonest_name(records)
     if count > 1:
         raise InputError(f"{count} records are called {name!r}; convert them into folders of their own")
     paths = [Path(folder) / f"{record.name}.{kind}" for record in records]
-    there = [path for path in paths if path.exists()]
-    if there:
-        more = f" and {len(there) - 1} more" if there[1:] else ""
-        raise InputError(f"{there[0]}{more} is there already; choose another folder, or remove it")
+    existing = [path for path in paths if path.exists()]
+    if existing:
+        more = f" and {len(existing) - 1} more" if existing[1:] else ""
+        raise InputError(f"{existing[0]}{more} is there already; choose another folder, or remove it")
     Path(folder).mkdir(parents=True, exist_ok=True)
     needs_velocity = getattr(registry.member(REGISTRY, kind), "NEEDS_VELOCITY", False)
     for record, path in zip(records, paths, strict=True):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +14,9 @@ from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.record_files import REGISTRY, read_file, warn_of_integrated
 from dampyr.records.files.text_columns import has_numbers
 from dampyr.records.formats import h5
-from dampyr.records.record import Record
+from dampyr.records.record import Record, commonest_name
 
-OWN = ".h5"
+DAMPYR = ".h5"  # the suffix of dampyr's own files
 
 
 def read_folder(folder: Path, options: ReadOptions, incomplete: bool = False) -> list[Record]:
@@ -91,13 +90,13 @@ def _latest(files: list[Path]) -> list[Path]:
     Of files that call themselves the same try of the same test none is the later one: both stay, and their name is an error.
     """
     latest: dict[str, tuple[int, list[Path]]] = {}
-    for path in (path for path in files if path.suffix.lower() == OWN):
+    for path in (path for path in files if path.suffix.lower() == DAMPYR):
         state = h5.state(path)
         attempt, same = latest.get(state.test, (state.attempt, []))
         if state.complete and state.attempt >= attempt:
             latest[state.test] = (state.attempt, [*same, path] if state.attempt == attempt else [path])
-    own = {path for _, paths in latest.values() for path in paths}
-    return [path for path in files if path.suffix.lower() != OWN or path in own]
+    taken = {path for _, paths in latest.values() for path in paths}
+    return [path for path in files if path.suffix.lower() != DAMPYR or path in taken]
 
 
 def _read(path: Path, options: ReadOptions) -> Record:
@@ -113,10 +112,10 @@ def _read(path: Path, options: ReadOptions) -> Record:
 
 
 def _check_names(folder: Path, records: list[Record]) -> None:
-    name, count = Counter(record.name for record in records).most_common(1)[0] if records else ("", 0)
+    name, count = commonest_name(records)
     if count > 1:
-        files = ", ".join(r.provenance.get("file", f"{r.name}{OWN}") for r in records if r.name == name)
-        inside = " (a .h5 file has its record's name inside)" if OWN in files else ""
+        files = ", ".join(r.provenance.get("file", f"{r.name}{DAMPYR}") for r in records if r.name == name)
+        where = " (a .h5 file has its record's name inside)" if DAMPYR in files else ""
         raise InputError(
-            f"{folder}: {count} records are called {name!r} (from {files}); ignore or rename all but one{inside}"
+            f"{folder}: {count} records are called {name!r} (from {files}); ignore or rename all but one{where}"
         )

@@ -1,9 +1,9 @@
-"""``reading.toml``: what the files of a folder do not say themselves, said once beside them.
+"""``reading.toml``: what the files of a folder do not state themselves, stated once beside them.
 
 ::
 
     validation = ["earthquake*"]   # files that no fit may use; the others are for fitting
-    ignore = ["calibration*"]      # files that are no records
+    ignore = ["calibration*"]      # files that are not records
     current = "*_{}A"              # the input in the files' names; or a number; or a table, see below
     specimen = "damper 3"          # which damper was tested
     measurement_session = {"day1*" = "2026-03-01", "day2*" = "2026-03-02"}
@@ -32,7 +32,7 @@
     force = 2
 
 What a section ``[[files]]`` says of its files goes before what stands above the sections; two sections that say different
-things of one file are an error. ``current``, ``voltage``, ``measurement_session``, ``specimen``, ``smoothed`` and
+things of the same file are an error. ``current``, ``voltage``, ``measurement_session``, ``specimen``, ``smoothed`` and
 ``lowpass`` may be tables that give names or patterns their values. Patterns are those of the shell (``*``, ``?``) and are
 compared with a file's name, with and without its suffix; ``{}`` is a number such as ``0.5``, ``0,5``, ``0p5``, ``0x5`` or
 ``12``. What a call or the command line says goes before what stands here.
@@ -42,7 +42,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
@@ -57,13 +57,14 @@ from dampyr.records.record import CHANNELS
 NAME = "reading.toml"
 TABLE = "campaign.csv"  # names the files of a campaign (`dampyr.records.files.campaign_folder`)
 INPUTS = ("voltage", "current")
+TABLES = ("units", "columns")  # options that hold a value for each channel
 DECIMAL = re.compile(r"[,pPxX]")
 """What stands for the point of a number in a file's name."""
 
 
 @dataclass(frozen=True)
 class PatternSection:
-    """What is said of the files that one of the ``patterns`` matches, by the names of `KEYS`."""
+    """The options of the files that one of the ``patterns`` matches, by the names of `KEYS`."""
 
     path: Path
     patterns: tuple[str, ...]
@@ -73,18 +74,18 @@ class PatternSection:
         """Whether this file is meant."""
         return any(matches(file, pattern) for pattern in self.patterns)
 
-    def said_of(self, file: Path, has_input: bool = False) -> dict[str, Any]:
-        """What is said of a file, each value its own; with ``has_input`` nothing of its input, which is known."""
-        said = {name: value for name, value in self.values.items() if not (has_input and name in INPUTS)}
-        own = {name: self._value(name, value, file) for name, value in said.items()}
-        return {name: value for name, value in own.items() if value is not None}
+    def options_of(self, file: Path, has_input: bool = False) -> dict[str, Any]:
+        """The options of a file, of a table by pattern its value; with ``has_input`` without its input, which is known."""
+        settings = {name: setting for name, setting in self.values.items() if not (has_input and name in INPUTS)}
+        options = {name: self._value(name, setting, file) for name, setting in settings.items()}
+        return {name: value for name, value in options.items() if value is not None}
 
-    def _value(self, name: str, said: Any, file: Path) -> Any:
-        if name in INPUTS and isinstance(said, str):
-            return self._from_name(name, said, file)
-        if name in ("units", "columns") or not isinstance(said, Mapping):
-            return said
-        values = {value for pattern, value in said.items() if matches(file, pattern)}
+    def _value(self, name: str, setting: Any, file: Path) -> Any:
+        if name in INPUTS and isinstance(setting, str):
+            return self._from_name(name, setting, file)
+        if name in TABLES or not isinstance(setting, Mapping):
+            return setting
+        values = {value for pattern, value in setting.items() if matches(file, pattern)}
         if len(values) > 1:
             both = " and ".join(sorted(map(_shown, values)))
             unit = f" {CHANNELS[name]}" if name in INPUTS else ""
@@ -103,9 +104,9 @@ class PatternSection:
     def all_patterns(self) -> Iterator[str]:
         """Its own patterns, and those of its tables."""
         yield from self.patterns
-        for name, said in self.values.items():
-            if isinstance(said, Mapping) and name not in ("units", "columns"):
-                yield from said
+        for name, setting in self.values.items():
+            if isinstance(setting, Mapping) and name not in TABLES:
+                yield from setting
 
 
 @dataclass(frozen=True)
@@ -126,21 +127,40 @@ class FolderReading:
         """Whether this file is no record."""
         return any(matches(file, pattern) for pattern in self.ignore)
 
-    def said_of(self, file: Path, has_input: bool = False) -> dict[str, Any]:
-        """What is said of a file, such as ``{"units": {...}, "current": 0.5}``: arguments of :func:`dampyr.records.read`.
+    def options_of(self, file: Path, has_input: bool = False) -> dict[str, Any]:
+        """The options of a file, such as ``{"units": {...}, "current": 0.5}``: arguments of :func:`dampyr.records.read`.
 
         ``has_input``: the caller states the input. Raises :class:`FileError` where two sections contradict one another.
         """
-        together = _Together(self.path, file)
-        for section in self.sections:
-            if section.holds(file):
-                together.add(section, section.said_of(file, has_input))
-        special = together.said
-        general = self.base.said_of(file, has_input or any(name in special for name in INPUTS))
-        merged = {**general, **special}
-        for name in ("units", "columns"):
-            if name in general and name in special:
-                merged[name] = {**general[name], **special[name]}
+        special = self._of_sections(file, has_input)
+        general = self.base.options_of(file, has_input or any(name in special for name in INPUTS))
+        tables = {name: {**general[name], **special[name]} for name in TABLES if name in general and name in special}
+        return {**general, **special, **tables}
+
+    def _of_sections(self, file: Path, has_input: bool) -> dict[str, Any]:
+        """What the sections that hold a file say of it together; :class:`FileError` where two of them say different things."""
+        merged: dict[str, Any] = {}
+        stated_by: dict[str, str] = {}  # the pattern of the section that said it first
+        for section in (section for section in self.sections if section.holds(file)):
+            pattern = next(pattern for pattern in section.patterns if matches(file, pattern))
+            for name, value in section.options_of(file, has_input).items():
+                target = merged.setdefault(name, {}) if name in TABLES else merged
+                for key, entry in value.items() if name in TABLES else [(name, value)]:
+                    what = f"{name}.{key}" if name in TABLES else "the input" if name in INPUTS else name
+                    if target.get(key) not in (None, entry):
+                        raise FileError(
+                            self.path,
+                            f"{stated_by[what]!r} and {pattern!r} give {file.name} two values of {what}, "
+                            f"{_shown(target[key])} and {_shown(entry)}; make the patterns exclusive",
+                        )
+                    stated_by.setdefault(what, pattern)
+                    target[key] = entry
+            if all(name in merged for name in INPUTS):
+                raise FileError(
+                    self.path,
+                    f"{stated_by['the input']!r} and {pattern!r} give {file.name} a voltage and a current; "
+                    "a record has one input, so leave one of them out",
+                )
         return merged
 
     def check_patterns(self, files: list[Path]) -> None:
@@ -151,51 +171,13 @@ class FolderReading:
                 raise FileError(self.path, f"{pattern!r} matches no file of the folder; correct or remove it")
 
 
-@dataclass
-class _Together:
-    """What several sections say of one file, and which pattern said it."""
-
-    path: Path
-    file: Path
-    said: dict[str, Any] = field(default_factory=dict)
-    by: dict[str, str] = field(default_factory=dict)
-
-    def add(self, section: PatternSection, said: Mapping[str, Any]) -> None:
-        """Enter what a section says; :class:`FileError` where another one has said something else."""
-        pattern = next(each for each in section.patterns if matches(self.file, each))
-        for name, value in said.items():
-            if name in ("units", "columns"):
-                table = self.said.setdefault(name, {})
-                for channel, each in value.items():
-                    self._check(f"{name}.{channel}", table.get(channel), each, pattern)
-                    table[channel] = each
-            else:
-                self._check("the input" if name in INPUTS else name, self.said.get(name), value, pattern)
-                self.said[name] = value
-        if all(name in self.said for name in INPUTS):
-            raise FileError(
-                self.path,
-                f"{self.by['the input']!r} and {pattern!r} give {self.file.name} a voltage and a current; "
-                "a record has one input, so leave one of them out",
-            )
-
-    def _check(self, what: str, before: Any, value: Any, pattern: str) -> None:
-        if before is not None and before != value:
-            raise FileError(
-                self.path,
-                f"{self.by[what]!r} and {pattern!r} give {self.file.name} two values of {what}, {_shown(before)} and "
-                f"{_shown(value)}; make the patterns exclusive",
-            )
-        self.by.setdefault(what, pattern)
-
-
 def reading_of(folder: Path) -> FolderReading:
     """The ``reading.toml`` of a folder, checked; an empty one where there is none.
 
     Raises
     ------
     FileError
-        It is no TOML, or says what is not known.
+        It is not TOML, or holds an unknown key.
     """
     path = folder / NAME
     if not path.is_file():
@@ -209,12 +191,13 @@ def reading_of(folder: Path) -> FolderReading:
     _check_keys(path, settings, (*KEYS, "validation", "ignore", "files"), "")
     tables = settings.get("files", [])
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
-        raise FileError(path, f"files = {tables!r} is no list of tables; write each as [[files]] with its pattern")
+        raise FileError(path, f"files = {tables!r} is not a list of tables; write each as [[files]] with its pattern")
     return FolderReading(
         path,
         base=_section(path, settings, (), ""),
         sections=tuple(
-            _section(path, t, _section_patterns(path, t, k), f"[[files]] {k}: ") for k, t in enumerate(tables, 1)
+            _section(path, table, _section_patterns(path, table, number), f"[[files]] {number}: ")
+            for number, table in enumerate(tables, 1)
         ),
         validation=_patterns(path, settings, "validation"),
         ignore=_patterns(path, settings, "ignore"),
@@ -235,10 +218,12 @@ def _check_keys(path: Path, table: Mapping[str, Any], allowed: tuple[str, ...], 
 def _section_patterns(path: Path, table: Mapping[str, Any], number: int) -> tuple[str, ...]:
     where = f"[[files]] {number}: "
     _check_keys(path, table, ("pattern", *KEYS), where)
-    said = table.get("pattern")
-    patterns = [said] if isinstance(said, str) else said
-    if not isinstance(patterns, list) or not patterns or not all(isinstance(each, str) for each in patterns):
-        raise FileError(path, f'{where}pattern = {said!r} is no pattern; write it as in "quake*", or a list of them')
+    pattern = table.get("pattern")
+    patterns = [pattern] if isinstance(pattern, str) else pattern
+    if not isinstance(patterns, list) or not patterns or not all(isinstance(text, str) for text in patterns):
+        raise FileError(
+            path, f'{where}pattern = {pattern!r} is not a pattern; write it as in "quake*", or a list of them'
+        )
     return tuple(patterns)
 
 
@@ -269,38 +254,44 @@ def _expression(pattern: str) -> str:
     return escaped.replace(r"\*", ".*").replace(r"\?", ".")
 
 
-def _option(name: str, said: Any) -> Any:
-    return getattr(ReadOptions(**{name: said}), name)
+def _option(name: str, setting: Any) -> Any:
+    return getattr(ReadOptions(**{name: setting}), name)
 
 
-def _table(name: str, said: Any) -> Any:
-    if not isinstance(said, dict):
-        raise InputError(f"{name} = {said!r} is no table; write it below [{name}], such as displacement = ...")
-    return _option(name, said)
+def _table(name: str, setting: Any) -> Any:
+    if not isinstance(setting, dict):
+        raise InputError(f"{name} = {setting!r} is not a table; write it below [{name}], such as displacement = ...")
+    return _option(name, setting)
 
 
-def _by_pattern(name: str, said: Any) -> Any:
+def _by_pattern(name: str, setting: Any) -> Any:
     return (
-        {pattern: _option(name, each) for pattern, each in said.items()}
-        if isinstance(said, dict)
-        else _option(name, said)
+        {pattern: _option(name, value) for pattern, value in setting.items()}
+        if isinstance(setting, dict)
+        else _option(name, setting)
     )
 
 
-def _input(name: str, said: Any) -> Any:
-    if isinstance(said, str):
-        if said.count("{}") != 1:
-            raise InputError(f"{name} = {said!r} must hold {{}} once, where the number stands in a file's name")
-        return said
-    values = said.values() if isinstance(said, dict) else [said]
+def _input(name: str, setting: Any) -> Any:
+    if isinstance(setting, str):
+        if setting.count("{}") != 1:
+            raise InputError(f"{name} = {setting!r} must hold {{}} once, where the number stands in a file's name")
+        return setting
+    values = setting.values() if isinstance(setting, dict) else [setting]
     if not all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
-        raise InputError(f"{name} = {said!r} is neither a number, nor a pattern with {{}}, nor a table of numbers")
-    return {pattern: float(value) for pattern, value in said.items()} if isinstance(said, dict) else float(said)
+        raise InputError(f"{name} = {setting!r} is neither a number, nor a pattern with {{}}, nor a table of numbers")
+    return (
+        {pattern: float(value) for pattern, value in setting.items()} if isinstance(setting, dict) else float(setting)
+    )
 
 
-def _smoothed(name: str, said: Any) -> Any:
+def _smoothed(name: str, setting: Any) -> Any:
     """One declaration, which may be a table of its fields, or a table of declarations by pattern."""
-    return Declaration.of(said) if isinstance(said, dict) and set(said) & set(WINDOW_KEYS) else _by_pattern(name, said)
+    return (
+        Declaration.of(setting)
+        if isinstance(setting, dict) and set(setting) & set(WINDOW_KEYS)
+        else _by_pattern(name, setting)
+    )
 
 
 KEYS: Mapping[str, Callable[[str, Any], Any]] = {
@@ -317,7 +308,7 @@ KEYS: Mapping[str, Callable[[str, Any], Any]] = {
     "smoothed": _smoothed,
     "lowpass": _by_pattern,
 }
-"""What may be said of files, all of them or those of a section: each key with the check that gives its value, named as the
+"""The options of files, all of them or those of a section: each key with the check that gives its value, named as the
 option of `dampyr.records.ReadOptions`."""
 
 
@@ -328,7 +319,7 @@ def _shown(value: Any) -> str:
 
 
 def _patterns(path: Path, settings: dict[str, Any], key: str) -> tuple[str, ...]:
-    given = settings.get(key, [])
-    if not isinstance(given, list) or not all(isinstance(each, str) for each in given):
-        raise FileError(path, f'{key} = {given!r} is no list of patterns; write it as in ["earthquake*"]')
-    return tuple(given)
+    patterns = settings.get(key, [])
+    if not isinstance(patterns, list) or not all(isinstance(pattern, str) for pattern in patterns):
+        raise FileError(path, f'{key} = {patterns!r} is not a list of patterns; write it as in ["earthquake*"]')
+    return tuple(patterns)

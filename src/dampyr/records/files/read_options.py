@@ -1,4 +1,4 @@
-"""What is said of files of records that they do not say themselves; the same for all of them."""
+"""What a caller states of files of records, which the files do not state themselves; the same for all of them."""
 
 from __future__ import annotations
 
@@ -16,12 +16,15 @@ from dampyr.records.conditioning.lowpass import as_lowpass
 from dampyr.records.conditioning.moving_average import Declaration
 from dampyr.records.conditioning.nominal_input import agrees
 from dampyr.records.record import CHANNELS, GROUPS, as_group
+from dampyr.records.thresholds import RecordThresholds
 from dampyr.units import Quantity
 
 
 @dataclass(frozen=True)
 class ReadOptions(Options):
     """Options of `read` and `read_campaign`; ``cut``, which makes several records of one, is of `read_campaign` alone.
+
+    ``thresholds`` say from when on what a record shows is a finding; they are an argument of the call alone.
 
     ``smoothed`` is kept as a `dampyr.records.Declaration`, ``lowpass`` in Hz or as a text such as ``"15 f"``.
     """
@@ -90,6 +93,8 @@ class ReadOptions(Options):
         "Cut every record into pieces of this duration, such as 5s, or at the rests between events",
     ] = None
 
+    thresholds: RecordThresholds | None = None
+
     def __post_init__(self) -> None:
         for name in GROUPS:
             object.__setattr__(self, name, as_group(name, getattr(self, name)))
@@ -100,60 +105,64 @@ class ReadOptions(Options):
         super().__post_init__()
 
     def check(self) -> None:
-        """Refuse what is no channel, name, sign or duration."""
+        """Refuse unknown channels, an empty name, and a sign or a duration that is not one."""
         for argument in ("units", "columns"):
             unknown = sorted(set(getattr(self, argument)) - set(CHANNELS))
             if unknown:
                 raise InputError(
-                    f"{argument} names {unknown[0]!r}, which is no channel; choose from {', '.join(CHANNELS)}"
+                    f"{argument} names {unknown[0]!r}, which is not a channel; choose from {', '.join(CHANNELS)}"
                 )
         if self.variable is not None and not self.variable.strip():
-            raise InputError(f"variable = {self.variable!r} is no name; give that of a matrix in the file")
+            raise InputError(f"variable = {self.variable!r} is not a name; give that of a matrix in the file")
         if self.force_sign not in (None, -1, 1):
             raise InputError(
                 f"force_sign = {self.force_sign} is not allowed; it must be -1, which turns the force, or 1"
             )
         if self.cut is not None:
             check_cut(self.cut)
+        if self.thresholds is not None and not isinstance(self.thresholds, RecordThresholds):
+            raise InputError(f"thresholds = {self.thresholds!r} are not allowed; give RecordThresholds(...)")
 
     def refuse(self, path: str | Path, **reasons: str) -> None:
-        """Raise :class:`FileError` where something is said that a format cannot use: ``variable="a text has none"``."""
+        """Raise :class:`FileError` where an option is set that a format cannot use: ``variable="a text has none"``."""
         for name, reason in reasons.items():
-            if (said := getattr(self, name)) is not None:
-                raise FileError(path, f"{name} = {said!r} was given, but {reason}; leave it out")
+            if (stated := getattr(self, name)) is not None:
+                raise FileError(path, f"{name} = {stated!r} was given, but {reason}; leave it out")
 
     def input_channels(self, voltage: Any = None, current: Any = None) -> dict[str, Any]:
-        """The input from the call and from the file together.
+        """The input of the record, from that of the call and that of the file (``voltage``, ``current``).
 
-        What the file states must be what was said; what it measured must agree with it, and gives way to it.
+        A number in the file must equal the one of the call; a measured channel must agree with it, and gives way to it.
         """
         channels: dict[str, Any] = {}
-        for name, said, stored in (("voltage", self.voltage, voltage), ("current", self.current, current)):
-            if said is not None and stored is not None and not _same(said, stored):
-                raise InputError(_contradiction(name, said, stored))
-            channels[name] = said if said is not None else stored
+        for name, stated, stored in (("voltage", self.voltage, voltage), ("current", self.current, current)):
+            if (
+                stated is not None
+                and stored is not None
+                and not np.array_equal(stated, stored)
+                and (np.ndim(stored) != 1 or not agrees(stated, stored))
+            ):
+                raise InputError(_contradiction(name, stated, stored))
+            channels[name] = stated if stated is not None else stored
         return channels
 
     def replaced(self, voltage: Any = None, current: Any = None) -> tuple[str, ...]:
-        """What the history says of a measured input that gave way to what was said."""
+        """What the history says of a measured input that gave way to the one of the call."""
         pairs = (("voltage", self.voltage, voltage), ("current", self.current, current))
         return tuple(
-            f"{name} {said:g} {CHANNELS[name]} as stated; {np.mean(stored):.4g} {CHANNELS[name]} as measured"
-            for name, said, stored in pairs
-            if said is not None and stored is not None and not np.array_equal(said, stored)
+            f"{name} {stated:g} {CHANNELS[name]} as stated; {np.mean(stored):.4g} {CHANNELS[name]} as measured"
+            for name, stated, stored in pairs
+            if stated is not None and stored is not None and not np.array_equal(stated, stored)
         )
 
 
-def _same(said: float, stored: Any) -> bool:
-    return bool(np.array_equal(said, stored)) or (np.ndim(stored) == 1 and agrees(said, stored))
-
-
-def _contradiction(name: str, said: float, stored: Any) -> str:
+def _contradiction(name: str, stated: float, stored: Any) -> str:
     unit = CHANNELS[name]
     if np.ndim(stored) == 0:
-        return f"{name} = {said:g} {unit} was given, but the file says {np.mean(stored):g} {unit}; leave {name} out of the call"
+        in_file = f"{np.mean(stored):g} {unit}"
+        return f"{name} = {stated:g} {unit} was given, but the file says {in_file}; leave {name} out of the call"
     return (
-        f"{name} = {said:g} {unit} was given, but the file's column has {np.min(stored):.4g} to "
+        f"{name} = {stated:g} {unit} was given, but the file's column has {np.min(stored):.4g} to "
         f"{np.max(stored):.4g} {unit} (mean {np.mean(stored):.4g}), which is further from it than 5 % or 0.05 {unit}; "
         f"leave {name} out of the call"
     )

@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from dampyr import registry
-from dampyr.errors import DampyrWarning, FileError, InputError, MissingData
+from dampyr.errors import DampyrWarning, FileError, InputError, MissingData, one_line
 from dampyr.options import takes
+from dampyr.phrases import listing
 from dampyr.records.conditioning.integrated_displacement import INTEGRATED, is_integrated
 from dampyr.records.conditioning.lowpass import with_lowpass
 from dampyr.records.conditioning.smoothing import with_smoothing
 from dampyr.records.datasets import data_set_of_file
-from dampyr.records.files.folder_metadata import FolderReading, reading_of
+from dampyr.records.files.folder_metadata import TABLES, FolderReading, reading_of
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import GROUPS, Record
 from dampyr.source_file import check_name, source_file
@@ -27,7 +28,7 @@ REGISTRY = "dampyr.records.formats"
 def read(path: str | Path, options: ReadOptions | None = None, **keywords: Any) -> Record:
     """Read one test from a file; the suffix says which format it is.
 
-    What is not said here is taken from the ``reading.toml`` beside the file, where there is one
+    What no argument states is taken from the ``reading.toml`` beside the file, where there is one
     (:mod:`dampyr.records.files.folder_metadata`).
 
     Parameters
@@ -86,8 +87,8 @@ def read_file(path: Path, options: ReadOptions) -> Record:
     check_name(path)
     try:
         metadata = reading_of(path.parent)
-        request = _together(metadata, path, options)
-        record = _as_said(registry.member(REGISTRY, kind).read(path, request), request, metadata, path)
+        request = _merged(metadata, path, options)
+        record = _with_request(registry.member(REGISTRY, kind).read(path, request), request, metadata, path)
         source = source_file(path)
         dataset = data_set_of_file(source)
         published = (
@@ -99,31 +100,32 @@ def read_file(path: Path, options: ReadOptions) -> Record:
     except InputError as problem:
         raise FileError(path, str(problem)) from problem
     except OSError as problem:
-        raise FileError(path, f"cannot be read ({_one_line(problem)}); check the file and its permissions") from problem
+        raise FileError(path, f"cannot be read ({one_line(problem)}); check the file and its permissions") from problem
 
 
 def warn_of_integrated(records: Iterable[Record]) -> None:
     """Warn, in one line, of records whose displacement was integrated from the velocity."""
     names = [record.name for record in records if is_integrated(record)]
     if names:
-        which = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
         warnings.warn(
-            f"{which}: displacement {INTEGRATED}; what became of its drift is in the notes and the history",
+            f"{listing(names, 3)}: displacement {INTEGRATED}; what became of its drift is in the notes and the history",
             DampyrWarning,
             stacklevel=3,
         )
 
 
-def _together(metadata: FolderReading, path: Path, options: ReadOptions) -> ReadOptions:
-    """What the caller says, and where it says nothing what ``reading.toml`` does."""
-    said = {name: value for name, value in options.as_keywords().items() if value is not None}
-    of_folder = metadata.said_of(path, has_input="voltage" in said or "current" in said)
-    tables = {name: {**of_folder.get(name, {}), **said[name]} for name in ("units", "columns")}
-    return ReadOptions(**{**of_folder, **said, **tables})
+def _merged(metadata: FolderReading, path: Path, options: ReadOptions) -> ReadOptions:
+    """The caller's options, and where it sets none those of ``reading.toml``."""
+    stated = {name: value for name, value in options.as_keywords().items() if value is not None}
+    of_folder = metadata.options_of(path, has_input="voltage" in stated or "current" in stated)
+    tables = {name: {**of_folder.get(name, {}), **stated[name]} for name in TABLES}
+    return ReadOptions(**{**of_folder, **stated, **tables}, thresholds=options.thresholds)
 
 
-def _as_said(record: Record, request: ReadOptions, metadata: FolderReading, path: Path) -> Record:
-    """The record with all that is said of it: sign of the force, moving average, low-pass, session, specimen, role."""
+def _with_request(record: Record, request: ReadOptions, metadata: FolderReading, path: Path) -> Record:
+    """The record with all that is stated of it: sign of the force, moving average, low-pass, session, specimen, role."""
+    if request.thresholds is not None:
+        record = replace(record, thresholds=request.thresholds)
     if request.force_sign == -1:
         record = record.replace(note="force turned, as its sign was declared", force=-record.force)
     if request.smoothed is not None:
@@ -131,10 +133,10 @@ def _as_said(record: Record, request: ReadOptions, metadata: FolderReading, path
     if request.lowpass is not None:
         record = with_lowpass(record, request.lowpass)
     for name in GROUPS:
-        said, stored = getattr(request, name), getattr(record, name)
-        if said is not None and said != stored:
+        stated, stored = getattr(request, name), getattr(record, name)
+        if stated is not None and stated != stored:
             instead = "" if stored is None else f", {stored!r} in the file"
-            record = record.replace(note=f"{name} {said!r} as stated{instead}", **{name: said})
+            record = record.replace(note=f"{name} {stated!r} as stated{instead}", **{name: stated})
     if metadata.is_validation(path) and record.role != "validation":
         record = record.replace(note=f"role validation from {metadata.path.name}", role="validation")
     return record
@@ -156,7 +158,7 @@ def write(record: Record, path: str | Path, **details: Any) -> Path:
     True
     """
     path = Path(path)
-    writable = [name for name, module in registry.members(REGISTRY) if hasattr(module, "write")]
+    writable = writable_formats()
     kind = path.suffix.lower().removeprefix(".")
     if kind not in writable:
         raise FileError(path, f"records are not written as {path.suffix!r}; choose from {_suffixes(writable)}")
@@ -164,9 +166,10 @@ def write(record: Record, path: str | Path, **details: Any) -> Path:
     return path
 
 
+def writable_formats() -> list[str]:
+    """The suffixes, without their dots, of the formats that are written."""
+    return [name for name, module in registry.members(REGISTRY) if hasattr(module, "write")]
+
+
 def _suffixes(names: list[str]) -> str:
     return ", ".join(f".{name}" for name in names)
-
-
-def _one_line(problem: BaseException) -> str:
-    return " ".join(str(problem).split()) or type(problem).__name__

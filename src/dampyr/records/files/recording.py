@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.atomic_write import whole_file
-from dampyr.errors import FileError
+from dampyr.errors import FileError, one_line
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.records.checks.channel_uncertainty import ChannelUncertainty
 from dampyr.records.files.new_file import new_file, reserve
@@ -32,7 +32,7 @@ from dampyr.records.formats.h5 import FORMAT, PIECE, SCHEMA, Raw, fill
 from dampyr.records.record import CHANNELS, GROUPS, Array, Label, Record, Role
 
 ALL = slice(None)
-SYNC_EVERY = 1.0  # s
+SYNC_EVERY = 1.0  # s: what a power cut may take; each sync costs the disk a seek
 STRUCTURE = 2**16  # bytes of a file besides samples and texts: 20 to 40 KiB were seen
 REFUSALS = {
     errno.ENOSPC: ("the disk is full", "make room"),
@@ -98,7 +98,7 @@ class Recording:
         self.path, self.capacity, self.header, self.rows = Path(path), capacity, header, 0
         self._synced = time.monotonic()
         with self._translate_errors("cannot be made", sum(header.file_sizes(capacity))), ExitStack() as undo:
-            columns, rows = _made(self.path, capacity, header)
+            columns, rows = _create_file(self.path, capacity, header)
             undo.callback(self.path.unlink, missing_ok=True)
             self._file = undo.enter_context(self.path.open("rb+", buffering=0))
             self._data = {name: _Column(self._file, *place, self) for name, place in columns.items()}
@@ -120,7 +120,9 @@ class Recording:
             for name, data in self._data.items():
                 data.write(self.rows, values[name])
             _write(self._file, self._count, np.uint64(self.rows + n).tobytes())
-            self._sync()
+            if time.monotonic() - self._synced >= SYNC_EVERY:
+                os.fsync(self._file.fileno())
+                self._synced = time.monotonic()
         self.rows += n
         return self.rows
 
@@ -132,17 +134,12 @@ class Recording:
     def read(self, name: str, rows: slice = ALL) -> Array:
         """Acknowledged samples of a dataset, such as ``calibrated/force``, all (rows,) or some of them."""
         begin, end, step = rows.indices(self.rows)
-        several = max(step, PIECE // step * step)  # samples that are in memory at a time
+        length = max(step, PIECE // step * step)  # samples that are in memory at a time
         with self._translate_errors("cannot be read"):
             if step == 1:
                 return self._data[name][begin:end]
-            parts = [self._data[name][k : min(k + several, end)][::step] for k in range(begin, end, several)]
+            parts = [self._data[name][k : min(k + length, end)][::step] for k in range(begin, end, length)]
         return np.concatenate(parts)
-
-    def _sync(self) -> None:
-        if time.monotonic() - self._synced >= SYNC_EVERY:
-            os.fsync(self._file.fileno())
-            self._synced = time.monotonic()
 
     def close(self) -> None:
         """Leave the file as it is: incomplete, every acknowledged row in it."""
@@ -170,21 +167,44 @@ class Recording:
     ) -> Path:
         """Close the file and write it anew with what became known, whole or not at all, a piece of it at a time.
 
-        ``refine`` gives the channels that the finished file holds, from those that were recorded; it looks at ``margin``
-        samples before and after each; ``marks`` are the faults that were seen in the test, ``uncertainty`` that of its
-        channels, and ``constants`` replace those of the header.
+        Parameters
+        ----------
+        provenance, history
+            Added to the header's provenance; the steps that the channels went through.
+        complete
+            Whether the test came to its end.
+        refine
+            Gives the channels of the finished file from those that were recorded; None leaves them as they are.
+        margin
+            Samples before and after each that ``refine`` looks at.
+        marks, uncertainty
+            The faults that were seen in the test, and the standard uncertainty of its channels.
+        constants
+            Replace those of the header.
+
+        Raises
+        ------
+        FileError
+            The finished file cannot be written; the recording stays readable as it is.
         """
         entries = dict(self.header.provenance) | dict(provenance)
         entries |= {"test": self.header.test, "try": str(self.header.attempt)} | (
             {} if complete else {"complete": "no"}
         )
         header = self.header
-        about: dict[str, Any] = {"name": header.name, "label": header.label, "role": header.role, **header.constants}
-        about["origin"] = header.origin
-        about |= {"provenance": entries, "history": history, **header.groups, **(constants or {})}
-        about["uncertainty"] = dict(uncertainty or {})
-        if marks:
-            about["marks"] = marks
+        common: dict[str, Any] = {
+            "name": header.name,
+            "label": header.label,
+            "role": header.role,
+            "origin": header.origin,
+            "provenance": entries,
+            "history": history,
+            "uncertainty": dict(uncertainty or {}),
+            "marks": marks,
+            **header.groups,
+            **header.constants,
+            **(constants or {}),
+        }
         # a channel that nothing refined is read when the raw reading is
         raw = {
             name: _raw(self._data[f"raw/{name}"], channel if refine else replace(channel, delay=0.0))
@@ -193,20 +213,20 @@ class Recording:
         try:
             with self._translate_errors("cannot be finished"), whole_file(self.path) as temporary:
                 self._copy.close()
-                fill(temporary, self.rows, self._pieces(about, refine, margin), raw, header.file_sizes(self.rows)[1])
+                fill(temporary, self.rows, self._pieces(common, refine, margin), raw, header.file_sizes(self.rows)[1])
                 self.close()
         finally:
             self.close()
         return self.path
 
-    def _pieces(self, about: dict[str, Any], refine: Refine | None, margin: int) -> Iterator[Record]:
+    def _pieces(self, common: dict[str, Any], refine: Refine | None, margin: int) -> Iterator[Record]:
         count = max(1, self.rows // PIECE)
         for k in range(count):
             first, last = self.rows * k // count, self.rows * (k + 1) // count
             low, high = max(first - margin, 0), min(last + margin, self.rows)
             wide: dict[str, Any] = {name: self._data[f"calibrated/{name}"][low:high] for name in self.header.channels}
             channels = {name: v[first - low : last - low] for name, v in (refine(wide) if refine else wide).items()}
-            yield Record(**channels, **about)
+            yield Record(**channels, **common)
 
     @contextmanager
     def _translate_errors(self, what: str, needed: int = 0) -> Iterator[None]:
@@ -217,7 +237,7 @@ class Recording:
             number = getattr(problem, "errno", None) or 0
             if number in REFUSALS:
                 raise FileError(self.path, f"{what}: {_refusal(number, needed, self.path.parent)}") from problem
-            raise FileError(self.path, f"{what}: {' '.join(str(problem).split())}") from problem
+            raise FileError(self.path, f"{what}: {one_line(problem)}") from problem
 
 
 def check_disk_space(folder: Path, what: str, header: RecordingHeader, capacity: int) -> None:
@@ -296,14 +316,10 @@ def _raw(values: _Column, channel: RawChannel) -> Raw:
     return Raw(values, channel.unit, channel.gain, channel.offset, channel.calibrated_unit, channel.delay)
 
 
-def _names(header: RecordingHeader) -> list[str]:
-    return [*(f"calibrated/{name}" for name in header.channels), *(f"raw/{name}" for name in header.raw)]
-
-
 Place = tuple[int, "np.dtype[Any]"]
 
 
-def _made(path: Path, capacity: int, header: RecordingHeader) -> tuple[dict[str, Place], int]:
+def _create_file(path: Path, capacity: int, header: RecordingHeader) -> tuple[dict[str, Place], int]:
     """The file with everything but samples, whole and synced before anyone sees it under its name.
 
     Where each dataset begins in it, with its type, and where the number of rows stands.
@@ -324,7 +340,8 @@ def _made(path: Path, capacity: int, header: RecordingHeader) -> tuple[dict[str,
             file.create_group("label").attrs.update(label_fields)
         file.create_group("provenance").attrs.update(dict(header.provenance))
         rows = file.create_dataset("rows", data=np.uint64(0))
-        columns = {name: (file[name].id.get_offset(), file[name].dtype) for name in _names(header)}
+        names = [*(f"calibrated/{name}" for name in header.channels), *(f"raw/{name}" for name in header.raw)]
+        columns = {name: (file[name].id.get_offset(), file[name].dtype) for name in names}
         return columns, rows.id.get_offset()
 
 

@@ -3,7 +3,7 @@
 A header cell is a name and a unit in brackets or parentheses: ``time [s]``, ``displacement [mm]``, ``force
 (N)``. Lines that start with ``#`` or ``%`` are comments; the last line before the numbers is the header, even
 as a comment, and a line of units may follow the names. A comma is the decimal mark where the delimiter is a semicolon, a tab
-or white space. A text that is no UTF-8 is read as Latin-1, and the record's history says so. A column
+or white space. A text that is not UTF-8 is read as Latin-1, and the record's history says so. A column
 may hold times of day (``10:00:00.123``), dates (``2026-03-01``) or both (``2026-03-01T10:00:00.123``).
 """
 
@@ -29,7 +29,7 @@ from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import GROUPS, Array, Record
 
 MAX_COLUMNS = 1000  # of a line: a test has some ten channels; a file with more is written the wrong way round
-DELIMITERS = (";", "\t", ",", None)
+DELIMITERS = (";", "\t", ",")
 BARE_UNITS = {
     *("s", "ms", "min", "m", "cm", "mm", "um", "µm", "in", "inch", "inches", "n", "kn", "lbf", "kip", "kips"),
     *("m/s", "cm/s", "mm/s", "in/s", "m/sec", "mm/sec", "in/sec", "v", "mv", "a", "ma", "g"),
@@ -46,7 +46,7 @@ KINDS = {
     "stamp": re.compile(rf"{DAY}(?:T|\s+){CLOCK}\s*(Z|[+-]\d{{2}}:?\d{{2}})?"),
 }
 """What a cell may be besides a number."""
-IN_WORDS = {"number": "a number", "clock": "a time of day", "date": "a date", "stamp": "a date with a time of day"}
+KIND_NAMES = {"number": "a number", "clock": "a time of day", "date": "a date", "stamp": "a date with a time of day"}
 GROUP = re.compile(rf"[#%]\s*(?:({'|'.join(GROUPS)})\s*:\s*(\S.*)|(origin)\s*:\s*({'|'.join(ORIGIN_KINDS)}))")
 """A comment above the numbers that states the session or the specimen, as dampyr writes it."""
 
@@ -59,14 +59,14 @@ def read(path: Path, request: ReadOptions, kind: str) -> Record:
 
 def is_by_number(request: ReadOptions) -> bool:
     """Whether every column is declared by its number, so that no name is needed."""
-    said = [column for column in request.columns.values() if column not in (None, "-")]
-    return bool(said) and all(isinstance(column, int) or column.isdigit() for column in said)
+    columns = [column for column in request.columns.values() if column not in (None, "-")]
+    return bool(columns) and all(isinstance(column, int) or column.isdigit() for column in columns)
 
 
 def has_numbers(path: Path) -> bool:
     """Whether a text file has a line of two or more numbers, and nothing else but times, as every record has.
 
-    A file with a line of too many columns counts as one, so that whoever reads it learns why it is none.
+    A file with a line of too many columns counts as a record, so that reading it says what is wrong with it.
     """
     lines = (line.strip() for line in io.StringIO(_decoded(path)[0], newline=None))
     return any(_is_too_wide(line) or _is_row(line) for line in lines)
@@ -121,8 +121,8 @@ def _decoded(path: Path) -> tuple[str, str]:
         return content.decode("utf-8-sig"), ""
     except UnicodeDecodeError as problem:
         if b"\0" in content:
-            raise FileError(path, f"is no text (byte {problem.start}); choose a text file") from None
-    return content.decode("cp1252", errors="replace"), "read as Latin-1 (Windows-1252) text, as it is no UTF-8"
+            raise FileError(path, f"is not a text (byte {problem.start}); choose a text file") from None
+    return content.decode("cp1252", errors="replace"), "read as Latin-1 (Windows-1252) text, as it is not UTF-8"
 
 
 class _Rows:
@@ -185,23 +185,22 @@ def _header(
     path: Path, above: list[str], line: int | None, delimiter: str | None, width: int, by_number: bool
 ) -> list[str]:
     """The cells of the header, each name with its unit; none where there is no header."""
-    texts = [
-        text for text in (each.strip().lstrip("#% ") for each in above) if text and not GROUP.fullmatch(f"# {text}")
-    ]
+    texts = [text.strip().lstrip("#% ") for text in above]
     if line is None:
-        names, last = (["", "", *texts])[-2:]
+        # the names, and what may be a line of units below them
+        names, last = ["", "", *(text for text in texts if text and not GROUP.fullmatch(f"# {text}"))][-2:]
     else:
-        below = [text for text in (each.strip().lstrip("#% ") for each in above[line:]) if text]
-        names = above[line - 1].strip().lstrip("#% ")
-        last = below[0] if below else names
+        names = texts[line - 1]
+        last = next((text for text in texts[line:] if text), names)
     cells = _with_units_below(_texts(names, delimiter), _texts(last, delimiter))
     if line is not None and cells == _texts(last, delimiter):
         cells = _texts(names, delimiter)
     if not cells or len(cells) == width:
         return cells
-    glued = _glued(last if line is None else names)
-    if len(glued) == width:
-        return glued
+    # names that stand apart from their units in columns of white space: force (N)
+    spaced = re.findall(r"[^\s\[\]()]+(?:\s*[\[(][^\])]*[\])])?", last if line is None else names)
+    if len(spaced) == width:
+        return spaced
     if by_number:
         return []
     raise FileError(
@@ -219,11 +218,6 @@ def _with_units_below(names: list[str], cells: list[str]) -> list[str]:
     return [f"{name} [{unit}]" if unit not in ("", "-") else name for name, unit in zip(names, bare)]
 
 
-def _glued(header: str) -> list[str]:
-    """The cells of a white-space header whose names stand apart from their units: ``force (N)``."""
-    return re.findall(r"[^\s\[\]()]+(?:\s*[\[(][^\])]*[\])])?", header)
-
-
 def _is_row(line: str) -> bool:
     """Whether a line is two or more numbers, with times and dates between them or without."""
     if not line or line[0] in "#%":
@@ -235,13 +229,12 @@ def _is_row(line: str) -> bool:
 
 def _delimiter(line: str) -> str | None:
     """The first delimiter that stands in a line of numbers; None is white space."""
-    return next((d for d in DELIMITERS if d is not None and d in line and not _is_decimal_comma(d, line)), None)
-
-
-def _is_decimal_comma(delimiter: str, line: str) -> bool:
-    """A comma inside white-space columns, such as ``0,01  1,5``, is a decimal mark."""
+    delimiter = next((mark for mark in DELIMITERS if mark in line), None)
     parts = line.split()
-    return delimiter == "," and len(parts) > 1 and all(re.fullmatch(DECIMAL_COMMA, part) for part in parts)
+    # a comma inside columns of white space, such as 0,01  1,5, is a decimal mark
+    if delimiter == "," and len(parts) > 1 and all(re.fullmatch(DECIMAL_COMMA, part) for part in parts):
+        return None
+    return delimiter
 
 
 def _texts(line: str, delimiter: str | None) -> list[str]:
@@ -297,15 +290,15 @@ def _values(
             except ValueError:
                 raise FileError(
                     path,
-                    f"line {rows.numbers[-1]}: {cell[:40]!r} is not {IN_WORDS[kinds[j]]}; repair or cut out the line",
+                    f"line {rows.numbers[-1]}: {cell[:40]!r} is not {KIND_NAMES[kinds[j]]}; repair or cut out the line",
                 ) from None
     return kinds, np.array(values).reshape(-1, len(kinds)), empty
 
 
-def _numbers(rows: _Rows, delimiter: str | None, ended: bool, width: int) -> Array:
+def _numbers(rows: _Rows, delimiter: str | None, ends_with_delimiter: bool, width: int) -> Array:
     """The values of rows that hold numbers alone; ValueError where one of them does not, or has another width."""
     lines: Iterable[str] = rows
-    if ended and delimiter:  # a delimiter at the end of each line, as spreadsheets leave it
+    if ends_with_delimiter and delimiter:  # a delimiter at the end of each line, as spreadsheets leave it
         if any(not line.endswith(delimiter) for line in rows):
             raise ValueError
         lines = (line[:-1] for line in rows)
@@ -318,7 +311,7 @@ def _numbers(rows: _Rows, delimiter: str | None, ended: bool, width: int) -> Arr
 
 
 def _day(text: str) -> int:
-    """The number of the day that a date or a stamp begins with; 0 where there is no such day, which is said later."""
+    """The number of the day that a date or a stamp begins with; 0 where there is no such day, which `_seconds` refuses."""
     match = re.match(DAY, text)
     try:
         return date(*(int(part) for part in match.groups())).toordinal() if match else 0

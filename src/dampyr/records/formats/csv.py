@@ -28,11 +28,11 @@ def write(record: Record, path: Path) -> Path:
     """
     if record.smoothed is not None:
         raise FileError(path, "columns cannot say that the record is smoothed; write .h5, or undo it first")
-    held = {name: getattr(record, name) for name in CHANNELS if getattr(record, name) is not None}
-    columns = [np.broadcast_to(values, record.n) for values in held.values()]
+    channels = {name: getattr(record, name) for name in CHANNELS if getattr(record, name) is not None}
+    columns = [np.broadcast_to(values, record.n) for values in channels.values()]
     text = io.StringIO()
-    header = ",".join(f"{name} [{CHANNELS[name]}]" for name in held)
-    comments = [f"# {name}: {words}\n" for name, words in stated(record).items()]
+    header = ",".join(f"{name} [{CHANNELS[name]}]" for name in channels)
+    comments = [f"# {name}: {value}\n" for name, value in stated(record).items()]
     np.savetxt(text, np.column_stack(columns), delimiter=",", header=header, comments="", fmt="%.17g")
     write_whole(path, "".join(comments) + text.getvalue())
     return path

@@ -35,8 +35,8 @@ from typing import Any, cast
 import numpy as np
 
 from dampyr.atomic_write import whole_file
-from dampyr.errors import FileError, InputError
-from dampyr.origin import Origin, as_origin, of_board
+from dampyr.errors import FileError, InputError, one_line
+from dampyr.origin import as_origin, of_board
 from dampyr.records.checks.channel_uncertainty import ChannelUncertainty
 from dampyr.records.conditioning.moving_average import Alignment, MovingAverage
 from dampyr.records.files.checksums import REPAIR, Attributes, Checksums, Stored, attributes_of
@@ -76,7 +76,7 @@ class Raw:
 
 
 class BrokenFile(FileError):
-    """A file that is truncated or no HDF5 at all: nothing in it can be read."""
+    """A file that is truncated or not HDF5 at all: nothing in it can be read."""
 
 
 class FewSamples(FileError):
@@ -107,8 +107,8 @@ def read(path: Path, request: ReadOptions) -> Record:
     Raises :class:`~dampyr.errors.FileError` where a dataset is not what was written, by its checksum or by the raw reading
     beside it, and its kind :class:`FewSamples` where the test ended too early for a record.
     """
-    own = "dampyr's own file says it itself"
-    request.refuse(path, dt=own, variable=own, header=own)
+    reason = "dampyr's own file says it itself"
+    request.refuse(path, dt=reason, variable=reason, header=reason)
     with _open(path) as file:
         attributes = attributes_of(file)
         root = attributes["/"]
@@ -145,14 +145,10 @@ def read(path: Path, request: ReadOptions) -> Record:
             history=history,
             marks=marks,
             uncertainty=_uncertainty(path, attributes),
-            origin=_origin(root, provenance),
+            # a file of dampyr up to 0.2.0 states no origin: its board tells
+            origin=as_origin(str(root["origin"])) if "origin" in root else of_board(provenance.get("board", "")),
             **{name: str(root[name]) for name in GROUPS if name in root},  # type: ignore[arg-type]
         )
-
-
-def _origin(root: Mapping[str, Any], provenance: Mapping[str, str]) -> Origin:
-    """As the file states it; of a file that does not, what its board tells."""
-    return as_origin(str(root["origin"])) if "origin" in root else of_board(provenance.get("board", ""))
 
 
 def _uncertainty(path: Path, attributes: Attributes) -> dict[str, ChannelUncertainty]:
@@ -186,17 +182,17 @@ def read_raw(path: str | Path) -> dict[str, Raw]:
 def _raw(file: Any, attributes: Attributes) -> dict[str, Raw]:
     """The raw readings that say their calibration."""
     readings = {}
-    for place, about in attributes.items():
-        if place.startswith("raw/") and about.keys() >= {"unit", "gain", "offset", "calibrated_unit"}:
-            numbers = float(about["gain"]), float(about["offset"])
-            delay = float(about.get("delay", 0.0))
-            values = file[place][: _rows(file)]
-            readings[place[4:]] = Raw(values, str(about["unit"]), *numbers, str(about["calibrated_unit"]), delay)
+    for name, entries in attributes.items():
+        if name.startswith("raw/") and entries.keys() >= {"unit", "gain", "offset", "calibrated_unit"}:
+            gain, offset, delay = (float(entries.get(key, 0.0)) for key in ("gain", "offset", "delay"))
+            unit, calibrated_unit = str(entries["unit"]), str(entries["calibrated_unit"])
+            values = file[name][: _rows(file)]
+            readings[name.removeprefix("raw/")] = Raw(values, unit, gain, offset, calibrated_unit, delay)
     return readings
 
 
 def _difference_from_raw(channels: Mapping[str, Any], raw: Mapping[str, Raw], delayed: bool = True) -> str:
-    """How a channel differs from its raw reading, in words; empty where none does."""
+    """A sentence on a channel that differs from its raw reading; empty where none does."""
     for name, reading in raw.items():
         channel = RAW_OF.get(name, name)
         values = channels.get(channel)
@@ -244,7 +240,7 @@ def state(path: str | Path) -> FileState:
 def provenance(path: str | Path) -> dict[str, str]:
     """Where a record comes from, without reading it."""
     with _open(Path(path)) as file:
-        return _provenance(file)
+        return _texts_of(file["provenance"].attrs) if "provenance" in file else {}
 
 
 def write(record: Record, path: str | Path, raw: Mapping[str, Raw] | None = None) -> Path:
@@ -362,24 +358,20 @@ def _open(path: Path) -> Any:
             path, f"tells of more data than the memory holds ({problem}); record or copy the test again"
         ) from problem
     except (OSError, KeyError, RuntimeError, TypeError, AttributeError, ValueError, SystemError) as problem:
-        reason = " ".join(str(problem).split())
         raise BrokenFile(
             path,
-            f"is a truncated or broken HDF5 file ({reason}); record or copy the test again (dampyr run has --again for it)",
+            f"is a truncated or broken HDF5 file ({one_line(problem)}); record or copy the test again (dampyr run has --again "
+            "for it)",
         ) from problem
 
 
 def _check_schema(path: Path, file: Any) -> None:
     file_format = str(file.attrs.get("format", ""))
     if file_format != FORMAT:
-        raise FileError(path, f"is HDF5 but no {FORMAT}: its format is {file_format!r}; export it as .csv")
+        raise FileError(path, f"is HDF5 but not a {FORMAT}: its format is {file_format!r}; export it as .csv")
     schema = int(file.attrs.get("schema", 0))
     if schema not in SUPPORTED_SCHEMAS:
         raise FileError(path, f"has the schema {schema}, this dampyr knows schema {SCHEMA}; upgrade dampyr")
-
-
-def _provenance(file: Any) -> dict[str, str]:
-    return _texts_of(file["provenance"].attrs) if "provenance" in file else {}
 
 
 def _texts_of(attributes: Mapping[str, Any]) -> dict[str, str]:

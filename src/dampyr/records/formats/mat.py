@@ -19,12 +19,12 @@ from typing import Any
 import numpy as np
 
 from dampyr.atomic_write import whole_file
-from dampyr.errors import FileError, InputError
+from dampyr.errors import FileError, InputError, one_line
 from dampyr.origin import ORIGIN_KINDS
 from dampyr.records.files.column_table import ColumnTable, record_of
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.self_contained import check_contained
-from dampyr.records.record import COMMENTS, GROUPS, Array, Record, stated
+from dampyr.records.record import CHANNELS, COMMENTS, GROUPS, Array, Record, stated
 from dampyr.units import to_si
 
 TITLE = "MATLAB"
@@ -43,7 +43,8 @@ class _Stored:
     version: str
 
     @property
-    def there(self) -> str:
+    def listed(self) -> str:
+        """The variables that a person can choose from."""
         return ", ".join(self.names) or "none"
 
     def groups(self) -> dict[str, str]:
@@ -57,8 +58,11 @@ class _Stored:
 def read(path: Path, request: ReadOptions) -> Record:
     """The record in a MATLAB file: that of the campaign, whose header is checked against the data, or as declared."""
     request.refuse(path, header="a MATLAB file has none")
+    import h5py
+
     named = {column for column in request.columns.values() if isinstance(column, str)} - {"", "-"}
-    stored = _stored(path, {*NEEDED, "Tout", *COMMENTS, *named, *([request.variable] if request.variable else [])})
+    wanted = {*NEEDED, "Tout", *COMMENTS, *named, *([request.variable] if request.variable else [])}
+    stored = _version_7_3(path, wanted) if h5py.is_hdf5(path) else _version_5(path)
     declared = any(column not in (None, "", "-") for column in request.columns.values())
     if request.variable is not None or (declared and not set(NEEDED) <= set(stored.names)):
         return record_of(path, _table(path, stored, request), request, stored.version)
@@ -83,7 +87,7 @@ def _table(path: Path, stored: _Stored, request: ReadOptions) -> ColumnTable:
         raise FileError(
             path,
             f"columns by number ({numbers[0]}) are those of a matrix; declare which, --variable NAME or variable=NAME "
-            f"(there: {stored.there})",
+            f"(there: {stored.listed})",
         )
     names = [column for column in request.columns.values() if isinstance(column, str) and column not in ("", "-")]
     vectors = {name: _real(path, stored, name) for name in dict.fromkeys(names)}
@@ -92,7 +96,7 @@ def _table(path: Path, stored: _Stored, request: ReadOptions) -> ColumnTable:
         if vector.size != max(vector.shape, default=0):
             raise FileError(
                 path,
-                f"the variable {name} has the shape {vector.shape} and is no single column; declare it with variable, "
+                f"the variable {name} has the shape {vector.shape} and is not a single column; declare it with variable, "
                 "and its columns by number",
             )
         if vector.size != n:
@@ -103,7 +107,11 @@ def _table(path: Path, stored: _Stored, request: ReadOptions) -> ColumnTable:
 
 def _of_the_campaign(path: Path, stored: _Stored, request: ReadOptions) -> Record:
     variables = _campaign_variables(path, stored)
-    dt = _interval(path, variables["Ts"])
+    step = variables["Ts"]
+    if step.size != 1 or not np.isfinite(step).all() or step.item() <= 0:
+        shown = step.ravel()[:3].tolist()
+        raise FileError(path, f"Ts = {shown} s is not a sampling interval; it must be one number greater than 0")
+    dt = float(step.item())
     n = variables["dist"].size
     for name in ("forc", "x_F"):
         rows = len(variables[name]) if name == "x_F" else variables[name].size
@@ -117,7 +125,7 @@ def _of_the_campaign(path: Path, stored: _Stored, request: ReadOptions) -> Recor
     raw["velocity"] = variables["x_F"][:, 1]
     return Record(
         time=dt * np.arange(n, dtype=np.float64),
-        **{name: to_si(raw[name], request.units.get(name, UNITS[name]), si) for name, si in _SI.items()},
+        **{name: to_si(raw[name], request.units.get(name, unit), CHANNELS[name]) for name, unit in UNITS.items()},
         **request.input_channels(),
         name=path.stem,
         provenance={"file": path.name, "format": stored.version, "velocity": "as recorded (x_F, column 2)"},
@@ -142,22 +150,19 @@ def write(record: Record, path: Path) -> Path:
         raise FileError(
             path, "the campaign's format needs a velocity; derive it with with_velocity, or write .h5 or .csv"
         )
-    if np.max(np.abs(np.diff(record.time) - record.dt)) > 0.01 * record.dt:
+    if not record.evenly_sampled:
         raise FileError(
             path, "the campaign's format has one sampling interval and the record has several; write .h5 or .csv"
         )
-    mm = {"displacement": 1e3 * record.displacement, "velocity": 1e3 * record.velocity, "force": record.force}
-    held = {"Ts": record.dt, "Tout": record.time, "dist": mm["displacement"], "forc": mm["force"]}
-    held |= {"x_F": np.column_stack([mm[name] for name in ("displacement", "velocity", "force")])}
+    displacement, force = 1e3 * record.displacement, record.force  # the campaign's units, mm and N
+    variables = {"Ts": record.dt, "Tout": record.time, "dist": displacement, "forc": force}
+    variables["x_F"] = np.column_stack([displacement, 1e3 * record.velocity, force])
     inputs = {"voltage_V": record.voltage, "current_A": record.current}
-    held |= {name: value for name, value in inputs.items() if value is not None}
-    held |= stated(record)
+    variables |= {name: value for name, value in inputs.items() if value is not None}
+    variables |= stated(record)
     with whole_file(path) as temporary:
-        savemat(temporary, held, appendmat=False, oned_as="column")
+        savemat(temporary, variables, appendmat=False, oned_as="column")
     return path
-
-
-_SI = {"displacement": "m", "force": "N", "velocity": "m/s"}
 
 
 def _campaign_variables(path: Path, stored: _Stored) -> dict[str, Array]:
@@ -165,7 +170,7 @@ def _campaign_variables(path: Path, stored: _Stored) -> dict[str, Array]:
         if name not in stored.names:
             raise FileError(
                 path,
-                f"the variable {name} is missing (there: {stored.there}); export the test again, or declare the channels' "
+                f"the variable {name} is missing (there: {stored.listed}); export the test again, or declare the channels' "
                 "variables, --column force=NAME, or --variable and --column force=NUMBER",
             )
     return {name: _real(path, stored, name) for name in (*NEEDED, "Tout") if name in stored.names}
@@ -174,17 +179,11 @@ def _campaign_variables(path: Path, stored: _Stored) -> dict[str, Array]:
 def _real(path: Path, stored: _Stored, name: str) -> Array:
     """A variable as real numbers."""
     if name not in stored.names:
-        raise FileError(path, f"there is no variable {name!r}; choose from {stored.there}")
+        raise FileError(path, f"there is no variable {name!r}; choose from {stored.listed}")
     value = np.asarray(stored.variables[name])
     if value.dtype.kind not in "fiub":
         raise FileError(path, f"the variable {name} is not real numbers; export the test again")
     return np.asarray(value, dtype=float)
-
-
-def _stored(path: Path, wanted: set[str]) -> _Stored:
-    import h5py
-
-    return _version_7_3(path, wanted) if h5py.is_hdf5(path) else _version_5(path)
 
 
 def _version_5(path: Path) -> _Stored:
@@ -193,8 +192,9 @@ def _version_5(path: Path) -> _Stored:
     try:
         variables: dict[str, Any] = loadmat(path, appendmat=False)
     except Exception as problem:  # scipy raises whatever the broken bytes lead it to
-        reason = " ".join(str(problem).split()) or type(problem).__name__
-        raise FileError(path, f"is no readable MATLAB v5 file ({reason}); fetch or export it again") from problem
+        raise FileError(
+            path, f"is not a readable MATLAB v5 file ({one_line(problem)}); fetch or export it again"
+        ) from problem
     variables = {name: _text(value) for name, value in variables.items() if not name.startswith("__")}
     return _Stored(variables, tuple(sorted(variables)), "MATLAB v5")
 
@@ -224,8 +224,9 @@ def _version_7_3(path: Path, wanted: set[str]) -> _Stored:
             path, f"tells of more data than the memory holds ({problem}); export the test again"
         ) from problem
     except (OSError, KeyError, RuntimeError, TypeError, AttributeError, ValueError) as problem:
-        reason = " ".join(str(problem).split())
-        raise FileError(path, f"is a truncated or broken MATLAB v7.3 file ({reason}); export it again") from problem
+        raise FileError(
+            path, f"is a truncated or broken MATLAB v7.3 file ({one_line(problem)}); export it again"
+        ) from problem
 
 
 def _dataset(data: Any) -> Any:
@@ -239,13 +240,6 @@ def _dataset(data: Any) -> Any:
     if data.dtype.kind not in "fiub" or data.attrs.get("MATLAB_empty", 0):
         return None
     return np.asarray(data[()]).T
-
-
-def _interval(path: Path, value: Array) -> float:
-    if value.size != 1 or not np.isfinite(value).all() or value.item() <= 0:
-        shown = value.ravel()[:3].tolist()
-        raise FileError(path, f"Ts = {shown} s is no sampling interval; it must be one number greater than 0")
-    return float(value.item())
 
 
 def _check_clock(path: Path, variables: dict[str, Array], dt: float, n: int) -> None:

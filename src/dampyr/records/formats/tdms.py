@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.errors import FileError, InputError, install_line
-from dampyr.records.files.column_table import WORDS, ColumnTable, name_and_unit, record_of
+from dampyr.errors import FileError, InputError, install_line, one_line
+from dampyr.records.files.column_table import NAMES, ColumnTable, name_and_unit, record_of
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import GROUPS, Record
 
@@ -40,23 +40,28 @@ def read(path: Path, request: ReadOptions) -> Record:
     except InputError:
         raise
     except Exception as problem:  # npTDMS raises whatever the broken bytes lead it to
-        reason = " ".join(str(problem).split()) or type(problem).__name__
-        raise FileError(path, f"is no readable TDMS file ({reason}); copy or export it again") from problem
-    if request.dt is None and interval is not None and not _has_time(table, request):
+        raise FileError(
+            path, f"is not a readable TDMS file ({one_line(problem)}); copy or export it again"
+        ) from problem
+    if "time" in request.columns:
+        has_time = request.columns["time"] not in (None, "-")
+    else:
+        has_time = any(name.lower() in NAMES["time"] for name in table.names)
+    if request.dt is None and interval is not None and not has_time:
         request = replace(request, dt=interval)
     return record_of(path, table, request, "TDMS")
 
 
 def _group(path: Path, file: Any, wanted: str | None) -> Any:
     groups = {group.name: group for group in file.groups() if any(len(channel) for channel in group.channels())}
-    there = ", ".join(map(repr, groups)) or "none"
+    available = ", ".join(map(repr, groups)) or "none"
     if wanted is not None:
         if wanted not in groups:
-            raise FileError(path, f"there is no group {wanted!r} with samples; choose from {there}")
+            raise FileError(path, f"there is no group {wanted!r} with samples; choose from {available}")
         return groups[wanted]
     if len(groups) != 1:
         raise FileError(
-            path, f"has {len(groups)} groups with samples ({there}); name one, --variable NAME or variable=NAME"
+            path, f"has {len(groups)} groups with samples ({available}); name one, --variable NAME or variable=NAME"
         )
     return next(iter(groups.values()))
 
@@ -113,11 +118,11 @@ def _table(
 
 def _starts(path: Path, group: str, channels: list[Any], increments: dict[str, float]) -> dict[str, float]:
     """When each waveform begins, s after the first of them; empty where all begin together, or none says when it does."""
-    needed = START if any(START in each.properties for each in channels) else OFFSET
-    stated = {each.name: each for each in channels if needed in each.properties}
+    needed = START if any(START in channel.properties for channel in channels) else OFFSET
+    stated = {channel.name: channel for channel in channels if needed in channel.properties}
     clocks = {
-        name: (np.datetime64(each.properties.get(START, 0), "us"), float(each.properties.get(OFFSET, 0.0)))
-        for name, each in stated.items()
+        name: (np.datetime64(channel.properties.get(START, 0), "us"), float(channel.properties.get(OFFSET, 0.0)))
+        for name, channel in stated.items()
     }
     if not clocks:
         return {}
@@ -130,7 +135,7 @@ def _starts(path: Path, group: str, channels: list[Any], increments: dict[str, f
     shortest = min((value for value in increments.values() if value > 0.0), default=0.0)
     if max(begins.values()) <= SAME_START * shortest:
         return {}
-    unclear = [each.name for each in channels if each.name not in begins or increments[each.name] <= 0.0]
+    unclear = [channel.name for channel in channels if channel.name not in begins or increments[channel.name] <= 0.0]
     if unclear:
         listed = ", ".join(f"{name} {value:.6g} s" for name, value in begins.items())
         raise FileError(
@@ -148,8 +153,8 @@ def _aligned(
     begins = np.array(list(starts.values()))
     ends = begins + interval * np.array([len(column) - 1 for column in columns])
     last = int(np.argmax(begins))
-    own = begins[last] + interval * np.arange(len(columns[last]))
-    base = own[own <= ends.min() + SAME_START * interval]
+    latest = begins[last] + interval * np.arange(len(columns[last]))
+    base = latest[latest <= ends.min() + SAME_START * interval]
     listed = ", ".join(f"{name} {value:.6g} s" for name, value in starts.items())
     if base.size < 2:
         raise FileError(
@@ -166,9 +171,3 @@ def _aligned(
         f"{list(starts)[last]}, over the {base[-1] - base[0]:.4g} s that all cover"
     )
     return aligned, note
-
-
-def _has_time(table: ColumnTable, request: ReadOptions) -> bool:
-    if "time" in request.columns:
-        return request.columns["time"] not in (None, "-")
-    return any(name.lower() in WORDS["time"] for name in table.names)

@@ -11,7 +11,7 @@ from datetime import date, datetime, time
 from pathlib import Path
 from typing import Any
 
-from dampyr.errors import FileError, InputError, install_line
+from dampyr.errors import FileError, InputError, install_line, one_line
 from dampyr.records.files.column_table import record_of
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.text_columns import is_by_number, table_of_text
@@ -52,16 +52,19 @@ def _sheet(path: Path, wanted: str | None) -> tuple[str, str, str]:
             lines, formula = [], ""
             for row, original in zip(book[name].iter_rows(), formulas[name].iter_rows(), strict=False):
                 lines.append("\t".join(_text(cell.value) for cell in row).rstrip("\t"))
-                if not formula:
-                    formula = next((_place(b) for a, b in zip(row, original) if a.value is None and _is_formula(b)), "")
+                for cell, source in () if formula else zip(row, original):
+                    if cell.value is None and isinstance(source.value, str) and source.value.startswith("="):
+                        formula = str(source.coordinate)
+                        break
         finally:
             book.close()
             formulas.close()
     except InputError:
         raise
     except Exception as problem:  # openpyxl raises whatever the broken archive leads it to
-        reason = " ".join(str(problem).split()) or type(problem).__name__
-        raise FileError(path, f"is no readable .xlsx file ({reason}); save it again as an Excel workbook") from problem
+        raise FileError(
+            path, f"is not a readable .xlsx file ({one_line(problem)}); save it again as an Excel workbook"
+        ) from problem
     return name, "\n".join(lines) + "\n", formula
 
 
@@ -82,14 +85,14 @@ def _check_size(path: Path) -> None:
 
 def _name(path: Path, book: Any, wanted: str | None) -> str:
     sheets = [sheet.title for sheet in book.worksheets if sheet.max_row is None or sheet.max_row > 1]
-    there = ", ".join(map(repr, sheets)) or "none"
+    available = ", ".join(map(repr, sheets)) or "none"
     if wanted is not None:
         if wanted not in sheets:
-            raise FileError(path, f"there is no sheet {wanted!r} with rows; choose from {there}")
+            raise FileError(path, f"there is no sheet {wanted!r} with rows; choose from {available}")
         return wanted
     if len(sheets) != 1:
         raise FileError(
-            path, f"has {len(sheets)} sheets with rows ({there}); name one, --variable NAME or variable=NAME"
+            path, f"has {len(sheets)} sheets with rows ({available}); name one, --variable NAME or variable=NAME"
         )
     return str(sheets[0])
 
@@ -103,11 +106,3 @@ def _text(value: Any) -> str:
     if isinstance(value, date | time):
         return value.isoformat()
     return repr(value) if isinstance(value, float) else " ".join(str(value).split())
-
-
-def _is_formula(cell: Any) -> bool:
-    return isinstance(cell.value, str) and cell.value.startswith("=")
-
-
-def _place(cell: Any) -> str:
-    return str(cell.coordinate)

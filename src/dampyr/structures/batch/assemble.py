@@ -14,7 +14,7 @@ Names in the text, of site d and coordinate i; a row of the same name is a value
 
 =================== =================================================================================================
 ``z0`` ...          state of the building; ``k0`` its part that the unknown forces do not touch, ``n0`` at the end
-``x0``, ``v0``      stroke and rate of a site at the start, where these are no coordinates themselves
+``x0``, ``v0``      stroke and rate of a site at the start, where these are not coordinates themselves
 ``base0`` ...       strokes of all sites, then rates, at the end: the part that the unknown forces do not touch
 ``h0``, ``e0`` ...  the same at h/2 and at the end under the guessed forces; ``new0`` at the end under the corrected ones
 ``f0``, ``mf0``     force at the start of the step, and at the middle of the last one

@@ -183,7 +183,7 @@ def is_vectorisable(dampers: Iterable[tuple[Composition, Array]]) -> bool:
 
 def _spans(composition: Composition, values: Array) -> Iterator[tuple[float, tuple[float, float]]]:
     """Each parameter of a damper's shape and where it may be."""
-    given = dict(zip(composition.parameters, values, strict=True))
+    parameters = dict(zip(composition.parameters, values, strict=True))
     for name in composition.names:
         if name in CALLERS:
-            yield from ((given[f"{name}.{key}"], span) for key, span in USUAL.get(name, NOWHERE).items())
+            yield from ((parameters[f"{name}.{key}"], span) for key, span in USUAL.get(name, NOWHERE).items())

@@ -32,11 +32,13 @@ def functions(precision: int) -> dict[str, Any]:
     """exp, log, tanh, copysign and eighth_over by name, for numba to inline; ``precision`` is 64 or 32 bits."""
     from numba import njit
 
-    given = constants(precision)
-    made: dict[str, Any] = {}
+    numbers = constants(precision)
+    compiled: dict[str, Any] = {}
     for plain in (exp, log, copysign, tanh, eighth_over):
-        made[plain.__name__] = njit(inline="always", error_model="numpy")(_copy(plain, given | made, precision))
-    return made
+        compiled[plain.__name__] = njit(inline="always", error_model="numpy")(
+            _copy(plain, numbers | compiled, precision)
+        )
+    return compiled
 
 
 def _copy(function: Callable[..., Any], names: dict[str, Any], precision: int) -> Callable[..., Any]:

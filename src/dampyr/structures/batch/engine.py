@@ -158,14 +158,14 @@ def grounds(motions: Sequence[Array], scales: Array, width: int, kind: type) -> 
     which = np.array([number[id(motion)] for motion in motions])
     columns, previous = np.empty((0, 0)), which[:0]
     for first in range(0, len(motions), width):
-        different, here = np.unique(which[first : first + width], return_inverse=True)
+        different, column_of = np.unique(which[first : first + width], return_inverse=True)
         if not np.array_equal(different, previous):
             previous, columns = different, np.zeros((max(len(motions[k]) for k in different), len(different)), kind)
             for column, k in zip(columns.T, different, strict=True):
                 column[: len(motions[k])] = motions[k]
         who = np.zeros(width, np.int64)
         scale: Array = np.zeros(width, kind)
-        who[: len(here)], scale[: len(here)] = here, scales[first : first + width]
+        who[: len(column_of)], scale[: len(column_of)] = column_of, scales[first : first + width]
         yield columns, who, scale
 
 
@@ -184,11 +184,11 @@ def engine(
     ``branchless`` is for dampers whose Bouc-Wen states can be integrated without branches
     (`dampyr.structures.batch.bouc_wen_branchless.is_vectorisable`).
     """
-    one = step(building, connections, dt / m, basis_of(building))
-    text = KernelText(one, compositions, quantities, BLOCK_WIDTH * 64 // precision)
-    made = Engine(text, compositions, precision, m, launch_blocks, branchless=branchless)
+    building_step = step(building, connections, dt / m, basis_of(building))
+    text = KernelText(building_step, compositions, quantities, BLOCK_WIDTH * 64 // precision)
+    compiled_engine = Engine(text, compositions, precision, m, launch_blocks, branchless=branchless)
     compiled(text.source, compositions, precision, branchless)  # by one thread, before several ask for it
-    return made
+    return compiled_engine
 
 
 def can_run(compositions: Sequence[Composition]) -> bool:

@@ -67,10 +67,10 @@ def engine(
 ) -> Engine:
     """As `dampyr.structures.batch.engine.engine`, for the card, whose threads take the exact Bouc-Wen state."""
     if building.n > DENSE_UP_TO:
-        words = f"{building.n_floors} floors"
+        size = f"{building.n_floors} floors"
         if building.n > building.n_floors:
-            words += f", and {building.n} coordinates, as it was reduced"
-        raise InputError(f"{building.name} has {words}; a graphics card takes up to {DENSE_UP_TO}: use device='cpu'")
+            size += f", and {building.n} coordinates, as it was reduced"
+        raise InputError(f"{building.name} has {size}; a graphics card takes up to {DENSE_UP_TO}: use device='cpu'")
     text = KernelText(step(building, connections, dt / m), compositions, quantities, ring_width="width")
     return Engine(text, compositions, precision, m, launch_on_card, MAX_HISTORIES)
 
@@ -79,7 +79,7 @@ def _source(text: KernelText) -> str:
     """The text of the kernel: all rows in names, the steps in a loop of the thread."""
     assert isinstance(text.frame, Small)
     rows = text.rows.names
-    given = [f"{name} = b[{k}, l]" for k, name in enumerate(rows) if not name.startswith("~")]
+    loads = [f"{name} = b[{k}, l]" for k, name in enumerate(rows) if not name.startswith("~")]
     numbers = [f"c{k} = c[{k}]" for k in range(text.frame.named)]
     names, values = ", ".join(text.updates), ", ".join(text.updates.values())
     stored = [f"b[{rows.index(name)}, l] = {name}" for name in text.updates]
@@ -89,7 +89,7 @@ def _source(text: KernelText) -> str:
         "    l, width = cuda.grid(1), b.shape[1]",
         "    if l < width:",
         f"        {TIMES}",
-        *("        " + line for line in [*numbers, *given]),
+        *("        " + line for line in [*numbers, *loads]),
         "        for i in range(ends[l] - 1):",
         "            low, high, part = ground[i, motion[l]]*scale[l], ground[i + 1, motion[l]]*scale[l], zero",
         "            for j in range(parts):",
@@ -113,7 +113,7 @@ def _compiled(source: str, compositions: tuple[Composition, ...], precision: int
     names: dict[str, Any] = {name: getattr(math, name) for name in plain} | {"floor_of": math.floor}
     names |= {name: kind(value) for name, value in (CONSTANTS | numbers.exists | {"eighth": 0.125}).items()}
     names |= {"real": kind, "tiny": constants(precision)["tiny"], "cuda": cuda}
-    for part in (ast.unparse(ast.fix_missing_locations(tree)), OWN):
+    for part in (ast.unparse(ast.fix_missing_locations(tree)), ON_THE_CARD):
         exec(compile(part, "<parts>", "exec"), names)
     for name, value in list(names.items()):
         if isinstance(value, FunctionType):
@@ -123,7 +123,7 @@ def _compiled(source: str, compositions: tuple[Composition, ...], precision: int
 
 
 # numba's floor is a whole number on the processor and a float on a card, where no place of the ring could be made of it
-OWN = """
+ON_THE_CARD = """
 def eighth_over(t):
     return eighth/t
 

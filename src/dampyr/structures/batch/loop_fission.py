@@ -30,15 +30,15 @@ class Loops:
 
     def written(self) -> list[list[str]]:
         """Each loop with what it loads and stores."""
-        made = set().union(*self.writes)
-        return [self._loop(k, made) for k in range(len(self.parts))]
+        written = set().union(*self.writes)
+        return [self._loop(k, written) for k in range(len(self.parts))]
 
-    def _loop(self, k: int, made: set[str]) -> list[str]:
+    def _loop(self, k: int, written: set[str]) -> list[str]:
         late = [(row, value) for row, value in self.updates.items() if self._stored_in(row, value) == k]
-        handed = {value for _, value in late} - self.writes[k]
-        needed = sorted((self.reads[k] | handed) & (set(self.rows.names) | made | set(self.places)))
+        updated = {value for _, value in late} - self.writes[k]
+        needed = sorted((self.reads[k] | updated) & (set(self.rows.names) | written | set(self.places)))
         loads = [f"    {name} = {self.rows.at(self._place(name))}" for name in needed]
-        later = set().union(*self.reads[k + 1 :], *(self._handed(j) for j in range(k + 1, len(self.parts))))
+        later = set().union(*self.reads[k + 1 :], *(self._updated_names(j) for j in range(k + 1, len(self.parts))))
         passed = sorted(self.writes[k] & (later | set(self.places)))
         stores = [f"    {self.rows.at(self._place(name))} = {name}" for name in passed]
         stores += [f"    {self.rows.at(row)} = {value}" for row, value in late]
@@ -49,8 +49,8 @@ class Loops:
             *stores,
         ]
 
-    def _handed(self, k: int) -> set[str]:
-        return {v for row, v in self.updates.items() if self._stored_in(row, v) == k} - self.writes[k]
+    def _updated_names(self, k: int) -> set[str]:
+        return {value for row, value in self.updates.items() if self._stored_in(row, value) == k} - self.writes[k]
 
     def _place(self, name: str) -> str:
         """The row of a name: one of its own, or a passing one."""
@@ -60,9 +60,9 @@ class Loops:
 
     def _stored_in(self, row: str, value: str) -> int:
         """The first loop after which nothing reads the old value."""
-        made = max((k for k, names in enumerate(self.writes) if value in names), default=0)
+        last_write = max((k for k, names in enumerate(self.writes) if value in names), default=0)
         readers = [k for k, names in enumerate(self.reads) if row in names]
-        return max([made, *readers])
+        return max([last_write, *readers])
 
 
 def _used(lines: list[str]) -> tuple[set[str], set[str]]:

@@ -93,9 +93,13 @@ def ensemble(
     ``truncation_error_force`` are how far displacements and drifts, accelerations and forces of the judged cases lie from those
     with half as many coordinates.
 
-    Raises :class:`~dampyr.errors.InputError` for a wrong argument before anything runs. Warns
-    (:class:`~dampyr.errors.DampyrWarning`) of an error above the bound of the accuracy, and of dampers with a part that is not
-    for buildings.
+    Warns (:class:`~dampyr.errors.DampyrWarning`) of an error above the bound of the accuracy, and of dampers with a part that
+    is not for buildings.
+
+    Raises
+    ------
+    InputError
+        An argument is wrong; before anything runs.
 
     Examples
     --------
@@ -122,7 +126,7 @@ def run(
     store = Store(what, out)
     waiting = store.missing()
     done = what.size - sum(len(what.lines_of(k, store.shards)) for k in waiting) * len(what.scales)
-    own = executor is None
+    own_pool = executor is None
     pool = ThreadPoolExecutor(os.cpu_count()) if executor is None else executor
     try:
         for shard in completed(pool, what, store.shards, waiting):
@@ -132,7 +136,7 @@ def run(
                 progress(done, what.size)
     finally:
         store.close()
-        if own:
+        if own_pool:
             pool.shutdown(cancel_futures=True)
     dataset = store.dataset()
     warn_of(dataset)

@@ -19,17 +19,17 @@ def truncation_in_words(attributes: Mapping[str, Any]) -> str:
         "truncation_error_acceleration": "accelerations",
         "truncation_error_force": "damper forces",
     }
-    changes = {words: attributes[name] for name, words in names.items() if name in attributes}
+    changes = {peaks: attributes[name] for name, peaks in names.items() if name in attributes}
     if not changes:
         return ""
     if math.inf in changes.values():
         return "reduced structure: dashpots on what has no mass follow the springs, and what that changes is not known"
-    listed = ", ".join(f"{words} {100 * value:.2g} %" for words, value in changes.items())
+    listed = ", ".join(f"{peaks} {100 * value:.2g} %" for peaks, value in changes.items())
     judge = "half as many coordinates, with the dampers"
     return f"reduced structure: beside {judge}, peaks of the judged cases differ by at most: {listed}"
 
 
-def outside_words(beyond: int, cases: int, times: float, limits: Sequence[float]) -> str:
+def outside_sentence(beyond: int, cases: int, times: float, limits: Sequence[float]) -> str:
     """How many of the ``cases`` with calibrated dampers leave the displacement [m] that these were calibrated on, one of
     ``limits``, and by how much; "" for none.
 
@@ -50,16 +50,14 @@ def doubts(attributes: Mapping[str, Any]) -> list[str]:
     bound, error = BOUNDS[attributes["accuracy"]], attributes["error_estimate"]
     if error > bound:
         moving = attributes.get("error_estimate_moving")
-        where = ""
-        if moving is not None:
-            where = f", and by {100 * moving:.2g} % among {FLOOR}"
+        among = "" if moving is None else f", and by {100 * moving:.2g} % among {FLOOR}"
         remedy = (
             "take accuracy 'strict'"
             if attributes["accuracy"] == "fast"
             else "run such cases one by one, with `respond`"
         )
         sentences.append(
-            f"peaks changed by up to {100 * error:.2g} % on halving the step{where}: more than the {100 * bound:.2g} % of "
+            f"peaks changed by up to {100 * error:.2g} % on halving the step{among}: more than the {100 * bound:.2g} % of "
             f"accuracy '{attributes['accuracy']}'; {remedy}, or leave out what hardly moves"
         )
     if unconverged := attributes.get("unconverged", 0):

@@ -85,32 +85,32 @@ class Shard:
     beyond_times: float = 0.0
 
 
-def run_shard(shard: int, shards: int, cases: Cases) -> Shard:
-    """Shard number ``shard`` of ``shards``: a pure function of its arguments, for any process on any machine."""
-    lines = cases.lines_of(shard, shards)
+def run_shard(number: int, shards: int, cases: Cases) -> Shard:
+    """Shard ``number`` of ``shards``: a pure function of its arguments, for any process on any machine."""
+    lines = cases.lines_of(number, shards)
     empty = {q: np.full((len(lines), len(cases.scales), cases.width(q)), np.nan) for q in cases.quantities}
-    done = Shard(shard, lines, empty)
+    shard = Shard(number, lines, empty)
     for kind, members in _kinds(cases, lines).items():
         if kind[-1] is None:
-            _one_by_one(cases, members, done)
+            _one_by_one(cases, members, shard)
         else:
-            _in_blocks(cases, kind, members, done)
-    if "stroke" in done.values:
-        _count_beyond(cases, done)
-    return done
+            _in_blocks(cases, kind, members, shard)
+    if "stroke" in shard.values:
+        _count_beyond(cases, shard)
+    return shard
 
 
-def _count_beyond(cases: Cases, done: Shard) -> None:
+def _count_beyond(cases: Cases, shard: Shard) -> None:
     """Count the cases in which a stroke leaves the displacement that its damper was calibrated on."""
-    _, placements, _, _ = np.unravel_index(np.array(done.lines, dtype=np.int64), cases.shape[:-1])
+    _, placements, _, _ = np.unravel_index(np.array(shard.lines, dtype=np.int64), cases.shape[:-1])
     for k, placed in enumerate(cases.placements):
         limits = np.array(calibrated_displacements(placed))
         if np.any(np.isfinite(limits)):
-            strokes = done.values["stroke"][placements == k, :, : len(limits)]
+            strokes = shard.values["stroke"][placements == k, :, : len(limits)]
             times = np.max(np.nan_to_num(strokes, nan=np.inf) / limits, axis=-1)
-            done.calibrated += times.size
-            done.beyond += int(np.sum(times > AT_LIMIT))
-            done.beyond_times = max(done.beyond_times, float(np.max(times, initial=0.0, where=np.isfinite(times))))
+            shard.calibrated += times.size
+            shard.beyond += int(np.sum(times > AT_LIMIT))
+            shard.beyond_times = max(shard.beyond_times, float(np.max(times, initial=0.0, where=np.isfinite(times))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,33 +167,33 @@ def _without_zero_delay(site: Site) -> Site:
     return replace(site, damper=site.damper.without("delay"), values=np.delete(site.values, k))
 
 
-def _in_blocks(cases: Cases, kind: tuple[Any, ...], members: list[Member], done: Shard) -> None:
+def _in_blocks(cases: Cases, kind: tuple[Any, ...], members: list[Member], shard: Shard) -> None:
     m, scales = kind[-1], len(cases.scales)
-    made = _made(cases, kind, members[0].sites, m)
+    block_engine = _engine_of(cases, kind, members[0].sites, m)
     inputs = Inputs.of(cases, sorted(members, key=lambda member: cases.motions[member.motion].n))
-    for first in range(0, len(members) * scales, made.max_histories):
-        who, scale = np.divmod(np.arange(first, min(first + made.max_histories, len(members) * scales)), scales)
-        peaks = inputs.run(made, who, cases.scales[scale])
-        _store(inputs.rows[who], scale, peaks, done)
-    if any(quantity in done.values for quantity in JUDGED):
-        who, scale = _hardest_and_random(cases, inputs, made.text.block_width, done)
+    for first in range(0, len(members) * scales, block_engine.max_histories):
+        who, scale = np.divmod(np.arange(first, min(first + block_engine.max_histories, len(members) * scales)), scales)
+        peaks = inputs.run(block_engine, who, cases.scales[scale])
+        _store(inputs.rows[who], scale, peaks, shard)
+    if any(quantity in shard.values for quantity in JUDGED):
+        who, scale = _hardest_and_random(cases, inputs, block_engine.text.block_width, shard)
         coarse = {
-            q: done.values[q][inputs.rows[who], scale, : cases.buildings[kind[0]].n_floors]
+            q: shard.values[q][inputs.rows[who], scale, : cases.buildings[kind[0]].n_floors]
             for q in JUDGED
-            if q in done.values
+            if q in shard.values
         }
-        finer = inputs.run(_made(cases, kind, members[0].sites, 2 * m), who, cases.scales[scale])
-        _judge(coarse, finer, done, any(composition.in_series for composition in kind[2]))
+        finer = inputs.run(_engine_of(cases, kind, members[0].sites, 2 * m), who, cases.scales[scale])
+        _judge(coarse, finer, shard, any(composition.in_series for composition in kind[2]))
         whole, half = refinements(cases.buildings[kind[0]], np.array(kind[1]).reshape(-1, cases.buildings[kind[0]].n))
         if whole is not cases.buildings[kind[0]]:
-            peaks = inputs.run(made, who, cases.scales[scale])
+            peaks = inputs.run(block_engine, who, cases.scales[scale])
             fewer = None
             if half is not None:
-                fewer = inputs.run(_made(cases, kind, members[0].sites, m, half), who, cases.scales[scale])
-            _judge_truncation(fewer, peaks, whole, done)
+                fewer = inputs.run(_engine_of(cases, kind, members[0].sites, m, half), who, cases.scales[scale])
+            _judge_truncation(fewer, peaks, whole, shard)
 
 
-def _hardest_and_random(cases: Cases, inputs: Inputs, count: int, done: Shard) -> tuple[Integers, Integers]:
+def _hardest_and_random(cases: Cases, inputs: Inputs, count: int, shard: Shard) -> tuple[Integers, Integers]:
     """Up to ``count`` members and scales of a kind, a quarter each: those whose least floor or storey moves least beside its
     largest; the same, but at most one of each member; the weakest motions on the stiffest dampers; and any, at random."""
     members, scales = len(inputs.rows), len(cases.scales)
@@ -201,22 +201,22 @@ def _hardest_and_random(cases: Cases, inputs: Inputs, count: int, done: Shard) -
     if size <= count:
         who, scale = np.divmod(np.arange(size), scales)
         return who, scale
-    quantity = next(quantity for quantity in JUDGED if quantity in done.values)
+    quantity = next(quantity for quantity in JUDGED if quantity in shard.values)
     peaks = np.nan_to_num(
-        done.values[quantity][inputs.rows], nan=np.inf
+        shard.values[quantity][inputs.rows], nan=np.inf
     )  # of cases without bound, and storeys that are not
     largest = np.max(peaks, axis=2, initial=0.0, where=np.isfinite(peaks))
     locked = np.min(peaks, axis=2) / np.maximum(largest, 1e-300)
-    of_each = np.full(locked.shape, np.inf)
+    one_of_each_member = np.full(locked.shape, np.inf)
     best = (np.arange(members), np.argmin(locked, axis=1))
-    of_each[best] = locked[best]
+    one_of_each_member[best] = locked[best]
     weak = np.outer(inputs.strengths / inputs.stiffnesses, np.abs(cases.scales))
     chosen: list[int] = []
-    for rank in (locked, of_each, weak):
+    for rank in (locked, one_of_each_member, weak):
         order = np.argsort(rank.ravel(), kind="stable")
         chosen += order[~np.isin(order, chosen)][: count // 4].tolist()
     others = np.setdiff1d(np.arange(size), chosen)
-    random = np.random.default_rng((SEED, done.number)).choice(others, count - len(chosen), replace=False)
+    random = np.random.default_rng((SEED, shard.number)).choice(others, count - len(chosen), replace=False)
     who, scale = np.divmod(np.concatenate([chosen, random]).astype(np.int64), scales)
     return who, scale
 
@@ -247,25 +247,25 @@ class Inputs:
             np.array([member.stiffness for member in members]),
         )
 
-    def run(self, made: Engine, who: Integers, scales: Array) -> dict[str, Array]:
+    def run(self, block_engine: Engine, who: Integers, scales: Array) -> dict[str, Array]:
         """The peaks of members ``who``, each under its motion times its scale."""
         motions = [self.motions[k] for k in who]
-        return made.run(motions, [v[who] for v in self.values], self.rest[who], self.delays[who], scales)
+        return block_engine.run(motions, [v[who] for v in self.values], self.rest[who], self.delays[who], scales)
 
 
 _ENGINES: OrderedDict[tuple[Any, ...], Engine] = OrderedDict()
 MAX_ENGINES, _LOCK = 64, Lock()
 
 
-def _made(
+def _engine_of(
     cases: Cases, kind: tuple[Any, ...], sites: tuple[Site, ...], m: int, building: Building | None = None
 ) -> Engine:
     """The engine of a kind of cases with m steps per sample, of the ``building`` that responses take unless one is given; this
     process caches the latest ones."""
     compositions, dt, branchless = kind[2], kind[3], kind[4]
     if building is None:
-        own = cases.buildings[kind[0]]
-        building = refinements(own, connections(own, sites))[0]
+        whole = cases.buildings[kind[0]]
+        building = refinements(whole, connections(whole, sites))[0]
     ground = building.ground_terms()[0]
     matrices = tuple(a.tobytes() for a in (building.M, building.C, building.K, building.influence, ground))
     key = (matrices, kind[1], compositions, dt, m, cases.quantities, cases.precision, cases.device, branchless)
@@ -287,15 +287,15 @@ def _rest(sites: tuple[Site, ...]) -> Array:
     return np.array([along(site.composition, t, still, still, site.values)[0] for site in sites])
 
 
-def _store(rows: Integers, scales: Integers, peaks: dict[str, Array], done: Shard) -> None:
+def _store(rows: Integers, scales: Integers, peaks: dict[str, Array], shard: Shard) -> None:
     good = np.all([np.isfinite(values).all(axis=1) for values in peaks.values()], axis=0)
-    done.unbounded += int(np.sum(~good))
+    shard.unbounded += int(np.sum(~good))
     for quantity, values in peaks.items():
         values[~good] = np.nan
-        done.values[quantity][rows, scales, : values.shape[1]] = values
+        shard.values[quantity][rows, scales, : values.shape[1]] = values
 
 
-def _judge(coarse: dict[str, Array], fine: dict[str, Array], done: Shard, first_order: bool) -> None:
+def _judge(coarse: dict[str, Array], fine: dict[str, Array], shard: Shard, first_order: bool) -> None:
     """Measure the error of cases by half the step: halving leaves a sixteenth of it, or half of it."""
     for quantity in JUDGED:
         if quantity in coarse:
@@ -304,65 +304,67 @@ def _judge(coarse: dict[str, Array], fine: dict[str, Array], done: Shard, first_
                 gap = np.abs(coarse[quantity] / fine[quantity] - 1.0) * (2.0 if first_order else 1.0)
             gap[~np.isfinite(gap)] = 0.0  # a case without bound, or a floor that never moves
             moving = (size > MOVING) & (size > MOVING_SHARE * size.max(axis=1, keepdims=True))
-            done.error = max(done.error, float(np.max(gap, initial=0.0)))
-            done.moving = max(done.moving, float(np.max(gap, initial=0.0, where=moving)))
-            done.judged += len(gap) if quantity == JUDGED[0] or JUDGED[0] not in coarse else 0
+            shard.error = max(shard.error, float(np.max(gap, initial=0.0)))
+            shard.moving = max(shard.moving, float(np.max(gap, initial=0.0, where=moving)))
+            shard.judged += len(gap) if quantity == JUDGED[0] or JUDGED[0] not in coarse else 0
 
 
-def _judge_truncation(fewer: dict[str, Array] | None, peaks: dict[str, Array], building: Building, done: Shard) -> None:
+def _judge_truncation(
+    fewer: dict[str, Array] | None, peaks: dict[str, Array], building: Building, shard: Shard
+) -> None:
     """Measure what reduced structures leave out by cases with half as many coordinates; without them it is nothing where the
     ``building`` is exact, and infinite where it is not known."""
     for quantity, name in LEFT_OUT.items():
         if fewer is None and quantity in peaks:
             exact = isinstance(building, Condensed) and building.exact
-            setattr(done, name, max(getattr(done, name), 0.0 if exact else np.inf))
+            setattr(shard, name, max(getattr(shard, name), 0.0 if exact else np.inf))
         elif fewer is not None and quantity in peaks:
             good = np.isfinite(fewer[quantity]).all(axis=1) & np.isfinite(peaks[quantity]).all(axis=1)
             changes = map(relative_change, fewer[quantity][good], peaks[quantity][good])
-            setattr(done, name, max(getattr(done, name), *changes, 0.0))
+            setattr(shard, name, max(getattr(shard, name), *changes, 0.0))
 
 
-def _one_by_one(cases: Cases, members: list[Member], done: Shard) -> None:
+def _one_by_one(cases: Cases, members: list[Member], shard: Shard) -> None:
     """Cases that no engine can run, by the kernel of `respond`."""
     count = min(JUDGED_ONE_BY_ONE, len(members))
-    judged = set(np.random.default_rng((SEED, done.number)).choice(len(members), count, replace=False).tolist())
+    judged = set(np.random.default_rng((SEED, shard.number)).choice(len(members), count, replace=False).tolist())
     weakest = int(np.argmin(np.abs(cases.scales)))
     for number, member in enumerate(members):
-        own, motion = cases.buildings[member.building], cases.motions[member.motion]
-        building, half = refinements(own, connections(own, member.sites))
+        whole, motion = cases.buildings[member.building], cases.motions[member.motion]
+        building, half = refinements(whole, connections(whole, member.sites))
         run = runner(building, motion, member.sites)
         for s, scale in enumerate(cases.scales):
             once = partial(run, scale=scale)
             try:
                 if laws_of(member.sites):
-                    made = _halved(once, motion, member.m, cases.accuracy, done)
+                    run_of_case = _halved(once, motion, member.m, cases.accuracy, shard)
                 else:
-                    made = once(member.m)
+                    run_of_case = once(member.m)
             except InputError:
-                done.unbounded += 1
+                shard.unbounded += 1
                 continue
-            peaks = _peaks(made.out, member.sites, building)
-            _store(np.array([member.row]), np.array([s]), {q: peaks[q] for q in cases.quantities if q in peaks}, done)
-            done.general += 1
+            peaks = _peaks(run_of_case.out, member.sites, building)
+            _store(np.array([member.row]), np.array([s]), {q: peaks[q] for q in cases.quantities if q in peaks}, shard)
+            shard.general += 1
             if number in judged and s == weakest and not laws_of(member.sites):
                 series = any(site.composition.in_series for site in member.sites)
-                _judge(peaks, _peaks(once(2 * member.m).out, member.sites, building), done, series)
-            if number in judged and s == weakest and building is not own:
+                _judge(peaks, _peaks(once(2 * member.m).out, member.sites, building), shard, series)
+            if number in judged and s == weakest and building is not whole:
                 fewer = None
                 if half is not None:
-                    other = runner(half, motion, member.sites)(round(motion.dt / made.step), scale=scale)
+                    other = runner(half, motion, member.sites)(round(motion.dt / run_of_case.step), scale=scale)
                     fewer = _peaks(other.out, member.sites, half)
-                _judge_truncation(fewer, peaks, building, done)
+                _judge_truncation(fewer, peaks, building, shard)
 
 
-def _halved(once: Any, motion: Any, m: int, accuracy: str, done: Shard) -> Integration:
+def _halved(once: Any, motion: Any, m: int, accuracy: str, shard: Shard) -> Integration:
     """A case under control laws, its step halved until the peaks stop changing: where a decision falls the other way the
     response is another one, so that no step chosen beforehand is small enough for all cases."""
-    made = halve_under_laws(once, motion, ACCURACIES[accuracy], m)
-    done.unconverged += bool(made.reason)
-    done.error, done.moving = max(done.error, made.error or 0.0), max(done.moving, made.error or 0.0)
-    done.judged += 1
-    return made
+    integration = halve_under_laws(once, motion, ACCURACIES[accuracy], m)
+    shard.unconverged += bool(integration.reason)
+    shard.error, shard.moving = max(shard.error, integration.error or 0.0), max(shard.moving, integration.error or 0.0)
+    shard.judged += 1
+    return integration
 
 
 def _peaks(out: Any, sites: tuple[Site, ...], building: Building) -> dict[str, Array]:

@@ -25,7 +25,15 @@ from dampyr.structures.batch.gpu import missing
 from dampyr.structures.building import Building, Condensed
 from dampyr.structures.building_options import EnsembleOptions
 from dampyr.structures.control_laws import gains, is_control_law, parts, spelled
-from dampyr.structures.sites import Site, drawn_placements, installed, make_sites, placement, places_and_dampers
+from dampyr.structures.sites import (
+    Site,
+    drawn_placements,
+    input_of,
+    installed,
+    make_sites,
+    placement,
+    places_and_dampers,
+)
 from dampyr.units import in_si
 
 Array = NDArray[np.float64]
@@ -111,8 +119,8 @@ class Cases:
 
     def sites_of(self, building: int, damper: int, at: int) -> tuple[Site, ...]:
         """The dampers of a placement at an input, checked."""
-        given = {self.kind: self.inputs[at]} if self.placements[damper] else {}
-        voltage, current = given.get("voltage"), given.get("current")
+        keyword = {self.kind: self.inputs[at]} if self.placements[damper] else {}
+        voltage, current = keyword.get("voltage"), keyword.get("current")
         return make_sites(self.buildings[building], self.placements[damper], voltage, current, self.allow_extrapolation)
 
     @cached_property
@@ -136,7 +144,7 @@ def _left_out(building: Building) -> tuple[Any, ...]:
 
 
 def _plain(placement: Mapping[Any, Any]) -> list[Any]:
-    """A placement in words and numbers, for the digest."""
+    """A placement as texts and numbers, for the digest."""
     return [(where, damper.input, repr(damper.all_laws)) for where, damper in places_and_dampers(placement)]
 
 
@@ -157,10 +165,7 @@ def cases(
     Raises :class:`~dampyr.errors.InputError` for what is wrong with them.
     """
     chosen = EnsembleOptions.of("ensemble", options, keywords)
-    if voltage is not None and current is not None:
-        raise InputError("both voltage= and current= are given; a damper takes one of the two")
-    kind = "voltage" if current is None else "current"
-    inputs = voltage if current is None else current
+    kind, inputs = input_of(voltage, current)
     placements = [placement(entry) for entry in _list(dampers)]
     if (draws := chosen.draws) is not None:
         drawn = (drawn_placements(placed, draws, chosen.seed) if placed else [placed] for placed in placements)
@@ -195,17 +200,13 @@ def _check(grid: Cases) -> None:
                 len(grid.inputs) if b == 0 else 1
             ):  # an input's range is the damper's, whatever the building
                 grid.sites_of(b, d, u)
-    for law in laws:
+    places = {place for placed in grid.placements for place, _ in places_and_dampers(placed)}
+    for law in laws:  # it must have gains wherever a damper stands, and decide at the ends of steps of every motion
         for building in grid.buildings:
-            _check_law(law, building, grid)
-
-
-def _check_law(law: Any, building: Building, grid: Cases) -> None:
-    """Check that a law has gains wherever a damper stands, and decides at the ends of steps of every motion."""
-    for where in {each for entry in grid.placements for each, _ in places_and_dampers(entry)}:
-        gains(law, building, building.connection(where))
-    for dt in {motion.dt for motion in grid.motions}:
-        parts((law,), dt)
+            for place in places:
+                gains(law, building, building.connection(place))
+        for dt in {motion.dt for motion in grid.motions}:
+            parts((law,), dt)
 
 
 def _list(dampers: Any) -> list[Any]:
@@ -216,8 +217,8 @@ def _list(dampers: Any) -> list[Any]:
     return [dampers]
 
 
-def _several(name: str, given: Any, kind: type) -> tuple[Any, ...]:
-    listed = tuple(given) if isinstance(given, Iterable) and not isinstance(given, kind) else (given,)
+def _several(name: str, values: Any, kind: type) -> tuple[Any, ...]:
+    listed = tuple(values) if isinstance(values, Iterable) and not isinstance(values, kind) else (values,)
     wrong = next((entry for entry in listed if not isinstance(entry, kind)), None)
     if wrong is not None or not listed:
         what = f"holds a {type(wrong).__name__}" if listed else "is empty"
@@ -225,16 +226,19 @@ def _several(name: str, given: Any, kind: type) -> tuple[Any, ...]:
     return listed
 
 
-def _inputs(name: str, given: Any) -> tuple[Any, ...]:
+def _inputs(name: str, values: Any) -> tuple[Any, ...]:
     """Numbers and control laws, one or a list, in their order."""
-    listed, unit = list(given) if isinstance(given, list | tuple) else [given], {"voltage": "V", "current": "A"}[name]
-    if not any(is_control_law(each) for each in listed):
-        return _numbers(name, given, unit)
-    return tuple(u for each in listed for u in ((each,) if is_control_law(each) else _numbers(name, each, unit)))
+    listed, unit = (
+        list(values) if isinstance(values, list | tuple) else [values],
+        {"voltage": "V", "current": "A"}[name],
+    )
+    if not any(is_control_law(value) for value in listed):
+        return _numbers(name, values, unit)
+    return tuple(u for value in listed for u in ((value,) if is_control_law(value) else _numbers(name, value, unit)))
 
 
-def _numbers(name: str, given: ArrayLike, unit: str = "dimensionless") -> tuple[float, ...]:
-    values = np.atleast_1d(np.asarray(in_si(given, unit, name), dtype=float))
+def _numbers(name: str, numbers: ArrayLike, unit: str = "dimensionless") -> tuple[float, ...]:
+    values = np.atleast_1d(np.asarray(in_si(numbers, unit, name), dtype=float))
     if values.ndim != 1 or not values.size or not np.all(np.isfinite(values)):
-        raise InputError(f"{name} = {given!r} must be finite numbers, one or a list")
+        raise InputError(f"{name} = {numbers!r} must be finite numbers, one or a list")
     return tuple(float(v) for v in values)

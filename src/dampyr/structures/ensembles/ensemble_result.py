@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from dampyr.findings import Finding, worst_first
-from dampyr.origin import NOT_STATED, Origin
+from dampyr.origin import Origin
 from dampyr.shown import Shown
 from dampyr.structures.ensembles.ensemble_accuracy import doubts
 from dampyr.structures.ensembles.fragility import Fragility, fragility
 from dampyr.structures.ensembles.peak_limits import limits_of
-from dampyr.structures.ensembles.store import finding_of, read_dataset
+from dampyr.structures.ensembles.store import finding_of, origin_of, read_dataset
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -31,7 +31,7 @@ class EnsembleResult(Shown):
     @property
     def origin(self) -> Origin:
         """That of the dampers' cards together; the responses are computed, whatever these rest on."""
-        return Origin.from_json(self.dataset.attrs.get("damper_origin", NOT_STATED.kind))
+        return origin_of(self.dataset)
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -40,7 +40,7 @@ class EnsembleResult(Shown):
         outside = [attributes["outside"]] if attributes.get("outside") else []
         return worst_first(
             map(finding_of, attributes.get("findings", ())),
-            (Finding("doubt", words) for words in (*doubts(attributes), *outside)),
+            (Finding("doubt", sentence) for sentence in (*doubts(attributes), *outside)),
         )
 
     def to_xarray(self) -> Any:

@@ -31,9 +31,9 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import InputError
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.shown import Shown
-from dampyr.structures.ensembles.lognormal import Lognormal, by_capacity, fit_binomial, none
+from dampyr.structures.ensembles.lognormal import Lognormal, by_capacity, fit_binomial, no_curve
 from dampyr.structures.ensembles.peak_limits import UNITS
-from dampyr.structures.ensembles.store import dataset_of
+from dampyr.structures.ensembles.store import dataset_of, origin_of
 from dampyr.structures.time_history.peaks import INTENSITIES, PeakGroup, groups
 
 Array = NDArray[np.float64]
@@ -105,14 +105,14 @@ class FragilityCurve(Shown):
         if self.no_band:
             return np.full(x.shape, np.nan), np.full(x.shape, np.nan)
         drawn = self.draws[np.isfinite(self.draws[:, 0])]
-        each = _probability(x[..., None], drawn[:, 0], drawn[:, 1])
-        return _middle(each, level)
+        probabilities = _probability(x[..., None], drawn[:, 0], drawn[:, 1])
+        return _central_range(probabilities, level)
 
     def theta_band(self, level: float = 0.9) -> tuple[float, float]:
         """Where ``level`` of the bootstrap's medians lie."""
         if self.no_band:
             return math.nan, math.nan
-        low, high = _middle(self.draws[np.isfinite(self.draws[:, 0]), 0], level)
+        low, high = _central_range(self.draws[np.isfinite(self.draws[:, 0]), 0], level)
         return float(low), float(high)
 
     def shares(self) -> tuple[Array, Array, Array]:
@@ -150,14 +150,14 @@ class Fragility(Shown):
 
     def ratio(self, name: str, to: str, level: float = 0.9) -> tuple[float, float, float]:
         """How many times the median of one curve is that of another, and the band of that ratio; NaN where one has none."""
-        one, other = self[name], self[to]
+        curve, reference = self[name], self[to]
         with np.errstate(invalid="ignore"):
-            drawn = one.draws[:, 0] / other.draws[:, 0]
+            drawn = curve.draws[:, 0] / reference.draws[:, 0]
         finite = drawn[np.isfinite(drawn)]
-        if one.no_band or other.no_band or finite.size < LEAST_SHARE * drawn.size:
-            return one.theta / other.theta, math.nan, math.nan
-        low, high = _middle(finite, level)
-        return one.theta / other.theta, float(low), float(high)
+        if curve.no_band or reference.no_band or finite.size < LEAST_SHARE * drawn.size:
+            return curve.theta / reference.theta, math.nan, math.nan
+        low, high = _central_range(finite, level)
+        return curve.theta / reference.theta, float(low), float(high)
 
     def to_xarray(self) -> Any:
         """theta, beta, counts and reasons, dim ``curve``."""
@@ -197,18 +197,33 @@ def fragility(
 
     Parameters
     ----------
-    dataset : what `ensemble` or `read_ensemble` gave, or its dataset.
-    quantity, limit : of the dataset, in SI; ``drift`` in m, or a ratio where ``height`` is given.
-    intensity : "pga" [m/s2]; "sa" [m/s2], the pseudo-acceleration at the building's first period and 5 % damping; "scale"; or
-        (motions,) your own measure of each unscaled motion, in proportion to its scale.
-    storey : "worst", or a number counted from 1 (of the floor, of the damper, for other quantities than drift).
-    height : of the storeys [m], one number or one for each.
-    by : what has a curve each, of building, damper, input. Along the others cases are pooled, such as draws of a damper; a
-        bare building always has its own curve, "no damper".
-    draws, seed : of the bootstrap; 0 draws leave the bands out.
+    dataset
+        What `ensemble` or `read_ensemble` gave, or its dataset.
+    quantity, limit
+        Which peaks, and their limit in SI, greater than 0; ``drift`` in m, or a ratio where ``height`` is given.
+    intensity
+        "pga", m/s2; "sa", m/s2, the pseudo-acceleration at the building's first period and 5 % damping; "scale"; or
+        ``(motions,)`` a measure of each unscaled motion, in proportion to its scale.
+    storey
+        "worst", or a number counted from 1 (of the floor, of the damper, for other quantities than drift).
+    height
+        Of the storeys, m, one number or one for each.
+    by
+        The dims whose entries have curves of their own, of building, damper, input. Along the others cases are pooled, such as
+        draws of a damper; a bare building always has its own curve, "no damper".
+    draws, seed
+        Of the bootstrap; 0 draws leave the bands out.
 
-    Where the cases do not tell a curve (none exceeds, all do, or they separate), its theta and beta are NaN and its
-    ``reason`` says why. Raises :class:`~dampyr.errors.InputError` for wrong arguments.
+    Returns
+    -------
+    Fragility
+        A curve for each group. Where the cases do not tell a curve (none exceeds, all do, or they separate), its theta and
+        beta are NaN and its ``reason`` says why.
+
+    Raises
+    ------
+    InputError
+        An argument is wrong.
 
     Examples
     --------
@@ -242,7 +257,7 @@ def fragility(
         INTENSITIES.get(named, ""),
         motions,
         seed,
-        Origin.from_json(dataset.attrs.get("damper_origin", NOT_STATED.kind)),
+        origin_of(dataset),
     )
 
 
@@ -250,17 +265,17 @@ def _curve(group: PeakGroup, limit: float, weights: Array) -> FragilityCurve:
     lost = np.isnan(group.peaks)
     exceeds = lost | (group.peaks > limit)
     count = _Counts(group.intensity, exceeds.sum(axis=0), exceeds.shape[0])
-    levels, yes, of = count.of(np.ones(len(group.intensity)))
-    curve = fit_binomial(levels, yes, of)
+    levels, exceeding, of = count.of(np.ones(len(group.intensity)))
+    curve = fit_binomial(levels, exceeding, of)
     reached = capacities(group, limit)
-    direct = _direct(reached) if group.peaks.shape[-1] > 1 else none("one scale only; run several")
+    direct = _direct(reached) if group.peaks.shape[-1] > 1 else no_curve("one scale only; run several")
     drawn = np.full((len(weights), 2), np.nan)
     if curve.exists and len(group.intensity) > 1:
         for k, weight in enumerate(weights):
-            one = fit_binomial(*count.of(weight))
-            drawn[k] = one.theta, one.beta
+            resampled = fit_binomial(*count.of(weight))
+            drawn[k] = resampled.theta, resampled.beta
     return FragilityCurve(
-        group.name, curve.theta, curve.beta, curve.reason, direct, reached, levels, yes, of, int(lost.sum()), drawn,
+        group.name, curve.theta, curve.beta, curve.reason, direct, reached, levels, exceeding, of, int(lost.sum()), drawn,
         _why_no_band(curve, drawn, len(group.intensity)),
     )  # fmt: skip
 
@@ -270,7 +285,7 @@ def _direct(reached: Capacities) -> Lognormal:
     curve = by_capacity(*reached.points())
     n = int((reached.kind == REACHED).any(axis=0).sum())
     if curve.exists and n < 2:
-        return none("only one motion first exceeds the limit inside the scales: nothing tells how motions differ")
+        return no_curve("only one motion first exceeds the limit inside the scales: nothing tells how motions differ")
     return replace(curve, beta=curve.beta * math.sqrt(n / (n - 1))) if curve.exists else curve
 
 
@@ -278,9 +293,8 @@ def capacities(group: PeakGroup, limit: float) -> Capacities:
     """First exceedances, by rising intensity: between the last scale that held and the first that exceeded the peak is taken
     as linear; where the latter grew without bound, their geometric mean is taken. Later returns below the limit do not count.
     """
-    order = np.argsort(group.intensity, axis=1, kind="stable")
-    x = np.take_along_axis(group.intensity, order, axis=1)[None]
-    peaks = np.take_along_axis(group.peaks, np.broadcast_to(order, group.peaks.shape), axis=2)
+    intensity, peaks = group.by_rising_intensity()
+    x = intensity[None]
     exceeds = np.isnan(peaks) | (peaks > limit)
     first = np.argmax(exceeds, axis=2)
     ever = exceeds.any(axis=2)
@@ -312,18 +326,18 @@ def _why_no_band(curve: Lognormal, drawn: Array, motions: int) -> str:
 class _Counts:
     """Exceeding cases and all cases by level of intensity, for any weights of the motions."""
 
-    def __init__(self, intensity: Array, yes: Array, each: int) -> None:
+    def __init__(self, intensity: Array, exceeding: Array, pooled: int) -> None:
         self.levels, place = np.unique(intensity, return_inverse=True)
         self.place = place.reshape(intensity.shape)
-        self.yes, self.each = yes.astype(float), float(each)
+        self.exceeding, self.pooled = exceeding.astype(float), float(pooled)
 
     def of(self, weights: Array) -> tuple[Array, Array, Array]:
-        """Levels, yes and cases, where there is a case."""
+        """Levels, exceeding cases and all cases, where there is a case."""
         n = len(self.levels)
-        cases = np.broadcast_to(weights[:, None] * self.each, self.yes.shape)
+        cases = np.broadcast_to(weights[:, None] * self.pooled, self.exceeding.shape)
         of = np.bincount(self.place.ravel(), cases.ravel(), n).astype(float)
-        yes = np.bincount(self.place.ravel(), (weights[:, None] * self.yes).ravel(), n).astype(float)
-        return self.levels[of > 0], yes[of > 0], of[of > 0]
+        exceeding = np.bincount(self.place.ravel(), (weights[:, None] * self.exceeding).ravel(), n).astype(float)
+        return self.levels[of > 0], exceeding[of > 0], of[of > 0]
 
 
 def _probability(x: ArrayLike, theta: ArrayLike, beta: ArrayLike) -> Array:
@@ -333,7 +347,7 @@ def _probability(x: ArrayLike, theta: ArrayLike, beta: ArrayLike) -> Array:
         return np.asarray(ndtr(np.log(np.asarray(x, dtype=float) / theta) / beta))
 
 
-def _middle(values: Array, level: float) -> tuple[Array, Array]:
+def _central_range(values: Array, level: float) -> tuple[Array, Array]:
     if not 0 < level < 1:
         raise InputError(f"level = {level!r} is not allowed; it must lie between 0 and 1, as in 0.9")
     low, high = np.quantile(values, [(1 - level) / 2, (1 + level) / 2], axis=-1)

@@ -21,7 +21,7 @@ from dampyr.errors import InputError
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.shown import Shown
 from dampyr.structures.ensembles.peak_limits import UNITS
-from dampyr.structures.ensembles.store import dataset_of
+from dampyr.structures.ensembles.store import dataset_of, origin_of
 from dampyr.structures.time_history.peaks import INTENSITIES, PeakGroup, groups
 
 Array = NDArray[np.float64]
@@ -83,9 +83,29 @@ def incremental(
 ) -> Incremental:
     """Peaks over intensity for each motion of an ensemble (and each draw of the damper), with fractiles by intensity.
 
-    Arguments as in `fragility`. Where motions have different intensities at the same scale, the fractiles are taken at 40
-    levels that all of them reach, each curve linear between its scales. Raises :class:`~dampyr.errors.InputError` for fewer
-    than two scales and for wrong arguments.
+    Where motions have different intensities at the same scale, the fractiles are taken at 40 levels that all of them reach,
+    each curve linear between its scales.
+
+    Parameters
+    ----------
+    dataset, quantity, intensity, storey, height, by
+        As in `fragility`.
+    fractions
+        The fractiles, each between 0 and 1; by default the median and one standard deviation to each side.
+
+    Raises
+    ------
+    InputError
+        The ensemble has fewer than two scales, or an argument is wrong.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> motions = [dp.ground_motions.kanai_tajimi(5.0, 0.01, seed=(7, k), pga=3.0) for k in range(1, 4)]
+    >>> peaks = dp.structures.ensemble(dp.structures.two_storey(), motions, scales=[0.5, 1.0, 2.0])
+    >>> curves = dp.structures.incremental(peaks).sweeps
+    >>> [(curve.name, curve.peaks.shape) for curve in curves]
+    [('no damper', (3, 3))]
     """
     dataset = dataset_of(dataset)
     if dataset.sizes["scale"] < 2:
@@ -104,34 +124,29 @@ def incremental(
         named,
         INTENSITIES.get(named, ""),
         requested,
-        Origin.from_json(dataset.attrs.get("damper_origin", NOT_STATED.kind)),
+        origin_of(dataset),
     )
 
 
 def _sweep(group: PeakGroup, fractions: tuple[float, ...]) -> IncrementalCurves:
-    order = np.argsort(group.intensity, axis=1, kind="stable")
-    x = np.take_along_axis(group.intensity, order, axis=1)
-    peaks = np.take_along_axis(group.peaks, np.broadcast_to(order, group.peaks.shape), axis=2)
-    each = np.broadcast_to(x, peaks.shape).reshape(-1, x.shape[1])
-    peaks = peaks.reshape(each.shape)
+    x, peaks = group.by_rising_intensity()
+    intensity = np.broadcast_to(x, peaks.shape).reshape(-1, x.shape[1])
+    peaks = peaks.reshape(intensity.shape)
     if np.all(x == x[:1]):
         levels, at = x[0], peaks
     else:
         low, high = x[:, 0].max(), x[:, -1].min()
         levels = np.linspace(low, high, LEVELS) if high > low else np.zeros(0)
-        at = np.array([_between(levels, a, b) for a, b in zip(each, peaks)])
-    return IncrementalCurves(group.name, each, peaks, levels, _fractiles(at, fractions))
+        at = np.array([_between(levels, a, b) for a, b in zip(intensity, peaks)])
+    # a case that grew without bound is the largest of all, and a fractile beyond it is infinite
+    quantiles = np.quantile(np.where(np.isnan(at), BEYOND, at), fractions, axis=0)
+    fractiles = np.where(quantiles > BEYOND * 1e-6, np.inf, quantiles)
+    return IncrementalCurves(group.name, intensity, peaks, levels, fractiles)
 
 
 def _between(levels: Array, x: Array, peaks: Array) -> Array:
     """Linear between the scales; NaN next to a case that grew without bound, but not at a scale that did not."""
     interpolated = np.interp(levels, x, peaks)
     exact = np.searchsorted(x, levels)
-    here = np.minimum(exact, len(x) - 1)
-    return np.where(x[here] == levels, peaks[here], interpolated)
-
-
-def _fractiles(at: Array, fractions: tuple[float, ...]) -> Array:
-    filled = np.where(np.isnan(at), BEYOND, at)
-    quantiles = np.quantile(filled, fractions, axis=0)
-    return np.where(quantiles > BEYOND * 1e-6, np.inf, quantiles)
+    nearest = np.minimum(exact, len(x) - 1)
+    return np.where(x[nearest] == levels, peaks[nearest], interpolated)

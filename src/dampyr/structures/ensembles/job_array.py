@@ -44,11 +44,44 @@ def write_part(
     executor: Executor | None = None,
     progress: Progress | None = None,
 ) -> Path:
-    """Compute part number ``part`` (from 1) of ``parts`` and write it into ``folder``, whole or not at all.
+    """Compute one part of an ensemble and write it into a folder, whole or not at all.
 
-    A part that is there already, of the same cases, is left as it is. ``progress`` is called with the cases done and all
-    of this part. Raises :class:`~dampyr.errors.InputError` for a part that does not exist and
-    :class:`~dampyr.errors.FileError` where the file holds a part of other cases.
+    A part that is there already, of the same cases, is left as it is.
+
+    Parameters
+    ----------
+    what
+        The cases of the whole ensemble, from `ensemble_cases`.
+    part, parts
+        Which part, counted from 1, of how many.
+    folder
+        Where to; it is made.
+    executor
+        As in `ensemble`; by default one thread per core.
+    progress
+        Called with the cases that are done and all of this part.
+
+    Returns
+    -------
+    Path
+        The file of the part.
+
+    Raises
+    ------
+    InputError
+        There is no such part.
+    FileError
+        The file holds a part of other cases.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> motions = [dp.ground_motions.kanai_tajimi(5.0, 0.01, seed=(7, k), pga=3.0) for k in range(1, 4)]
+    >>> cases = dp.structures.ensemble_cases(dp.structures.two_storey(), motions)
+    >>> [dp.structures.write_part(cases, part, 2, "parts").name for part in (1, 2)]
+    ['part-1-of-2.h5', 'part-2-of-2.h5']
+    >>> dp.structures.collect("parts").dataset.drift.shape
+    (1, 1, 1, 3, 1, 2)
     """
     if not 1 <= part <= parts:
         raise InputError(f"part {part}/{parts} does not exist; count from 1 to {parts}")
@@ -56,7 +89,9 @@ def write_part(
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"part-{part:0{len(str(parts))}d}-of-{parts}.h5"
     if path.exists():
-        _check_existing(path, what)
+        with _opened(path) as file:
+            if file.attrs.get("digest") != what.digest:
+                raise FileError(path, "is a part of another ensemble; choose another folder, or remove it")
         return path
     values, diagnostics = _compute(what, part - 1, parts, executor, progress)
     with whole_file(path) as temporary:
@@ -67,13 +102,15 @@ def write_part(
 def _compute(
     what: Cases, index: int, parts: int, executor: Executor | None, progress: Progress | None
 ) -> tuple[dict[str, Array], Array]:
-    each = max(1, -(-what.shards() // parts))  # shards of a part, which together are exactly its lines
+    shards_of_part = max(1, -(-what.shards() // parts))  # shards of a part, which together are exactly its lines
     lines = what.lines_of(index, parts)
     values = {q: np.full((len(lines), len(what.scales), what.width(q)), np.nan) for q in what.quantities}
     diagnostics, done = [], 0
     pool = executor or ThreadPoolExecutor(os.cpu_count())
     try:
-        for shard in completed(pool, what, each * parts, list(range(index * each, (index + 1) * each))):
+        for shard in completed(
+            pool, what, shards_of_part * parts, list(range(index * shards_of_part, (index + 1) * shards_of_part))
+        ):
             rows = slice(shard.lines.start - lines.start, shard.lines.stop - lines.start)
             for quantity, shard_values in shard.values.items():
                 values[quantity][rows] = shard_values
@@ -98,12 +135,6 @@ def _write(path: Path, what: Cases, part: int, parts: int, values: dict[str, Arr
             file[quantity] = array
 
 
-def _check_existing(path: Path, what: Cases) -> None:
-    with _opened(path) as file:
-        if file.attrs.get("digest") != what.digest:
-            raise FileError(path, "is a part of another ensemble; choose another folder, or remove it")
-
-
 def collect(folder: str | Path, out: str | Path | None = None) -> EnsembleResult:
     """Put the parts in ``folder`` together: the result of the whole ensemble; with ``out`` written there too.
 
@@ -114,7 +145,7 @@ def collect(folder: str | Path, out: str | Path | None = None) -> EnsembleResult
     with _opened(paths[0]) as first:
         digest, labels = first.attrs["digest"], Labels.read(first["labels"].asstr()[()])
         shapes = {str(q): (int(np.prod(labels.shape[:-1])), *first[q].shape[1:]) for q in first.attrs["quantities"]}
-        made = made_with(first, labels)
+        settings = made_with(first, labels)
     for path in paths:
         with _opened(path) as file:
             if file.attrs["digest"] != digest:
@@ -124,7 +155,7 @@ def collect(folder: str | Path, out: str | Path | None = None) -> EnsembleResult
         dataset = read_dataset(out)
     else:
         values = {quantity: np.empty(shape) for quantity, shape in shapes.items()}
-        dataset = labels.dataset(values, attributes(_joined(paths, values), *made))
+        dataset = labels.dataset(values, attributes(_joined(paths, values), *settings))
     warn_of(dataset)
     return EnsembleResult(dataset)
 
@@ -139,8 +170,8 @@ def _joined(paths: Sequence[Path], values: Mapping[str, Any]) -> Array:
                 rows = file[quantity][:]
                 all_rows[first : first + len(rows)] = rows
             first += len(rows)
-    width = min(each.shape[1] for each in diagnostics)  # parts of an older version have fewer
-    return np.concatenate([each[:, :width] for each in diagnostics])
+    width = min(table.shape[1] for table in diagnostics)  # parts of an older version have fewer columns
+    return np.concatenate([table[:, :width] for table in diagnostics])
 
 
 def _write_whole(out: Path, paths: Sequence[Path], shapes: Mapping[str, tuple[int, ...]]) -> None:
@@ -208,5 +239,5 @@ def _opened(path: Path) -> Any:
         raise
     if file.attrs.get("format") != FORMAT or "part" not in file.attrs:
         file.close()
-        raise FileError(path, "is no part of an ensemble; remove it and compute it again")
+        raise FileError(path, "is not a part of an ensemble; remove it and compute it again")
     return file

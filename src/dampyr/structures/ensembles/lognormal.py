@@ -45,7 +45,7 @@ class Lognormal:
         return not self.reason
 
 
-def none(reason: str) -> Lognormal:
+def no_curve(reason: str) -> Lognormal:
     """No curve, and why."""
     return Lognormal(math.nan, math.nan, reason)
 
@@ -54,15 +54,15 @@ def fit_binomial(x: Array, yes: Array, cases: Array) -> Lognormal:
     """The curve through ``yes`` of ``cases`` at each intensity ``x`` (points,), binomial likelihood [Baker2015]_, eq. 11."""
     no = cases - yes
     if not yes.sum() > 0:
-        return none("no case exceeds the limit; raise the scales or lower the limit")
+        return no_curve("no case exceeds the limit; raise the scales or lower the limit")
     if not no.sum() > 0:
-        return none("every case exceeds the limit; lower the scales or raise the limit")
+        return no_curve("every case exceeds the limit; lower the scales or raise the limit")
     if x[yes > 0].min() >= x[no > 0].max():
-        return none(
+        return no_curve(
             f"the cases below {x[yes > 0].min():.4g} all hold and those above all exceed: the spread cannot be told from them"
         )
     if x[yes > 0].max() <= x[no > 0].min():
-        return none("stronger motions exceed the limit less: this is no fragility over this intensity")
+        return no_curve("stronger motions exceed the limit less: this is not a fragility over this intensity")
     y = np.log(x)
 
     def parts(z: Array) -> Parts:
@@ -73,7 +73,7 @@ def fit_binomial(x: Array, yes: Array, cases: Array) -> Lognormal:
             yes * up[2] + no * down[2],
         )
 
-    return _top(y, parts)
+    return _maximise(y, parts)
 
 
 def by_capacity(x: Array, kind: Array, weight: Array) -> Lognormal:
@@ -82,7 +82,7 @@ def by_capacity(x: Array, kind: Array, weight: Array) -> Lognormal:
     Of largest likelihood: beta has the divisor n where no capacity is censored, not the n - 1 of eq. 3."""
     observed = kind == 0
     if weight[observed].sum() < 2 or np.ptp(np.log(x[observed & (weight > 0)])) == 0:
-        return none("fewer than two different capacities are known; refine or widen the scales")
+        return no_curve("fewer than two different capacities are known; refine or widen the scales")
     y = np.log(x)
 
     def parts(z: Array) -> Parts:
@@ -93,7 +93,7 @@ def by_capacity(x: Array, kind: Array, weight: Array) -> Lognormal:
         curve = np.select([observed, right], [-np.ones_like(z), above[2]], below[2])
         return weight * value, weight * slope, weight * curve
 
-    return _top(y, parts, float(weight[observed].sum()))
+    return _maximise(y, parts, float(weight[observed].sum()))
 
 
 def _tail(z: Array) -> Parts:
@@ -105,7 +105,7 @@ def _tail(z: Array) -> Parts:
     return value, ratio, -ratio * (z + ratio)
 
 
-def _top(y: Array, parts: Callable[[Array], Parts], observed_weight: float = 0.0) -> Lognormal:
+def _maximise(y: Array, parts: Callable[[Array], Parts], observed_weight: float = 0.0) -> Lognormal:
     """Maximise the sum of ``parts(a + b y)`` + ``observed_weight`` log b by Newton's method, halving steps that lead down."""
     centre, spread = float(y.mean()), float(y.std()) or 1.0
     u = (y - centre) / spread  # so that a and b are of the size of 1
@@ -126,7 +126,7 @@ def _top(y: Array, parts: Callable[[Array], Parts], observed_weight: float = 0.0
         try:
             step = np.linalg.solve(-hessian, gradient)
         except np.linalg.LinAlgError:
-            return none("the likelihood is flat: the cases do not tell a curve")
+            return no_curve("the likelihood is flat: the cases do not tell a curve")
         if not gradient @ step > TOLERANCE:
             break
         size = 1.0
@@ -135,12 +135,12 @@ def _top(y: Array, parts: Callable[[Array], Parts], observed_weight: float = 0.0
         p = p + size * step
         now = value(p)
     else:
-        return none(f"the likelihood has no top within {MAX_ITERATIONS} steps: the cases hardly tell a curve")
+        return no_curve(f"the likelihood has no top within {MAX_ITERATIONS} steps: the cases hardly tell a curve")
     return _curve(p, centre, spread)
 
 
 def _curve(p: Array, centre: float, spread: float) -> Lognormal:
     b = float(p[1]) / spread
     if b <= 0:
-        return none("stronger motions exceed the limit less: this is no fragility over this intensity")
+        return no_curve("stronger motions exceed the limit less: this is not a fragility over this intensity")
     return Lognormal(math.exp(centre - float(p[0]) / b), 1.0 / b)

@@ -36,10 +36,10 @@ def limit_of(text: str, height: float | None = None) -> Limit:
         if quantity not in ("", "drift"):
             raise InputError(f"limit {text!r} is a ratio, which only a drift has; write it as in {EXAMPLES}")
         return Limit("drift", _positive(text, _ratio(text, size)), height)
-    for each in (quantity,) if quantity else BY_UNIT:
-        value = _with_unit(size, UNITS[each])
+    for candidate in (quantity,) if quantity else BY_UNIT:
+        value = _with_unit(size, UNITS[candidate])
         if value is not None:
-            return Limit(each, _positive(text, value))
+            return Limit(candidate, _positive(text, value))
     of = f"a {quantity}" if quantity else "a drift or an acceleration"
     raise InputError(
         f"limit {text!r} has no unit of {of}; write it as in {f'{quantity}=1{UNITS[quantity]}' if quantity else EXAMPLES}"

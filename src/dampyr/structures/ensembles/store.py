@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -15,11 +16,10 @@ from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
 from dampyr.findings import Finding
 from dampyr.ground_motions import GroundMotion, sa
-from dampyr.origin import NOT_STATED, combined
+from dampyr.origin import NOT_STATED, Origin, combined
 from dampyr.records.files.self_contained import check_contained
-from dampyr.structures.building import Building
 from dampyr.structures.control_laws import describe_law, is_control_law
-from dampyr.structures.ensembles.ensemble_accuracy import outside_words
+from dampyr.structures.ensembles.ensemble_accuracy import outside_sentence
 from dampyr.structures.ensembles.ensemble_batches import Shard
 from dampyr.structures.ensembles.ensemble_grid import AXES, Cases
 from dampyr.structures.ensembles.peak_limits import UNITS
@@ -75,10 +75,16 @@ class Labels:
     @classmethod
     def of(cls, what: Cases) -> Labels:
         """The labels of checked cases."""
-        periods = [_first_period(building) for building in what.buildings]
+        several = sum(bool(placed) for placed in what.placements) > 1
+        damper_names = [
+            BARE if not placed else f"damper {k}" if several else "damper"
+            for k, placed in enumerate(what.placements, 1)
+        ]
+        lowest = [float(building.frequencies[0]) for building in what.buildings]
+        periods = [1.0 / frequency if frequency > 0 else math.inf for frequency in lowest]  # of a building that floats
         return cls(
             [building.name for building in what.buildings],
-            _damper_names(what.placements),
+            damper_names,
             [u if isinstance(u, float) else float("nan") for u in what.inputs],
             [motion.name for motion in what.motions],
             what.scales.tolist(),
@@ -89,7 +95,12 @@ class Labels:
             [_input_name(u, UNIT_OF[what.kind]) for u in what.inputs],
             combined(damper.origin for placed in what.placements for _, damper in places_and_dampers(placed)).as_json(),
             sorted(
-                {each for placed in what.placements for each in calibrated_displacements(placed) if np.isfinite(each)}
+                {
+                    limit
+                    for placed in what.placements
+                    for limit in calibrated_displacements(placed)
+                    if np.isfinite(limit)
+                }
             ),
         )
 
@@ -100,7 +111,7 @@ class Labels:
 
     def text(self) -> str:
         """As JSON, for a file; floats come back to the last bit."""
-        return json.dumps({each.name: getattr(self, each.name) for each in fields(self)})
+        return json.dumps({axis.name: getattr(self, axis.name) for axis in fields(self)})
 
     @classmethod
     def read(cls, text: str) -> Labels:
@@ -139,12 +150,6 @@ class Labels:
         }
 
 
-def _first_period(building: Building) -> float:
-    """Infinite where the building floats."""
-    lowest = float(building.frequencies[0])
-    return 1.0 / lowest if lowest > 0 else float("inf")
-
-
 def _sa(motion: GroundMotion, period: float) -> float:
     """Not a number where the spectrum does not reach, at periods far below the motion's step or without end."""
     try:
@@ -154,15 +159,10 @@ def _sa(motion: GroundMotion, period: float) -> float:
 
 
 def _input_name(u: Any, unit: str) -> str:
-    """A number with its unit, a law in words, nothing for the bare building."""
+    """A number with its unit, a law by its name and settings, nothing for the bare building."""
     if is_control_law(u):
         return describe_law(u, unit)
-    return "" if u is None or u != u else f"{u:g} {unit}"
-
-
-def _damper_names(placements: tuple[Mapping[Any, Any], ...]) -> list[str]:
-    several = sum(bool(placement) for placement in placements) > 1
-    return [BARE if not p else f"damper {k}" if several else "damper" for k, p in enumerate(placements, 1)]
+    return "" if u is None or math.isnan(u) else f"{u:g} {unit}"
 
 
 class Store:
@@ -229,16 +229,13 @@ class Store:
     def close(self) -> None:
         """Close the file."""
         if self.file is not None:
-            self.values = {q: values_of(values) for q, values in self.values.items()} if self._complete() else {}
+            self.values = {q: values_of(values) for q, values in self.values.items()} if not self.missing() else {}
             self.file.close()
-
-    def _complete(self) -> bool:
-        return not self.missing()
 
     def dataset(self) -> Any:
         """All values with labels, and the measured errors."""
         what = self.what
-        made = attributes(
+        measured = attributes(
             self.diagnostics,
             what.accuracy,
             what.precision,
@@ -247,7 +244,7 @@ class Store:
             what.findings,
             self.labels.calibrated,
         )
-        return self.labels.dataset(dict(self.values), made)
+        return self.labels.dataset(dict(self.values), measured)
 
 
 def allocate_dataset(file: Any, quantity: str, shape: tuple[int, ...]) -> Any:
@@ -279,7 +276,9 @@ def describe(file: Any, what: Cases, labels: Labels) -> None:
     if what.after:
         file.attrs["after"] = what.after
     if what.findings:
-        file["findings"] = [json.dumps(one.as_dict()) for one in what.findings]  # no attribute: those end at 64 KiB
+        file["findings"] = [
+            json.dumps(finding.as_dict()) for finding in what.findings
+        ]  # no attribute: those end at 64 KiB
 
 
 def attributes(
@@ -298,7 +297,7 @@ def attributes(
     sums = dict(zip(DIAGNOSTICS, diagnostics.sum(axis=0)))
     largest = dict(zip(DIAGNOSTICS, diagnostics.max(axis=0, initial=0.0)))
     beyond, with_limits = int(sums.get("beyond", 0)), int(sums.get("calibrated", 0))
-    outside = outside_words(beyond, with_limits, float(largest.get("beyond_times", 0.0)), calibrated)
+    outside = outside_sentence(beyond, with_limits, float(largest.get("beyond_times", 0.0)), calibrated)
     return {
         "error_estimate": float(largest["error"]),
         "judged": int(sums["judged"]),
@@ -336,7 +335,7 @@ def read_dataset(path: str | Path) -> Any:
     with file:
         check_contained(path, file)
         if file.attrs.get("format") != FORMAT:
-            raise FileError(path, f"is no {FORMAT!r} but {file.attrs.get('format')!r}; give a file that dampyr wrote")
+            raise FileError(path, f"is not {FORMAT!r} but {file.attrs.get('format')!r}; give a file that dampyr wrote")
         done = file["done"][:]
         if not done.all():
             raise FileError(
@@ -359,6 +358,11 @@ def made_with(file: Any, labels: Labels) -> tuple[str, int, int, float, list[Fin
 def dataset_of(result: Any) -> Any:
     """The dataset of the result of an ensemble; a dataset is one already."""
     return getattr(result, "dataset", result)
+
+
+def origin_of(dataset: Any) -> Origin:
+    """The origin of the dampers of an ensemble, not stated in files of before it was written."""
+    return Origin.from_json(dataset.attrs.get("damper_origin", NOT_STATED.kind))
 
 
 def finding_of(text: str) -> Finding:

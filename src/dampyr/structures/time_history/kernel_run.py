@@ -131,18 +131,17 @@ def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) ->
         step = motion.dt / m
         out = output(len(ag), building.n, len(sites))
         dampers = _dampers(sites, step, start)
-        control = None
-        if any(laws):
-            control = _control(sites, kinds, law_gains, step, (len(ag) - 1) * m, before, imposed)
+        steps = (len(ag) - 1) * m
+        control = _control(sites, kinds, law_gains, step, steps, before, imposed) if any(laws) else None
         if control is None:
             out.input[:] = out.mean_input[:] = [site.input_value for site in sites]
         work = _scratch(building.n, dampers.states)
         kernel(ag, m, step, FORCE_TOLERANCE, linear(step), dampers, control, work, out)
         if control is not None:
             _check_inputs(sites, control)
-            out.mean_input[:] = control.total / ((len(ag) - 1) * m) if len(ag) > 1 else control.level
+            out.mean_input[:] = control.total / steps if steps else control.level
         _check_bounded(out, motion)
-        decisions = None if control is None else _decisions(control, (len(ag) - 1) * m)
+        decisions = None if control is None else _decisions(control, steps)
         return Integration(out.of_floors(building.n_floors), step, decisions=decisions)
 
     return run

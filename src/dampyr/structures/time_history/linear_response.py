@@ -34,12 +34,13 @@ def bare_response(building: Building, motion: GroundMotion, m: int) -> Output:
     for j in range(2 * m + 1):
         part = j / (2 * m)
         now = u @ transition(building, none, motion.dt, part).T
+        # Simpson's rule over each half step, for the energies
         weight = (1.0 if j in (0, 2 * m) else 4.0 if j % 2 else 2.0) * half / 3.0
         at = ground @ [1.0 - part, part]
         energy += weight * _powers(building, now, at)
         _observe(building, now @ a[n:].T + np.outer(at, direct), mass * at, out)
         _raise_peaks(out.displacement_peak, before, now, half)
-        _raise_peaks(out.drift_peak, _both(before, to_drift), _both(now, to_drift), half)
+        _raise_peaks(out.drift_peak, _transform(before, to_drift), _transform(now, to_drift), half)
         before = now
     out.work[1:] = np.cumsum(energy, axis=0)
     return out.of_floors(building.n_floors)
@@ -64,17 +65,17 @@ def peak_displacement(x: Array, v: Array, dt: float) -> float:
     return float(max(peak[0], abs(x[0])))
 
 
-def _both(state: Array, matrix: Array) -> Array:
+def _transform(state: Array, matrix: Array) -> Array:
     """``matrix`` applied to displacements and velocities alike."""
     n = len(matrix)
     return np.hstack([state[:, :n] @ matrix.T, state[:, n:] @ matrix.T])
 
 
 def _powers(building: Building, state: Array, ground: Array) -> Array:
-    """The power of the ground and of the dashpots (samples, 2)."""
+    """The power (samples, 2) that the ground puts in, and that the dashpots take."""
     v = state[:, building.n :]
-    put_in = -(v @ (building.influence @ building.M)) * ground
-    return np.column_stack([put_in, np.einsum("ti,ij,tj->t", v, building.C, v)])
+    of_ground = -(v @ (building.influence @ building.M)) * ground
+    return np.column_stack([of_ground, np.einsum("ti,ij,tj->t", v, building.C, v)])
 
 
 def _observe(building: Building, acceleration: Array, missing: Array, out: Output) -> None:

@@ -82,14 +82,16 @@ class ModalBuilding(Condensed):
         n, a = self.n_floors, motion.acceleration
         x, acceleration, shear = modal_response(modes[:n], squares, self.damping_ratios, pushes, motion)
         missing += float(self.influence @ self.M @ direct)  # beside the modes' accelerations, not the floors'
-        mine = _peaks_of(x, acceleration + np.outer(direct[:n], a), shear + missing * a)
-        whole = _peaks_of(*modal_response(self.shapes, self.squares, self.ratios, self.pushes, motion))
-        return Truncation(self.n, len(self.squares), "all modes, without dampers", *map(relative_change, mine, whole))
+        reduced_peaks = _peaks_of(x, acceleration + np.outer(direct[:n], a), shear + missing * a)
+        whole_peaks = _peaks_of(*modal_response(self.shapes, self.squares, self.ratios, self.pushes, motion))
+        return Truncation(
+            self.n, len(self.squares), "all modes, without dampers", *map(relative_change, reduced_peaks, whole_peaks)
+        )
 
 
 def _peaks_of(x: Array, acceleration: Array, shear: Array) -> list[Array]:
     drifts = np.diff(x, axis=0, prepend=0.0)
-    return [np.max(np.abs(each), axis=-1) for each in (x, drifts, acceleration, shear)]
+    return [np.max(np.abs(history), axis=-1) for history in (x, drifts, acceleration, shear)]
 
 
 def refined(building: Building, places: Sequence[Any] = ()) -> Building:
@@ -104,7 +106,7 @@ def refined(building: Building, places: Sequence[Any] = ()) -> Building:
 
 def refinements(building: Building, rows: Array) -> tuple[Building, Building | None]:
     """`refined` for dampers with the connections ``rows`` (N, floors), and the same with half as many coordinates, by which it
-    is judged: None where nothing is left out. ``building`` itself where it is no reduced one."""
+    is judged: None where nothing is left out. ``building`` itself where it is not a reduced one."""
     if not isinstance(building, Condensed) or building.exact or building.whole is None or building.interior:
         return building, None
     return _refinements(building, tuple(map(tuple, rows.tolist())))
@@ -121,7 +123,7 @@ def _refinements(building: Condensed, rows: tuple[tuple[float, ...], ...]) -> tu
     complete = held.shape[1] <= count
     shapes = held if complete else np.hstack([statics, held[:, :count]])
     fine = replace(_with_interior(building, shapes), exact=complete and not damped)
-    if complete or damped:  # where dashpots stand on what has no mass, half as many coordinates are no judge
+    if complete or damped:  # where dashpots stand on what has no mass, half as many coordinates do not judge it
         return fine, None
     half = (first + count + 1) // 2 - first
     return fine, _with_interior(building, np.hstack([statics, held[:, :half]]))
@@ -136,8 +138,8 @@ def _static_answers(building: Condensed, whole: Whole, rows: tuple[tuple[float, 
     forces[retained] = np.reshape(rows, (len(rows), len(retained))).T
     answers = np.linalg.solve(whole.K, forces)
     rest = answers - building.T @ answers[retained]
-    own = np.sum(rest * (whole.M @ rest), axis=0) > 1e-12 * np.sum(answers * (whole.M @ answers), axis=0)
-    return np.asarray(rest[:, own])
+    independent = np.sum(rest * (whole.M @ rest), axis=0) > 1e-12 * np.sum(answers * (whole.M @ answers), axis=0)
+    return np.asarray(rest[:, independent])
 
 
 def _modes_with_floors_held(whole: Whole) -> tuple[Array, bool]:
@@ -170,9 +172,9 @@ def _with_interior(building: Condensed, shapes: Array) -> Condensed:
         return building
     shapes = shapes / np.sqrt(np.sum(shapes * (whole.M @ shapes), axis=0))
     squares, turn = np.linalg.eigh(reduced(shapes, whole.M))
-    own = squares > INDEPENDENT
+    independent = squares > INDEPENDENT
     floor = np.trace(building.M) / building.n  # so that coordinates weigh as floors do
-    interior = np.sqrt(floor) * (shapes @ (turn[:, own] / np.sqrt(squares[own])))
+    interior = np.sqrt(floor) * (shapes @ (turn[:, independent] / np.sqrt(squares[independent])))
     interior[list(whole.retained)] = 0.0
     T = np.hstack([building.T, interior])
     M, C, K = (reduced(T, matrix) for matrix in (whole.M, whole.C, whole.K))
@@ -226,10 +228,25 @@ def modal_condensation(
     influence: Array | None = None,
     floors: Sequence[str] = (),
 ) -> ModalBuilding:
-    """The structure ``M, C, K`` (m, m) on its degrees of freedom ``keep``, counted from 0, by modes and static vectors.
+    """A structure on some of its degrees of freedom, by modes and static vectors.
 
-    ``labels`` (m,) are those of all, ``floors`` (k,) of what is kept, ``influence`` (m,) how each follows the ground (ones by
-    default). M must be positive definite. :class:`~dampyr.errors.InputError` where the kept ones do not tell the modes apart.
+    Parameters
+    ----------
+    M, C, K
+        ``(m, m)`` in kg, N s/m and N/m, M positive definite.
+    keep
+        The k degrees of freedom that are floors, counted from 0.
+    name, labels
+        What the structure and its m degrees of freedom are called; by default 1 to m.
+    influence
+        ``(m,)``: how each follows a rigid motion of the ground; by default ones.
+    floors
+        ``(k,)`` labels of the floors; by default those of their degrees of freedom.
+
+    Raises
+    ------
+    InputError
+        The structure can move without a spring, or the floors do not tell the modes apart.
     """
     from scipy.linalg import eigh
 
@@ -246,7 +263,7 @@ def modal_condensation(
     B, force = phi[:, chosen], push
     for _ in range(static):
         s = np.linalg.solve(K, force)
-        for _ in range(2):  # once more against what rounding left
+        for _ in range(2):  # Gram and Schmidt, once more against what rounding left
             s = s - B @ (B.T @ (M @ s))
         s /= np.sqrt(s @ M @ s)
         B, force = np.column_stack([B, s]), M @ s
@@ -261,17 +278,17 @@ def modal_condensation(
     whole = phi[list(keep)] @ (pushes / squares)
     by_modes = phi[list(keep)][:, chosen] @ (pushes[chosen] / squares[chosen])
     ratios = np.einsum("ij,ij->j", phi, C @ phi) / (2.0 * np.sqrt(squares))
-    made = Building(small[0], small[1], small[2], name)
-    own = made.frequencies
+    building = Building(small[0], small[1], small[2], name)
+    frequencies = building.frequencies
     nearest = np.sqrt(squares) / (2 * np.pi)
-    errors = np.array([f / nearest[np.argmin(np.abs(nearest - f))] - 1.0 for f in own])
+    errors = np.array([f / nearest[np.argmin(np.abs(nearest - f))] - 1.0 for f in frequencies])
     return ModalBuilding(
-        made.M,
-        made.C,
-        made.K,
+        building.M,
+        building.C,
+        building.K,
         name,
         tuple(floors) or tuple(names[i] for i in keep),
-        np.linalg.solve(made.M, T.T @ push),
+        np.linalg.solve(building.M, T.T @ push),
         T,
         names,
         k == m,

@@ -29,6 +29,12 @@ class PeakGroup:
     peaks: Array
     intensity: Array  # (motion, scale)
 
+    def by_rising_intensity(self) -> tuple[Array, Array]:
+        """The intensities (motion, scale) and the peaks, the scales of every motion in the order of its intensity."""
+        order = np.argsort(self.intensity, axis=1, kind="stable")
+        peaks = np.take_along_axis(self.peaks, np.broadcast_to(order, self.peaks.shape), axis=2)
+        return np.take_along_axis(self.intensity, order, axis=1), peaks
+
 
 def groups(
     dataset: Any,
@@ -44,7 +50,7 @@ def groups(
     wrong = [dim for dim in by if dim not in DIMS]
     if wrong:
         raise InputError(f"by = {wrong[0]!r} is not known; choose from {', '.join(DIMS)}")
-    worst = _one_number(dataset, quantity, storey, height)
+    worst = _peak_of_cases(dataset, quantity, storey, height)
     strength = intensities(dataset, intensity)
     names = np.asarray(dataset.damper_name.values).astype(str)
     bare, fitted = np.flatnonzero(names == BARE), np.flatnonzero(names != BARE)
@@ -74,14 +80,14 @@ def _pooled(worst: Array, b: Any, d: Any, u: Any) -> Array:
 
 
 def _name(dataset: Any, by: Sequence[str], b: list[int], d: Any, u: Any) -> str:
-    words = [str(dataset.building_name.values[b[0]])] if "building" in by and dataset.sizes["building"] > 1 else []
+    parts = [str(dataset.building_name.values[b[0]])] if "building" in by and dataset.sizes["building"] > 1 else []
     if d is None:
-        return ", ".join([*words, BARE])
+        return ", ".join([*parts, BARE])
     if "damper" in by and np.sum(np.asarray(dataset.damper_name.values).astype(str) != BARE) > 1:
-        words.append(str(dataset.damper_name.values[d[0]]))
+        parts.append(str(dataset.damper_name.values[d[0]]))
     if "input" in by and (name := str(dataset.input_name.values[u[0]])):
-        words.append(name)
-    return ", ".join(words) or "all cases"
+        parts.append(name)
+    return ", ".join(parts) or "all cases"
 
 
 def _check_pooled_intensities(strength: Array, by: Sequence[str]) -> None:
@@ -105,10 +111,12 @@ def intensities(dataset: Any, intensity: str | ArrayLike) -> Array:
             )
         unscaled = np.ones(shape) if intensity == "scale" else np.broadcast_to(dataset[intensity].values, shape)
     else:
-        given = np.asarray(intensity, dtype=float)
-        if given.shape != shape[1:]:
-            raise InputError(f"intensity has shape {given.shape}; give one number for each of the {shape[1]} motions")
-        unscaled = np.broadcast_to(given, shape)
+        measures = np.asarray(intensity, dtype=float)
+        if measures.shape != shape[1:]:
+            raise InputError(
+                f"intensity has shape {measures.shape}; give one number for each of the {shape[1]} motions"
+            )
+        unscaled = np.broadcast_to(measures, shape)
     bad = np.argwhere(~(np.isfinite(unscaled) & (unscaled > 0)))
     if bad.size or not np.all(factor > 0):
         raise InputError(
@@ -116,10 +124,10 @@ def intensities(dataset: Any, intensity: str | ArrayLike) -> Array:
             if bad.size
             else "a scale of 0 has no intensity; leave it out"
         )
-    return _levels(unscaled[:, :, None] * factor)
+    return _merge_levels(unscaled[:, :, None] * factor)
 
 
-def _levels(intensity: Array) -> Array:
+def _merge_levels(intensity: Array) -> Array:
     """The same intensities with one value where they differ by rounding only.
 
     Motions scaled to one peak do so on one machine and not on another, and a curve may hang on which of them is greater."""
@@ -129,7 +137,7 @@ def _levels(intensity: Array) -> Array:
     return level.reshape(intensity.shape)
 
 
-def _one_number(dataset: Any, quantity: str, storey: str | int, height: ArrayLike | None) -> Array:
+def _peak_of_cases(dataset: Any, quantity: str, storey: str | int, height: ArrayLike | None) -> Array:
     """The peak of each case (building, damper, input, motion, scale): of one storey, or of the worst."""
     if quantity not in dataset:
         raise InputError(
@@ -156,11 +164,11 @@ def _one_number(dataset: Any, quantity: str, storey: str | int, height: ArrayLik
 
 
 def _heights(height: ArrayLike, quantity: str, storeys: int) -> Array:
-    given = np.asarray(height, dtype=float)
+    heights = np.asarray(height, dtype=float)
     if quantity != "drift":
         raise InputError(f"height= turns a drift into a ratio; with {quantity} leave it out")
-    if given.shape not in ((), (storeys,)) or not np.all(given > 0):
+    if heights.shape not in ((), (storeys,)) or not np.all(heights > 0):
         raise InputError(
             f"height = {height!r} m is not allowed; give one, or one for each of {storeys} storeys, above 0"
         )
-    return given
+    return heights

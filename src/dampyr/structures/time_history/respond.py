@@ -34,6 +34,7 @@ from dampyr.structures.sites import (
     describe_place,
     drawn_placements,
     drifts,
+    input_of,
     installed,
     laws_of,
     make_sites,
@@ -62,6 +63,7 @@ Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]
 
 UNJUDGED = "no other: dashpots on what has no mass follow the springs, and what that changes is not known"
+BEYOND = 1.01  # times a calibrated limit: what rounding and peaks between samples add does not leave it
 FINAL_LIMIT = 0.5  # of omega h at the final step, which resolves the stuck damper's vibration with 12 steps a period
 
 
@@ -152,9 +154,13 @@ def respond(
     one to the other. Under control laws two halvings must agree, and a run too in which every decision that hangs on the step
     is taken the other way. ``error_estimates`` has the changes of the other quantities, which may be larger.
 
-    Raises :class:`~dampyr.errors.InputError` for a wrong argument and warns (:class:`~dampyr.errors.DampyrWarning`) where the
-    accuracy was not reached, where a damper, on the whole, fed the building, and where one has a part that is not for
-    buildings.
+    Warns (:class:`~dampyr.errors.DampyrWarning`) where the accuracy was not reached, where a damper, on the whole, fed the
+    building, and where a damper has a part that is not for buildings.
+
+    Raises
+    ------
+    InputError
+        An argument is wrong, or the response grows without bound.
 
     Examples
     --------
@@ -173,12 +179,10 @@ def respond(
         Argument("motion", motion, (GroundMotion,), MOTION),
     )
     chosen = RespondOptions.of("respond", options, keywords)
-    if voltage is not None and current is not None:
-        raise InputError("both voltage= and current= are given; a damper takes one of the two")
-    if isinstance(given := voltage if current is None else current, list | tuple):
-        kind = "voltage" if current is None else "current"
+    kind, inputs = input_of(voltage, current)
+    if isinstance(inputs, list | tuple):
         return _responses(
-            building, motion, placement(dampers), kind, given, chosen, progress or (lambda stage, done: None)
+            building, motion, placement(dampers), kind, inputs, chosen, progress or (lambda stage, done: None)
         )
     if chosen.draws is not None:
         raise InputError(
@@ -207,22 +211,24 @@ def _responses(
         raise InputError(
             f"draws = {options.draws} are of dampers, and none are given; give dampers=, or leave draws out"
         )
-    if options.draws is not None and any(isinstance(each, Mapping) for each in inputs):
+    if options.draws is not None and any(isinstance(value, Mapping) for value in inputs):
         raise InputError("draws take the same input for all dampers; give numbers or control laws, no mappings")
     dampers = installed(placed, options)
-    with warnings.catch_warnings():  # what is wrong is said before anything is computed, what is in doubt with the case
+    with (
+        warnings.catch_warnings()
+    ):  # errors are raised before anything is computed, doubts are warned of with their case
         warnings.simplefilter("ignore")
-        for each in inputs:
-            voltage, current = (each, None) if kind == "voltage" else (None, each)
+        for value in inputs:
+            voltage, current = (value, None) if kind == "voltage" else (None, value)
             make_sites(building, dampers, voltage, current, options.allow_extrapolation)
     tell("without damper", 0.0)
     cases = {BARE: _respond(building, motion, {}, None, None, options)}
     inputs_by_name = {}
-    for k, each in enumerate(inputs, start=1):
+    for k, value in enumerate(inputs, start=1):
         tell(f"case {k + 1} of {len(inputs) + 1}", k / (len(inputs) + 1))
-        voltage, current = (each, None) if kind == "voltage" else (None, each)
+        voltage, current = (value, None) if kind == "voltage" else (None, value)
         response = _respond(building, motion, dampers, voltage, current, options)
-        cases[case_name(response)], inputs_by_name[case_name(response)] = response, each
+        cases[case_name(response)], inputs_by_name[case_name(response)] = response, value
     intervals = {}
     if options.draws is not None:
         tell(f"{options.draws} drawn dampers", len(inputs) / (len(inputs) + 1))
@@ -240,7 +246,7 @@ def case_name(response: Response) -> str:
     ]
     if len(set(inputs)) == 1:
         return inputs[0]
-    return "; ".join(f"{site}: {words}" for site, words in zip(response.sites, inputs, strict=True))
+    return "; ".join(f"{site}: {text}" for site, text in zip(response.sites, inputs, strict=True))
 
 
 def _peak_intervals(
@@ -253,12 +259,12 @@ def _peak_intervals(
 ) -> list[dict[str, Any]]:
     """The 90 % intervals of the peaks at each input, of drawn dampers: a dictionary of (2, ...) arrays for each."""
     assert options.draws is not None
-    given: dict[str, Any] = {kind: inputs}
+    keyword: dict[str, Any] = {kind: inputs}
     peaks = ensemble(
         building,
         motion,
         [installed(drawn, options) for drawn in drawn_placements(placed, options.draws, options.seed)],
-        **given,
+        **keyword,
         accuracy="strict" if tolerance_of(options.accuracy) <= ACCURACIES["strict"] else "fast",
         quantities=tuple(INTERVAL_OF),
         allow_extrapolation=options.allow_extrapolation,
@@ -315,8 +321,8 @@ def _truncation(
         return whole.truncation_errors(motion)
     other = runner(half, motion, sites)(round(motion.dt / best.step)).out
     changed = changes(other, best.out)
-    words = f"{half.n} coordinates, {'with' if sites else 'without'} the dampers"
-    return Truncation(whole.n, degrees, words, **{name: changed.get(name, 0.0) for name in other.peaks})
+    judge = f"{half.n} coordinates, {'with' if sites else 'without'} the dampers"
+    return Truncation(whole.n, degrees, judge, **{name: changed.get(name, 0.0) for name in other.peaks})
 
 
 def _response(
@@ -334,8 +340,8 @@ def _response(
     q, drift = all_q[:floors], (drifts(building) @ all_q)[:floors]
     general = any(not site.composition.path_only or site.delay > 0 for site in sites)
     energy = _energy(building, out)
-    slow = [f"the response is not to its accuracy: {run.reason}"] if run.reason else []
-    outside = [words for d, site in enumerate(sites) for words in _outside(site, rows[d], out, motion.dt)]
+    inaccurate = [f"the response is not to its accuracy: {run.reason}"] if run.reason else []
+    outside = [sentence for d, site in enumerate(sites) for sentence in _limits_left(site, rows[d], out, motion.dt)]
     return Response(
         time=motion.time,
         ground_acceleration=motion.acceleration,
@@ -343,6 +349,7 @@ def _response(
         velocity=np.ascontiguousarray(out.state[:, n : n + floors].T),
         acceleration=np.ascontiguousarray(out.acceleration[:, :floors].T),
         drift=drift,
+        # what the structure hands to the ground: all of its inertia, the missing mass of a reduced one included
         base_shear=-(out.acceleration @ pull + missing * motion.acceleration),
         force=np.ascontiguousarray(out.force.T),
         stroke=rows @ all_q,
@@ -372,12 +379,12 @@ def _response(
         truncation=truncation,
         origin=combined(site.damper.origin for site in sites),
         of_dampers=handed_on((site.damper for site in sites), OF_DAMPER),
-        doubts=(*slow, *_given_energy(energy, sites), *outside),
+        doubts=(*inaccurate, *_feeding_dampers(energy, sites), *outside),
     )
 
 
-def _outside(site: Site, row: Array, out: Output, dt: float) -> list[str]:
-    """Which calibrated limits of displacement and velocity the motion of a site leaves."""
+def _limits_left(site: Site, row: Array, out: Output, dt: float) -> list[str]:
+    """Sentences on the calibrated limits of displacement and velocity that the motion of a site leaves."""
     n = len(row)
     stroke, rate = out.state[:, :n] @ row, out.state[:, n:] @ row
     reach = out.drift_peak[site.storey - 1] if site.storey else peak_displacement(stroke, rate, dt)
@@ -385,7 +392,7 @@ def _outside(site: Site, row: Array, out: Output, dt: float) -> list[str]:
     notes = []
     for name, (value, unit) in reached.items():
         limit = site.damper.ranges.get(name, (0.0, math.inf))[1]
-        if value > 1.01 * limit:
+        if value > BEYOND * limit:
             notes.append(
                 f"the damper {describe_place(site.place)} reaches a {name} of {value:.4g} {unit}; "
                 f"it was calibrated up to {limit:.4g} {unit}"
@@ -394,6 +401,7 @@ def _outside(site: Site, row: Array, out: Output, dt: float) -> list[str]:
 
 
 def _energy(building: Building, out: Output) -> Energy:
+    # of the motion relative to the ground, whose input is -M iota ag times the relative velocity: the balance closes so
     q, v = out.state[:, : building.n], out.state[:, building.n :]
     kinetic = 0.5 * np.einsum("ti,ij,tj->t", v, building.M, v)
     strain = 0.5 * np.einsum("ti,ij,tj->t", q, building.K, q)
@@ -401,9 +409,9 @@ def _energy(building: Building, out: Output) -> Energy:
     return Energy(work[0].copy(), kinetic, strain, work[1].copy(), work[2:].copy())
 
 
-def _given_energy(energy: Energy, sites: tuple[Site, ...]) -> list[str]:
-    """Which dampers gave the building energy over the whole motion."""
-    scale = 1e-6 * float(np.max(np.abs(energy.input)))
+def _feeding_dampers(energy: Energy, sites: tuple[Site, ...]) -> list[str]:
+    """Sentences on the dampers that gave the building energy over the whole motion."""
+    scale = 1e-6 * float(np.max(np.abs(energy.input)))  # the balance of energies is not closer than that
     return [
         f"the damper {describe_place(site.place)} fed {-work[-1]:.3g} J into the building over the whole motion; "
         "check its delay and the sign of its force"

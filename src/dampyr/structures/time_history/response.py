@@ -90,6 +90,7 @@ def output(samples: int, n: int, sites: int) -> Output:
 
 def relative_change(values: Array, reference: Array) -> float:
     """The largest change (k,) of ``values`` against ``reference``, relative; 0 where there are none."""
+    # a peak that is nothing beside the largest has no relative change
     size = np.maximum(np.abs(reference), 1e-9 * np.max(np.abs(reference), initial=0.0) + 1e-300)
     return float(np.max(np.abs(values - reference) / size, initial=0.0))
 
@@ -253,7 +254,7 @@ class Response(Shown):
     @property
     def findings(self) -> tuple[Finding, ...]:
         """What is wrong or in doubt in the dampers and in the response, the worst first."""
-        return worst_first(self.of_dampers, (Finding("doubt", words) for words in self.doubts))
+        return worst_first(self.of_dampers, (Finding("doubt", sentence) for sentence in self.doubts))
 
     def to_xarray(self) -> Any:
         """The histories and peaks as an ``xarray.Dataset`` with dims time, floor, storey and damper;

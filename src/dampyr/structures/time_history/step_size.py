@@ -47,7 +47,7 @@ def largest_step(building: Building, sites: tuple[Site, ...], slopes: Array, lim
     step = MAX_STEP
     for site, (by_stroke, by_rate) in zip(sites, slopes, strict=True):
         [row] = connections(building, (site,))
-        flexibility = float(row @ np.linalg.solve(building.M, row))
+        flexibility = float(row @ np.linalg.solve(building.M, row))  # one over the mass that the damper moves
         if by_stroke > 0:
             step = min(step, limit / math.sqrt(by_stroke * flexibility))
         if by_rate > 0:
@@ -75,7 +75,7 @@ def kernel_slopes(run: Any, sites: tuple[Site, ...]) -> Array:
 
 
 def difference_slopes(sites: tuple[Site, ...]) -> Array:
-    """The same by small differences along a path."""
+    """As `kernel_slopes`, by small differences along a path."""
     greatest = []
     for site in sites:
         inputs = [site.values] if site.law is None else [site.between(k / (LEVELS - 1)) for k in range(LEVELS)]
@@ -146,8 +146,8 @@ def halve_until_converged(run: Any, motion: GroundMotion, tolerance: float, m: i
 
 
 def halve_under_laws(run: Any, motion: GroundMotion, tolerance: float, m: int) -> Integration:
-    """The same under control laws: until two successive halvings agree, and a further run at the finest step agrees too, in
-    which each decision that hangs on the step is taken the other way.
+    """As `halve_until_converged` under control laws: until two successive halvings agree, and a further run at the finest
+    step agrees too, in which each decision that hangs on the step is taken the other way.
 
     A decision hangs on the step where the law could have taken another one, had it sensed each quantity as far off as it did at
     twice the step. One without consequence is not held against a case, as damped small motion chatters at any step. Where the
@@ -160,19 +160,19 @@ def halve_under_laws(run: Any, motion: GroundMotion, tolerance: float, m: int) -
     while 2 * m * samples <= max_step_count:
         m *= 2
         fine = run(m, before=coarse.decisions.sensed)
-        changed, others, missed = changes(coarse.out, fine.out), fine.decisions.others(), fine.out.misfit[0]
+        changed, others, unsolved = changes(coarse.out, fine.out), fine.decisions.others(), fine.out.misfit[0]
         agreed_before, agreed, reason = agreed, largest(changed) <= tolerance, ""
         if not (agreed and agreed_before):
             change = max(largest(changed), largest(last) if last else 0.0)
             reason = f"peaks of displacement and drift changed by {100 * change:.2g} % in the last two halvings"
-        elif missed:
-            reason = f"the forces of {missed:.0f} steps converged to {fine.out.misfit[1]:.1g} only"
+        elif unsolved:
+            reason = f"the forces of {unsolved:.0f} steps converged to {fine.out.misfit[1]:.1g} only"
         elif others is not None:
-            turned = changes(run(m, imposed=others).out, fine.out)
-            if (change := largest(turned)) > tolerance:
+            other_way = changes(run(m, imposed=others).out, fine.out)
+            if (change := largest(other_way)) > tolerance:
                 share = f"{np.isfinite(others).sum()} of {fine.decisions.count} decisions of its laws"
                 reason = f"{share} hang on the step, and taken the other way they change a peak by {100 * change:.2g} %"
-            changed = {name: max(changed[name], turned[name]) for name in changed}
+            changed = {name: max(changed[name], other_way[name]) for name in changed}
         errors = {name: max(value, last.get(name, 0.0)) for name, value in changed.items()} if reason else changed
         coarse, last = Integration(fine.out, fine.step, tolerance, errors, decisions=fine.decisions), changed
         if not reason:
@@ -186,10 +186,10 @@ def halve_under_laws(run: Any, motion: GroundMotion, tolerance: float, m: int) -
 
 def run_once(run: Any, m: int) -> Integration:
     """One run with m steps per sample, without an error estimate."""
-    done: Integration = run(m)
-    missed, gap, _ = done.out.misfit
-    reason = f"the forces of {missed:.0f} steps converged to {gap:.1g} only" if missed else ""
-    return Integration(done.out, done.step, None, {}, reason)
+    integration: Integration = run(m)
+    unsolved, gap, _ = integration.out.misfit
+    reason = f"the forces of {unsolved:.0f} steps converged to {gap:.1g} only" if unsolved else ""
+    return Integration(integration.out, integration.step, None, {}, reason)
 
 
 def changes(coarse: Output, fine: Output) -> dict[str, float]:
