@@ -115,29 +115,35 @@ def flat_force(measured: MeasuredTest) -> Iterator[Mark]:
     """A force that stands while the table moves, or leaps to where it stands: the cell's wire or its amplifier is broken, or
     the amplifier saturates."""
     x = measured.displacement
-    stretches = [each for each in _standing(measured.volts, measured.rig) if _should_change(measured, each)]
+    stretches = [
+        stretch for stretch in _find_standing(measured.volts, measured.rig) if _should_change(measured, stretch)
+    ]
     if not stretches:
-        yield from _saturated(measured)
+        yield from _mark_saturation(measured)
         return
-    first = max(stretches, key=lambda each: each.stop - each.start)
-    path = float(np.abs(np.diff(x[first])).sum())
-    seconds = sum(float(measured.time[each.stop - 1] - measured.time[each.start]) for each in stretches)
+    main = max(stretches, key=lambda stretch: stretch.stop - stretch.start)
+    path = float(np.abs(np.diff(x[main])).sum())
+    seconds = sum(float(measured.time[stretch.stop - 1] - measured.time[stretch.start]) for stretch in stretches)
     yield Mark(
-        f"the force stands at {float(np.median(measured.force[first])):.4g} N for {seconds:.3g} s, from "
-        f"{float(measured.time[first.start]):.4g} s over {1e3 * path:.3g} mm of the table's path: look at the load cell's wire "
-        "and amplifier",
+        f"the force stands at {float(np.median(measured.force[main])):.4g} N for {seconds:.3g} s, from "
+        f"{float(measured.time[main.start]):.4g} s over {1e3 * path:.3g} mm of the table's path: look at the load cell's "
+        "wire and amplifier",
         spoils=True,
     )
 
 
-def _saturated(measured: MeasuredTest) -> Iterator[Mark]:
+def _mark_saturation(measured: MeasuredTest) -> Iterator[Mark]:
     """A force that stands without its noise at one level or two again and again, each time too shortly to be broken."""
-    moving = np.flatnonzero(_moves(measured))
+    x, n = measured.displacement, max(1, round(0.5 * WINDOW * measured.rig.board.rate))
+    moves = np.zeros(len(x), dtype=bool)
+    # by more than a reading that strays by a count at the border of two
+    moves[n : len(x) - n] = np.abs(x[2 * n :] - x[: len(x) - 2 * n]) > 1.5 * measured.rig.encoder.count
+    moving = np.flatnonzero(moves)
     levels = flat_levels(measured.volts, moving, measured.rig.step)
     if not levels:
         return
-    flat = np.any([at for _, at in levels], axis=0)
-    forces = [float(np.median(measured.force[at])) for _, at in levels]
+    flat = np.any([rows for _, rows in levels], axis=0)
+    forces = [float(np.median(measured.force[rows])) for _, rows in levels]
     yield Mark(
         f"the force stands at {' and '.join(f'{force:.4g} N' for force in forces)} in {np.sum(flat) / len(moving):.2g} of the "
         f"samples in which the table moves, first at {float(measured.time[int(np.argmax(flat))]):.4g} s, without its noise: "
@@ -146,15 +152,7 @@ def _saturated(measured: MeasuredTest) -> Iterator[Mark]:
     )
 
 
-def _moves(measured: MeasuredTest) -> NDArray[np.bool_]:
-    """Where the table moves, by more than a reading that strays by a count at the border of two."""
-    x, n = measured.displacement, max(1, round(0.5 * WINDOW * measured.rig.board.rate))
-    moves = np.zeros(len(x), dtype=bool)
-    moves[n : len(x) - n] = np.abs(x[2 * n :] - x[: len(x) - 2 * n]) > 1.5 * measured.rig.encoder.count
-    return moves
-
-
-def _standing(volts: Array, rig: RigSettings) -> list[slice]:
+def _find_standing(volts: Array, rig: RigSettings) -> list[slice]:
     """The stretches in which a reading stays within `FLAT` steps."""
     n, step = max(MIN_SAMPLES, round(WINDOW * rig.board.rate)), rig.step
     count = len(volts) // n
@@ -162,18 +160,18 @@ def _standing(volts: Array, rig: RigSettings) -> list[slice]:
     flat = np.ptp(windows, axis=1) <= FLAT * step
     stretches: list[slice] = []
     for k in np.flatnonzero(flat):
-        middle = float(np.median(windows[k]))
-        if stretches and stretches[-1].stop >= k * n and abs(middle - float(np.median(volts[stretches[-1]]))) <= step:
+        level = float(np.median(windows[k]))
+        if stretches and stretches[-1].stop >= k * n and abs(level - float(np.median(volts[stretches[-1]]))) <= step:
             first = stretches.pop().start
         else:
-            first = _extended(volts, int(k) * n, middle, -1, step)
-        stretches.append(slice(first, _extended(volts, int(k + 1) * n - 1, middle, 1, step) + 1))
+            first = _extend_stretch(volts, int(k) * n, level, -1, step)
+        stretches.append(slice(first, _extend_stretch(volts, int(k + 1) * n - 1, level, 1, step) + 1))
     return stretches
 
 
-def _extended(volts: Array, at: int, middle: float, way: int, step: float) -> int:
-    """The last sample from ``at`` on that is still at ``middle``."""
-    while 0 <= at + way < len(volts) and abs(volts[at + way] - middle) <= FLAT * step:
+def _extend_stretch(volts: Array, at: int, level: float, way: int, step: float) -> int:
+    """The last sample from ``at`` on, forwards or backwards, that is still at ``level``."""
+    while 0 <= at + way < len(volts) and abs(volts[at + way] - level) <= FLAT * step:
         at += way
     return at
 
@@ -198,10 +196,12 @@ def _may_leap(measured: MeasuredTest, at: int) -> bool:
     x = measured.displacement
     if not float(np.ptp(x[near])) > AT_REST:
         return False
-    return any(_turns(x, near.start + int(extreme(x[near])), 4 * n, measured) for extreme in (np.argmax, np.argmin))
+    return any(
+        _turns_around(x, near.start + int(extreme(x[near])), 4 * n, measured) for extreme in (np.argmax, np.argmin)
+    )
 
 
-def _turns(x: Array, at: int, reach: int, measured: MeasuredTest) -> bool:
+def _turns_around(x: Array, at: int, reach: int, measured: MeasuredTest) -> bool:
     """Whether the table leaves this sample to the side that it came from, be it slowly: a motor with friction sticks there."""
     jitter = 1.5 * measured.rig.encoder.count  # a reading strays by a count at the border of two
     sides = []
@@ -225,22 +225,24 @@ def drifting_zero(measured: MeasuredTest) -> Iterator[Mark]:
     half = 0.5 * float(np.ptp(measured.force))
     try:
         record = Record(measured.time, measured.displacement, measured.force)
-    except InputError:  # samples that are no record are told elsewhere
+    except InputError:  # too few samples for a record, which is said elsewhere
         return
-    before, after = _rests(record)
+    before, after = _force_at_rests(record)
     limit = ZERO_AT_REST + SHARE_AT_REST * half
     if before is not None and after is not None and abs(after - before) > limit:
-        yield _drift(f"from {before:.4g} N at rest before the motion to {after:.4g} N after it", after - before, limit)
+        yield _mark_drift(
+            f"from {before:.4g} N at rest before the motion to {after:.4g} N after it", after - before, limit
+        )
         return
     spans = _repeated_cycles(record)[1:-1]  # growing and fading ones are left out
     if float(np.ptp(measured.voltage)) or len(spans) < MIN_CYCLES:
         return
     means = np.array([np.mean(measured.force[first:last]) for first, last in spans])
-    middles = np.array([measured.time[(first + last) // 2] for first, last in spans])
-    rate = float(np.polyfit(middles - middles[0], means, 1)[0])
+    times = np.array([measured.time[(first + last) // 2] for first, last in spans])
+    rate = float(np.polyfit(times - times[0], means, 1)[0])
     limit = ZERO_OF_CYCLES + SHARE_OF_CYCLES * half
     if abs(rate) * record.duration > limit:
-        yield _drift(f"at {rate:+.3g} N/s, by the means of {len(spans)} cycles", rate * record.duration, limit)
+        yield _mark_drift(f"at {rate:+.3g} N/s, by the means of {len(spans)} cycles", rate * record.duration, limit)
 
 
 def _repeated_cycles(record: Record) -> list[tuple[int, int]]:
@@ -253,19 +255,19 @@ def _repeated_cycles(record: Record) -> list[tuple[int, int]]:
     if not spans:
         return []
     strokes = np.array([np.ptp(x[first : last + 1]) for first, last in spans])
-    apart = np.array([abs(x[last] - x[first]) for first, last in spans])
+    unclosed = np.array([abs(x[last] - x[first]) for first, last in spans])
     stroke = float(np.median(strokes))
     alike = np.abs(strokes - stroke) <= ALIKE * stroke
-    return spans if np.all(alike & (apart <= ALIKE * stroke)) else []
+    return spans if np.all(alike & (unclosed <= ALIKE * stroke)) else []
 
 
-def _drift(how: str, change: float, limit: float) -> Mark:
+def _mark_drift(course: str, change: float, limit: float) -> Mark:
     return Mark(
-        f"the force's zero drifts {how}: {abs(change):.3g} N in the test, {limit:.3g} N at most; look at the load cell"
+        f"the force's zero drifts {course}: {abs(change):.3g} N in the test, {limit:.3g} N at most; look at the load cell"
     )
 
 
-def _rests(record: Record) -> tuple[float | None, float | None]:
+def _force_at_rests(record: Record) -> tuple[float | None, float | None]:
     """The force [N] at the end of the rest before the motion, and at the end of that after it, where there are such rests."""
     n = max(1, round(RESTED / record.dt))
     mirrored = Record(-record.time[::-1], record.displacement[::-1], record.force[::-1])
@@ -313,20 +315,20 @@ def zero_moved(shown: Evidence, span: float = 0.0) -> list[Mark]:
 
 def coil_without_its_voltage(measured: MeasuredTest) -> Iterator[Mark]:
     """A coil that does not have the voltage that was commanded: the supply is off, at its limit, or its enable line is low."""
-    command, read = measured.command, measured.coil_voltage
-    if command is None or read is None:
+    command, coil_voltage = measured.command, measured.coil_voltage
+    if command is None or coil_voltage is None:
         return
     steady = _steady(command, measured)
     size = float(np.abs(command).max(initial=0.0))
-    apart = np.abs(read - command)
+    apart = np.abs(coil_voltage - command)
     wrong = steady & (apart > COIL_OFF * size + COIL_SPARE)
     if int(wrong.sum()) < WINDOW * measured.rig.board.rate:
         return
     worst = int(np.argmax(np.where(wrong, apart, -1.0)))
     yield Mark(
-        f"the coil has {read[worst]:.3g} V where {command[worst]:.3g} V were commanded, at {measured.time[worst]:.4g} s, and "
-        f"other than commanded for {wrong.sum() / measured.rig.board.rate:.3g} s: look at the supply, its enable line and "
-        "supply.gain",
+        f"the coil has {coil_voltage[worst]:.3g} V where {command[worst]:.3g} V were commanded, at {measured.time[worst]:.4g} "
+        f"s, and other than commanded for {wrong.sum() / measured.rig.board.rate:.3g} s: look at the supply, its enable line "
+        "and supply.gain",
         spoils=float(apart[worst]) > SPOILED * size + COIL_SPARE,
     )
 
@@ -341,6 +343,7 @@ def coil_without_its_current(measured: MeasuredTest) -> Iterator[Mark]:
     if int(steady.sum()) < WINDOW * rig.board.rate:
         return
     u, i = volts[steady], current[steady]
+    # The conductance i = G u by least squares, over that of the coil at 20 degC: high voltages tell most of it.
     share = float(u @ i) / float(u @ u) * rig.supply.resistance
     first = float(measured.time[int(np.argmax(steady))])
     if share < 1.0 - SPOILED - COPPER * max(0.0, rig.limits.temperature - COLD):
@@ -350,6 +353,7 @@ def coil_without_its_current(measured: MeasuredTest) -> Iterator[Mark]:
             spoils=True,
         )
         return
+    # Copper: R = R20 (1 + COPPER (T - COLD)), solved for T.
     warm, expected = COLD + (1.0 / share - 1.0) / COPPER, measured.temperature
     uncertain = COIL_KELVIN + math.hypot(rig.supply.resistance_uncertainty, rig.supply.reading_uncertainty) / COPPER
     if abs(warm - expected) > uncertain or warm > rig.limits.temperature + uncertain:
@@ -365,7 +369,7 @@ def _steady(command: Array, measured: MeasuredTest) -> NDArray[np.bool_]:
     supply = measured.rig.supply
     n = 2 + round(SETTLED_COIL * supply.inductance / supply.resistance * measured.rig.board.rate)
     changed = np.abs(np.diff(command, prepend=command[0])) > COIL_STEADY
-    changed[0] = changed[-1] = True  # what was before and comes after is not seen here
+    changed[0] = changed[-1] = True  # what was before and comes after is not in this stretch
     near = np.convolve(changed, np.ones(2 * n + 1), mode="full")[n : n + len(command)] > 0.5
     return np.asarray(~near)
 
@@ -398,8 +402,7 @@ def _is_steady(measured: MeasuredTest, at: int) -> bool:
     if float(np.ptp(x[near])) <= jitter:
         return not measured.closed_loop
     past = x[max(0, at - round(SLID * measured.rig.board.rate)) : at + 1]
-    gone = np.abs(past - x[at])
-    far = np.flatnonzero(gone >= SLIDES)
+    far = np.flatnonzero(np.abs(past - x[at]) >= SLIDES)
     if not far.size:
         return False
     way = past[far[-1] :]
@@ -419,9 +422,10 @@ def created_energy(measured: MeasuredTest) -> Iterator[Mark]:
     """A damper that gives energy in a whole cycle, or in the whole test: the force's sign is inverted."""
     try:
         record = Record(measured.time, measured.displacement, measured.force)
-    except InputError:  # samples that are no record are told elsewhere
+    except InputError:  # too few samples for a record, which is said elsewhere
         return
     x, force = measured.displacement, measured.force
+    # The integral of F dx is positive for what the damper takes, by the trapezoid rule at any sample.
     work = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(x))])
     path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(x)))])
     spans = [

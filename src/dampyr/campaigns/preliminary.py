@@ -17,13 +17,14 @@ def preliminary_check(table: ArmedRig, drive: Drive) -> str:
     """The result in words; :class:`RigFault` where a test should not begin."""
     blocks = [(samples.displacement[selection], samples.force[selection]) for samples, selection in table.play(drive)]
     x, force = (np.concatenate(rows) for rows in zip(*blocks, strict=True))
-    commanded, had = float(np.ptp(drive.displacement)), float(np.ptp(x))
-    if abs(had / commanded - 1.0) > NEAR:
+    commanded, measured = float(np.ptp(drive.displacement)), float(np.ptp(x))
+    if abs(measured / commanded - 1.0) > NEAR:
         raise RigFault(
-            f"the slow stroke before the first test was {had * 1e3:.2f} mm where {commanded * 1e3:.2f} mm were asked for; "
+            f"the slow stroke before the first test was {measured * 1e3:.2f} mm where {commanded * 1e3:.2f} mm were asked for; "
             "look at the encoder and the screw",
             "check",
         )
+    # A force that opposes a positive velocity is positive: over the stroke and back any damper takes energy.
     energy = float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(x)))
     if energy <= 0.0:
         raise RigFault(
@@ -31,4 +32,4 @@ def preliminary_check(table: ArmedRig, drive: Drive) -> str:
             "or the load cell not connected?",
             "check",
         )
-    return f"stroke {had * 1e3:.2f} mm, force {np.ptp(force):.0f} N peak to peak, {energy:.3g} J"
+    return f"stroke {measured * 1e3:.2f} mm, force {np.ptp(force):.0f} N peak to peak, {energy:.3g} J"

@@ -64,13 +64,13 @@ def shown(step: Any, field: str, blank: str = " ") -> str:
     if quantity is None or not quantity.unit:
         return f"{field}{blank}{value:.6g}"
     unit, factor = (quantity.unit, 1.0) if quantity.unit == "s" else for_people(quantity.unit)
-    each = (", " if blank else "+").join(f"{v * factor:.6g}" for v in (value if isinstance(value, tuple) else (value,)))
-    return f"{each}{blank}{unit}"
+    numbers = value if isinstance(value, tuple) else (value,)
+    return f"{(', ' if blank else '+').join(f'{number * factor:.6g}' for number in numbers)}{blank}{unit}"
 
 
 def words(kind: str, step: Any) -> str:
     """A step in words, such as ``sine 20 mm at 2 Hz, 0.8712 V``."""
-    first, *others = [each for each in (shown(step, name) for name in step.named) if each]
+    first, *others = [text for text in (shown(step, name) for name in step.named) if text]
     return f"{kind.replace('_', ' ')} {first}" + (f" at {', '.join(others)}" if others else "")
 
 
@@ -89,12 +89,11 @@ def quantity_of(step: Any, field: str) -> Quantity:
 
 def check_ranges(step: Any) -> None:
     """Raise :class:`InputError` where a value leaves its range: for steps made in Python, not read from a file."""
-    for each in fields(step):
-        quantity = _quantities(step.__class__)[each.name]
-        value = getattr(step, each.name)
+    for field in fields(step):
+        quantity, value = _quantities(step.__class__)[field.name], getattr(step, field.name)
         if quantity is not None and value is not None:
-            for one in value if isinstance(value, tuple) else (value,):
-                quantity.check(each.name, one)
+            for number in value if isinstance(value, tuple) else (value,):
+                quantity.check(field.name, number)
 
 
 def at_least(step: Any, field: str, least: int) -> None:

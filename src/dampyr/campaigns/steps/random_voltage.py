@@ -35,15 +35,15 @@ from dampyr.rig import Drive, RigSettings
 class RandomVoltage:
     """A sine with random levels of voltage."""
 
-    amplitude: Annotated[float, Length, "half of the peak to peak"]
+    amplitude: Annotated[float, Length, "amplitude of the motion, half of the peak to peak"]
     frequency: Annotated[float, Frequency, "cycles per second"]
-    high: Annotated[float, Volts, "the highest level at the coil"]
-    low: Annotated[float, Volts, "the lowest level at the coil"] = 0.0
-    hold: Annotated[float, Time, "at each level"] = 0.25
-    cycles: Annotated[int, "steady cycles"] = 20
-    seed: Annotated[int, "of the levels"] = 0
-    rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 2.0
-    period: Annotated[float, Period, "from set point to set point"] = 0.01
+    high: Annotated[float, Volts, "highest voltage at the coil"]
+    low: Annotated[float, Volts, "lowest voltage at the coil"] = 0.0
+    hold: Annotated[float, Time, "time at each level of the voltage"] = 0.25
+    cycles: Annotated[int, "number of steady cycles"] = 20
+    seed: Annotated[int, "seed of the levels"] = 0
+    rest_before: Annotated[float, Rest, "rest before the motion, recorded so that offsets can be read"] = 2.0
+    period: Annotated[float, Period, "time from set point to set point"] = 0.01
 
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "frequency", "high")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "frequency", "low", "high", "seed")

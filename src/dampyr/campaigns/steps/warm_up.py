@@ -32,13 +32,15 @@ from dampyr.units import Quantity
 class WarmUp:
     """Cycles until a temperature is reached, at most ``cycles`` of them."""
 
-    amplitude: Annotated[float, Length, "half of the peak to peak"]
+    amplitude: Annotated[float, Length, "amplitude of the motion, half of the peak to peak"]
     frequency: Annotated[float, Frequency, "cycles per second"]
-    voltage: Annotated[float, Volts, "at the coil"] = 0.0
-    cycles: Annotated[int, "steady cycles at most"] = 50
-    temperature: Annotated[float | None, Quantity("degC"), "where it ends early; none: after its cycles"] = None
-    rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 2.0
-    period: Annotated[float, Period, "from set point to set point"] = 0.01
+    voltage: Annotated[float, Volts, "voltage at the coil"] = 0.0
+    cycles: Annotated[int, "number of steady cycles at most"] = 50
+    temperature: Annotated[
+        float | None, Quantity("degC"), "temperature at which the test ends early; none: it ends after its cycles"
+    ] = None
+    rest_before: Annotated[float, Rest, "rest before the motion, recorded so that offsets can be read"] = 2.0
+    period: Annotated[float, Period, "time from set point to set point"] = 0.01
 
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "frequency", "voltage")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "frequency", "voltage", "temperature")
