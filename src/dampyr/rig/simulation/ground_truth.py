@@ -52,8 +52,8 @@ class TruthLog:
     event in them.
     """
 
-    def __init__(self, on_event: Callable[[float, str], None] | None = None, capacity: int = MAX_ROWS) -> None:
-        self.on_event, self.capacity = on_event, capacity
+    def __init__(self, on_event: Callable[[float, str], None] | None = None) -> None:
+        self.on_event, self.capacity = on_event, MAX_ROWS
         self.chunks: deque[Array] = deque()
         self.count = 0
         self.at_rest_since = self.coil_dead_since = 0.0

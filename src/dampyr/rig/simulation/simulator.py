@@ -344,18 +344,15 @@ class Simulator:
         self.truth_log.add(rows)
         if task is not None and due:
             taken = self.counters[plant.N_TAKEN]
-            self._buffer(task, self._volts(task, readings[:, :taken], *cell_faults), counts[:taken])
+            volts = self._volts(task, readings[:, :taken], *cell_faults)
+            task.taken += int(taken)
+            task.volts = volts if task.volts is None else np.concatenate((task.volts, volts), axis=1)
+            task.counts = counts[:taken] if task.counts is None else np.concatenate((task.counts, counts[:taken]))
 
     def _due(self, task: SampledTask, until: int) -> int:
         """The number of samples of ``task`` in the steps up to ``until``, or one more."""
         last = (until * self.constants.dt - task.start) / task.period
         return max(0, int(np.floor(last + 1e-6)) - task.taken)
-
-    def _buffer(self, task: SampledTask, volts: Array, counts: NDArray[np.int64]) -> None:
-        """Append samples to those not read yet."""
-        task.taken += counts.size
-        task.volts = volts if task.volts is None else np.concatenate((task.volts, volts), axis=1)
-        task.counts = counts if task.counts is None else np.concatenate((task.counts, counts))
 
     def _cell_faults(self) -> tuple[FaultSpec | None, ...]:
         """The active faults of the load cell, as `_volts` takes them."""

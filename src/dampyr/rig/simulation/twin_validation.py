@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 HARMONICS = 7  # the second to the seventh are compared
 MOVED = 1e-4  # m from where the table rested
 SETTLING = 1.0  # s after the motion starts: about the first cycle, left out
+RATE = 100.0  # samples/s, as the original rig's
+DURATION = 15.0  # s of a record
 BLOCK = 0.04  # s between heartbeats: the default block of a rig
 
 
@@ -111,40 +113,31 @@ def _step(values: Array) -> float:
     return float(np.median(steps[steps < 1.5 * steps.min()]))
 
 
-def open_loop(
-    settings: RigSettings,
-    drive: DutyReversals,
-    voltage: float,
-    seconds: float = 15.0,
-    rate: float = 100.0,
-    seed: int = 0,
-) -> Record:
-    """A record of the simulated rig as the original took them: at rest for a second, then reversals, ``rate`` samples a second.
+def open_loop(settings: RigSettings, drive: DutyReversals, voltage: float) -> Record:
+    """A record of the simulated rig as the original took them: at rest for a second, then reversals, 100 samples a second.
 
     ``voltage`` at the coil. The table starts where its strokes are centred; a first run determines that position. The
     force is volts times the load cell's scale: its zero is not taken out.
     """
-    first = _record_from(settings, drive, voltage, -0.008, min(seconds, 4.0), rate, seed).displacement
+    first = _record_from(settings, drive, voltage, -0.008, 4.0).displacement
     half = first[first.size // 2 :]
     start = -0.008 - 0.5 * float(half.min() + half.max())
-    return _record_from(settings, drive, voltage, start, seconds, rate, seed)
+    return _record_from(settings, drive, voltage, start, DURATION)
 
 
-def _record_from(
-    settings: RigSettings, drive: DutyReversals, voltage: float, start: float, seconds: float, rate: float, seed: int
-) -> Record:
+def _record_from(settings: RigSettings, drive: DutyReversals, voltage: float, start: float, seconds: float) -> Record:
     """A record that begins ``start`` m from the middle."""
-    rig = Simulator(settings, seed, position=start)
+    rig = Simulator(settings, position=start)
     ask, start_count = _request_sender(rig), int(np.floor(start / settings.encoder.count))
     _arm(settings, ask, start_count)
     rig.write(voltage / settings.supply.gain)
-    rig.start(rate)
-    blocks = [_read_block(rig, ask, rate) for _ in range(round(1.0 / BLOCK))]
+    rig.start(RATE)
+    blocks = [_read_block(rig, ask) for _ in range(round(1.0 / BLOCK))]
     ask(Request.REVERSE, round(255 * drive.duty), round(drive.half_period * 1e3), round(drive.pause * 1e3), 65535)
-    blocks += [_read_block(rig, ask, rate) for _ in range(round((seconds - 1.0) / BLOCK))]
+    blocks += [_read_block(rig, ask) for _ in range(round((seconds - 1.0) / BLOCK))]
     volts, counts = np.concatenate([v[0] for v, _ in blocks]), np.concatenate([c for _, c in blocks])
     return Record(
-        time=np.arange(volts.size) / rate,
+        time=np.arange(volts.size) / RATE,
         displacement=(counts + start_count) * settings.encoder.count,
         force=volts * settings.load_cell.scale,
         voltage=voltage,
@@ -177,8 +170,8 @@ def _request_sender(rig: Simulator) -> Callable[..., None]:
     return ask
 
 
-def _read_block(rig: Simulator, ask: Callable[..., None], rate: float) -> tuple[Array, NDArray[np.int64]]:
+def _read_block(rig: Simulator, ask: Callable[..., None]) -> tuple[Array, NDArray[np.int64]]:
     """A block of samples, and a heartbeat."""
-    samples = rig.read(max(1, round(BLOCK * rate)))
+    samples = rig.read(max(1, round(BLOCK * RATE)))
     ask(Request.HEARTBEAT)
     return samples
