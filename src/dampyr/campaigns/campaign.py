@@ -158,9 +158,37 @@ def read(path: str | Path, seed: int | None = None) -> Campaign:
 def campaign_of(
     document: Mapping[str, Any], folder: str | Path = ".", seed: int | None = None, max_tests: int = MAX_TESTS
 ) -> Campaign:
-    """The campaign in a table as TOML gives it; files that it names are looked for in ``folder``.
+    """The campaign in a table as TOML gives it.
 
-    Raises :class:`~dampyr.errors.InputError` where it has more than ``max_tests`` tests: they are counted before any is built.
+    Parameters
+    ----------
+    document
+        The header's fields, and under "step" a list of tables with a kind and its fields; quantities may be texts with a unit.
+    folder
+        Where the files that it names are looked for: ground motions, structures, tables of rows.
+    seed
+        Takes the place of the seed of the random order that the document states.
+    max_tests
+        The number of tests beyond which it is refused: they are counted before any is built.
+
+    Returns
+    -------
+    Campaign
+        The header and every test, in the order in which they run.
+
+    Raises
+    ------
+    InputError
+        A field is missing, not known or outside of its range, or there are too many tests.
+    MissingData
+        A file that it names is not there.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> step = {"kind": "sine", "amplitude": "5 mm", "frequency": ["1 Hz", "2 Hz"]}
+    >>> [test.name for test in dp.campaigns.campaign_of({"step": [step]}).tests]
+    ['01-sine-5mm-1Hz-0V', '02-sine-5mm-2Hz-0V']
     """
     allowed = [*(field.name for field in fields(Header)), "step"]
     for name in document:

@@ -144,10 +144,34 @@ def repairs(step: Any, rig: RigSettings, damper: Damper | None = None, limit: st
 def largest(
     step: Any, field: str, rig: RigSettings, damper: Damper | None = None, limit: str | None = None
 ) -> float | None:
-    """The largest value of ``field`` below the step's that passes the check, to three digits, rounded down.
+    """The largest value of ``field`` below the step's that passes the check, found by halving and then by bisection.
 
-    The whole check, or that of one ``limit``. None where lowering this field alone does not help. Found by halving until it
-    passes, and then by bisection.
+    Parameters
+    ----------
+    step
+        A step, such as `dampyr.campaigns.steps.sine.Sine`.
+    field
+        The name of its number that is lowered, such as "amplitude".
+    rig
+        The rig whose limits hold.
+    damper
+        Gives the expected force; None: a conservative envelope does.
+    limit
+        The name of the one limit that has to hold, such as "speed"; None: all of them.
+
+    Returns
+    -------
+    float or None
+        SI, to three digits, rounded down; None where lowering this field alone does not help.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> step = dp.campaigns.kind("sine")(amplitude=0.02, frequency=2.0)
+    >>> [violation.limit for violation in dp.campaigns.violations_of(step, dp.rig.RigSettings())]
+    ['speed']
+    >>> dp.campaigns.largest(step, "amplitude", dp.rig.RigSettings())
+    0.00539
     """
 
     def passes(value: float) -> bool:

@@ -116,8 +116,8 @@ def _planned_path(drive: Drive, rig: RigSettings) -> tuple[Array, Array]:
     timed = drive.reversals
     if timed is None:
         return drive.displacement, drive.voltage
-    t, whole = np.arange(drive.n) * drive.period, timed.half_period + timed.pause
-    stroke, since = np.divmod(t, whole)
-    share = np.minimum(2 * np.minimum(since, whole - since) / timed.half_period, 1.0) * (stroke < timed.count)
+    t, stroke_time = np.arange(drive.n) * drive.period, timed.half_period + timed.pause
+    stroke, since = np.divmod(t, stroke_time)
+    share = np.minimum(2 * np.minimum(since, stroke_time - since) / timed.half_period, 1.0) * (stroke < timed.count)
     v = np.where(stroke % 2, -1.0, 1.0) * share * timed.duty * rig.actuator.free_speed
     return np.asarray(np.cumsum(v) * drive.period), drive.voltage

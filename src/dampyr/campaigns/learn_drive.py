@@ -34,6 +34,7 @@ from dampyr.campaigns.learning import (
 from dampyr.campaigns.planned_tests import Plan, PlannedTest
 from dampyr.campaigns.record_test import take
 from dampyr.campaigns.step import Peaks
+from dampyr.campaigns.thresholds import USUAL, CampaignThresholds
 from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.recording import Recording
@@ -143,6 +144,7 @@ class DriveLearning:
     groups: Mapping[str, str]
     provenance: Mapping[str, str]
     play: Callable[[int, float | None], OnSamples]
+    thresholds: CampaignThresholds = USUAL
     tries: list[Try] = field(default_factory=list)
     origin: str = "the wanted drive"
     _next_points: Array | None = None
@@ -235,7 +237,10 @@ class DriveLearning:
         }  # fmt: skip
         judge = PlayJudge(self.wanted)
         on_samples = self.play(count, last)
-        take(self.table, planned, self.plan.campaign, path, number, self.groups, on_samples, provenance, judge)
+        take(
+            self.table, planned, self.plan.campaign, path, number, self.groups, on_samples, provenance, judge,
+            self.thresholds,
+        )  # fmt: skip
         self.table.meanwhile(lambda: self._add_try(number))
         result = self.tries[-1].tracking
         words = (

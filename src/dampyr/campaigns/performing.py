@@ -36,6 +36,7 @@ from dampyr.campaigns.recorded_tests import (
     set_aside,
 )
 from dampyr.campaigns.run_control import Progress, RunControl, Skipped, Stopped
+from dampyr.campaigns.thresholds import USUAL, CampaignThresholds
 from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.origin import as_origin, combined
 from dampyr.records.formats import h5
@@ -55,6 +56,7 @@ def perform(
     progress: Watcher | None = None,
     control: RunControl | None = None,
     again: Sequence[str] = (),
+    thresholds: CampaignThresholds | None = None,
 ) -> RecordedCampaign:
     """Run a campaign on a connected rig; its folder holds a file per test and the journal. The records are what it returns.
 
@@ -73,14 +75,31 @@ def perform(
     again
         Names of tests that are recorded again, each as a further try, although they are complete. A file of them that is
         broken is renamed, so that it is not read as a record.
+    thresholds
+        When what a test shows of itself becomes a mark of its record, or ends the campaign; None: the usual values.
 
-    Warns of settings of the rig that differ from those that the campaign was begun with; the journal and each further record
-    say how.
+    Returns
+    -------
+    RecordedCampaign
+        The records of the complete tests in ``folder``, the latest try of each.
 
-    Raises :class:`~dampyr.errors.InputError` before anything moves, :class:`~dampyr.errors.RigFault` where a safety layer
-    has acted, :class:`Stopped` where it was asked for, :class:`~dampyr.errors.FileError` where the disk is full. In every
-    case the table is at rest, the coil at 0 V, and the journal records the reason. A folder in which the file of a complete
-    test is gone or broken is not complete: what is left is run, after a warning, and then a FileError names these tests.
+    Raises
+    ------
+    InputError
+        Before anything moves: the rig cannot do a test, the folder holds another campaign, or the damper has to cool first.
+    RigFault
+        A safety layer has acted, or a mark has spoiled a test.
+    Stopped
+        It was asked for.
+    FileError
+        The disk is full, or the file of a complete test is elapsed or broken: what is left is run, after a warning, before.
+
+    In every case the table is at rest, the coil at 0 V, and the journal records the reason.
+
+    Warns
+    -----
+    DampyrWarning
+        Settings of the rig differ from those that the campaign was begun with: the journal and each further record say how.
 
     Examples
     --------
@@ -118,12 +137,22 @@ def perform(
             for name in again:
                 journal.repeat(name)
             lost = describe_lost(entries_with_files(journal.tests(), folder))
-            run = _Run(campaign_plan, rig, folder, journal, progress or (lambda _: None), control or RunControl())
+            run = _Run(
+                campaign_plan,
+                rig,
+                folder,
+                journal,
+                progress or (lambda _: None),
+                control or RunControl(),
+                thresholds or USUAL,
+            )
             if run.remaining_tests():
                 if lost:
                     warnings.warn(f"{folder}: {lost}", DampyrWarning, stacklevel=2)
                 run.restore_temperature()
                 run.provenance = _note_changed_settings(journal, rig)
+                if run.thresholds != USUAL:
+                    run.provenance |= {"thresholds": as_json(run.thresholds)}
                 run.perform()
             tests = entries_with_files(journal.tests(), folder)
     if lost := describe_lost(tests):
@@ -233,9 +262,10 @@ class _Run:
     journal: Journal
     progress: Watcher
     control: RunControl
+    thresholds: CampaignThresholds
     groups: Mapping[str, str] = field(default_factory=dict)
     """The session and the specimen of every test of this run."""
-    provenance: Mapping[str, str] = field(default_factory=dict)
+    provenance: dict[str, str] = field(default_factory=dict)
     """What the records of this run say besides."""
     _saved: float = field(default_factory=time.monotonic)
     """When the damper's temperature was saved last, s of a monotonic clock."""
@@ -337,7 +367,7 @@ class _Run:
         if self.plan.preliminary is not None and not self._checked:
             self._report_phase("preliminary check")
             table.go(float(self.plan.preliminary.displacement[0]))
-            self.journal.note("checked", preliminary_check(table, self.plan.preliminary))
+            self.journal.note("checked", preliminary_check(table, self.plan.preliminary, self.thresholds))
             self._checked = True
         table.verify()
 
@@ -370,7 +400,10 @@ class _Run:
             path = file_of(self.folder, test.name, attempt)
             on_samples = self._report_samples(table, test, remaining, "testing", before)
             played = replace(test, drive=drive)
-            marks = take(table, played, self.plan.campaign, path, attempt, self.groups, on_samples, provenance, judge)
+            marks = take(
+                table, played, self.plan.campaign, path, attempt, self.groups, on_samples, provenance, judge,
+                self.thresholds,
+            )  # fmt: skip
         except BaseException as problem:
             outcome = reason(problem)
             with _noting_trouble(problem):
@@ -397,7 +430,16 @@ class _Run:
             return self._report_samples(table, test, remaining, phase, (count - 1) * self.plan.try_time(test))
 
         return DriveLearning(
-            table, self.plan, test, self.folder, attempt, self.journal, self.groups, self.provenance, play
+            table,
+            self.plan,
+            test,
+            self.folder,
+            attempt,
+            self.journal,
+            self.groups,
+            self.provenance,
+            play,
+            self.thresholds,
         ).learn()
 
     def _report_samples(
@@ -412,13 +454,13 @@ class _Run:
             nonlocal first
             watch.take(samples)
             first = samples.first if first is None else first
-            gone = (samples.first + samples.n - first) / rate
+            elapsed = (samples.first + samples.n - first) / rate
             # The temperature is saved beside the rig's settings too, in a thread: a disk that hesitates holds nothing up.
             if time.monotonic() - self._saved >= SAVE_EVERY and not (self._saving and self._saving.is_alive()):
                 self._saved = time.monotonic()
                 self._saving = threading.Thread(target=self.rig.save_temperature, name="temperature", daemon=True)
                 self._saving.start()
-            fraction, left = gone / max(test.duration, 1e-9), time_left(self.plan, remaining, before + gone)
+            fraction, left = elapsed / max(test.duration, 1e-9), time_left(self.plan, remaining, before + elapsed)
             self.progress(
                 Progress(
                     max(0, total - remaining), total, test.name, phase, min(1.0, fraction), max(0.0, left), watch.cycles,

@@ -118,6 +118,11 @@ def plan(
     seed
         Of a campaign file in random order, in the place of the one that it states.
 
+    Returns
+    -------
+    Plan
+        Every test with its duration, peaks and expected force; ``refusals`` holds a sentence for each that the rig cannot do.
+
     Examples
     --------
     >>> import dampyr as dp

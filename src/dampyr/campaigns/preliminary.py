@@ -5,20 +5,20 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.campaigns.thresholds import USUAL, CampaignThresholds
 from dampyr.errors import RigFault
 from dampyr.rig.drive import Drive
 from dampyr.rig.session import ArmedRig
 
 Array = NDArray[np.float64]
-NEAR = 0.2  # by which the measured stroke may differ from the commanded one: a wrong scale differs by more
 
 
-def preliminary_check(table: ArmedRig, drive: Drive) -> str:
+def preliminary_check(table: ArmedRig, drive: Drive, thresholds: CampaignThresholds = USUAL) -> str:
     """The result in words; :class:`RigFault` where a test should not begin."""
     blocks = [(samples.displacement[selection], samples.force[selection]) for samples, selection in table.play(drive)]
     x, force = (np.concatenate(rows) for rows in zip(*blocks, strict=True))
     commanded, measured = float(np.ptp(drive.displacement)), float(np.ptp(x))
-    if abs(measured / commanded - 1.0) > NEAR:
+    if abs(measured / commanded - 1.0) > thresholds.stroke_error:
         raise RigFault(
             f"the slow stroke before the first test was {measured * 1e3:.2f} mm where {commanded * 1e3:.2f} mm were asked for; "
             "look at the encoder and the screw",

@@ -21,6 +21,7 @@ from dampyr.campaigns.kinds import kind
 from dampyr.campaigns.marks import Mark, MeasuredTest, marks_of, zero_moved
 from dampyr.campaigns.planned_tests import UNCHECKED, PlannedTest
 from dampyr.campaigns.run_control import Stopped, exit_status
+from dampyr.campaigns.thresholds import USUAL, CampaignThresholds
 from dampyr.errors import DampyrError, FileError, RigFault
 from dampyr.models.numerics.differentiation import differentiate, window
 from dampyr.records.checks.channel_uncertainty import ChannelUncertainty
@@ -50,13 +51,14 @@ def take(
     on_samples: Callable[[Samples], None],
     extra_provenance: Mapping[str, str] | None = None,
     judge: Judge | None = None,
+    thresholds: CampaignThresholds = USUAL,
 ) -> tuple[str, ...]:
     """Play a test and record it, in a file whose room is reserved before anything moves. The file says how the test ended; what
     ended it early is raised again.
 
     ``on_samples`` is called with each block. ``extra_provenance`` is added to that of the record, and what ``judge`` gives of
-    the samples of a test that came to its end. The marks of the test are given back; one that spoils it is raised as a
-    :class:`~dampyr.errors.RigFault`.
+    the samples of a test that came to its end. The marks of the test, by the ``thresholds``, are given back; one that spoils
+    it is raised as a :class:`~dampyr.errors.RigFault`.
     """
     record_header = header(table.rig, table.loop.calibration, planned, campaign, attempt, groups, extra_provenance)
     recording = Recording(path, capacity(planned.drive, table.rig), record_header)
@@ -70,7 +72,15 @@ def take(
     start_temperature, lost = table.temperature, LostCounts(table.rig.settings.encoder.count)
     table.rig.watchers.append(lost)
     try:
-        with finished(recording, table, started, marks, lambda: evidence(table, lost, start_temperature), judge):
+        with finished(
+            recording,
+            table,
+            started,
+            marks,
+            lambda: collect_evidence(table, lost, start_temperature),
+            judge,
+            thresholds,
+        ):
             for samples, selection in table.play(planned.drive):
                 if selection.stop > selection.start:
                     recording.append(file_rows(samples, selection, recording.header, table.rig.settings))
@@ -81,7 +91,7 @@ def take(
     return tuple(mark.text for mark in marks)
 
 
-def evidence(table: ArmedRig, lost: LostCounts, start_temperature: float) -> Evidence:
+def collect_evidence(table: ArmedRig, lost: LostCounts, start_temperature: float) -> Evidence:
     """What a test has shown of its own measurement; the damper was at ``start_temperature`` [degC] at its begin."""
     zero = table.zero
     shift = (zero[-2] - zero[0], zero[-1] - zero[0]) if len(zero) > 1 else None
@@ -111,6 +121,7 @@ def finished(
     marks: list[Mark],
     collect_evidence: Callable[[], Evidence],
     judge: Judge | None = None,
+    thresholds: CampaignThresholds = USUAL,
 ) -> Iterator[None]:
     """Finish the file, after the table was brought to rest if something ended the test early; ``marks`` takes those of it.
     ``collect_evidence`` gives what a test that came to its end has shown of its measurement, ``judge`` what its record says
@@ -131,8 +142,8 @@ def finished(
         raise
     outcome = started | {"ended": now(), "temperature_at_end_degC": f"{table.temperature:.2f}"}
     outcome |= _clock_held(table.rig.clock_held - held)
-    shown = collect_evidence()
-    table.meanwhile(lambda: marks.extend(_finish(recording, table.rig.settings, outcome, shown, judge)))
+    evidence = collect_evidence()
+    table.meanwhile(lambda: marks.extend(_finish(recording, table.rig.settings, outcome, evidence, judge, thresholds)))
     if any(mark.spoils for mark in marks):
         raise _spoiled(marks)
 
@@ -143,18 +154,22 @@ def _clock_held(seconds: float) -> dict[str, str]:
 
 
 def _finish(
-    recording: Recording, rig: RigSettings, outcome: dict[str, str], shown: Evidence, judge: Judge | None = None
+    recording: Recording,
+    rig: RigSettings,
+    outcome: dict[str, str],
+    evidence: Evidence,
+    judge: Judge | None,
+    thresholds: CampaignThresholds,
 ) -> list[Mark]:
     """Finish the file of a test that came to its end, complete unless a mark spoils it; its marks."""
     outcome = outcome | dict(judge(recording) if judge is not None else {})
-    marks = marks_of(lambda rows: measured_test(recording, rig, rows, shown.temperature), recording.rows)
-    marks += zero_moved(
-        shown, float(np.ptp(recording.read("calibrated/force", thinned(recording)))) if recording.rows else 0.0
-    )
-    if shown.doubt:
-        marks.append(Mark(shown.doubt))
+    marks = marks_of(lambda rows: measured_test(recording, rig, rows, evidence.temperature, thresholds), recording.rows)
+    span = float(np.ptp(recording.read("calibrated/force", thinned(recording)))) if recording.rows else 0.0
+    marks += zero_moved(evidence, span, thresholds)
+    if evidence.doubt:
+        marks.append(Mark(evidence.doubt))
     changes: dict[str, Any] = {"marks": tuple(mark.text for mark in marks)}
-    changes["uncertainty"] = uncertainty(recording, rig, shown)
+    changes["uncertainty"] = uncertainty(recording, rig, evidence)
     if "voltage" in recording.header.constants and "raw/coil_voltage" in recording.datasets:
         changes["constants"] = {"voltage": mean_voltage(recording, rig)}
         outcome = outcome | {SOURCE: MEASURED}  # tests at one voltage then count as such, whatever was read
@@ -168,7 +183,7 @@ def _finish(
     return marks
 
 
-def uncertainty(recording: Recording, rig: RigSettings, shown: Evidence) -> dict[str, ChannelUncertainty]:
+def uncertainty(recording: Recording, rig: RigSettings, evidence: Evidence) -> dict[str, ChannelUncertainty]:
     """The standard uncertainty of each channel of a test; none with too few samples for a record."""
     rows = recording.rows
     if rows < MIN_SAMPLES or rows < 5.0 * rig.board.rate / rig.board.velocity_bandwidth:
@@ -180,7 +195,7 @@ def uncertainty(recording: Recording, rig: RigSettings, shown: Evidence) -> dict
         time, x, force = (recording.read(f"calibrated/{name}", part) for name in ("time", "displacement", "force"))
         return time, x, force, recording.read("calibrated/voltage", part) if voltage is None else voltage
 
-    parts = budget(rig, shown, rows / rig.board.rate, map(piece, range(count)))
+    parts = budget(rig, evidence, rows / rig.board.rate, map(piece, range(count)))
     return {name: ChannelUncertainty(terms) for name, terms in parts.items()}
 
 
@@ -202,7 +217,9 @@ def _spoiled(marks: list[Mark]) -> RigFault:
     return RigFault(f"the test is spoiled: {'; '.join(mark.text for mark in marks if mark.spoils)}", "check")
 
 
-def measured_test(recording: Recording, rig: RigSettings, rows: slice, temperature: float) -> MeasuredTest:
+def measured_test(
+    recording: Recording, rig: RigSettings, rows: slice, temperature: float, thresholds: CampaignThresholds
+) -> MeasuredTest:
     """What was measured, as `dampyr.campaigns.marks` looks at it, with the damper at ``temperature`` [degC]."""
     coil = {
         name: recording.read(f"raw/{name}", rows) * scale
@@ -224,6 +241,7 @@ def measured_test(recording: Recording, rig: RigSettings, rows: slice, temperatu
         temperature,
         **coil,
         closed_loop=getattr(kind(recording.header.provenance["kind"]), "closed_loop", False),
+        thresholds=thresholds,
     )
 
 

@@ -19,6 +19,7 @@ Volts = Quantity("V", low=0.0)
 Seconds = Quantity("s", low=0.0)
 Time = Quantity("s", low=0.0, open_low=True)
 Rest = Quantity("s", low=0.0, high=60.0)
+Count = Quantity("", low=1.0)
 Period = Quantity("s", low=0.001, high=0.05)
 
 POINTS = 8  # set points that a cycle needs
@@ -94,13 +95,6 @@ def check_ranges(step: Any) -> None:
         if quantity is not None and value is not None:
             for number in value if isinstance(value, tuple) else (value,):
                 quantity.check(field.name, number)
-
-
-def at_least(step: Any, field: str, least: int) -> None:
-    """Raise :class:`InputError` where a whole number is less than ``least``."""
-    value = getattr(step, field)
-    if value < least:
-        raise InputError(f"{field} = {value} is not allowed; it must be at least {least}")
 
 
 def enough_points(period: float, frequency: float) -> None:

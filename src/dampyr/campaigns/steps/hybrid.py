@@ -22,7 +22,7 @@ from typing import Annotated, Any, ClassVar, Self
 import numpy as np
 
 from dampyr.campaigns.paths import AFTER, Array, PathPiece, hold, raised, sampled
-from dampyr.campaigns.step import Length, Peaks, Period, Rest, Time, Volts, at_least, check_ranges
+from dampyr.campaigns.step import Count, Length, Peaks, Period, Rest, Time, Volts, check_ranges
 from dampyr.errors import DampyrWarning, FileError, MissingData
 from dampyr.ground_motions import GroundMotion, el_centro, read
 from dampyr.hybrid.delayed_actuator import run_delayed
@@ -56,7 +56,7 @@ class Hybrid:
     clock: Annotated[float, Quantity("", low=1.0, high=100.0), "factor by which the building's time passes slower"] = (
         1.0
     )
-    storey: Annotated[int, "storey in which the damper stands"] = 1
+    storey: Annotated[int, Count, "storey in which the damper stands"] = 1
     voltage: Annotated[float, Volts, "voltage at the coil"] = 0.0
     duration: Annotated[
         float, Quantity("s", low=0.0), "part of the record that is used, from its begin; 0: all of it"
@@ -78,7 +78,6 @@ class Hybrid:
 
     def __post_init__(self) -> None:
         check_ranges(self)
-        at_least(self, "storey", 1)
 
     @property
     def title(self) -> str:
@@ -158,9 +157,9 @@ class Hybrid:
         after = way_back(float(during[-1]), float(rate[-1]) / self.clock, t)
         x = np.concatenate([before, during, after])
         begin = self.rest_before + grown
-        whole = round(begin / self.period), round((begin + STEADY / frequency) / self.period)
+        steady_cycles = round(begin / self.period), round((begin + STEADY / frequency) / self.period)
         return HybridDrive(
-            self.period, x, np.full(x.size, self.voltage), substructure=part, lead_in=len(before) - 1, cycles=whole,
+            self.period, x, np.full(x.size, self.voltage), substructure=part, lead_in=len(before) - 1, cycles=steady_cycles,
             clock=self.clock, reserve=self.reserve,
         )  # fmt: skip
 

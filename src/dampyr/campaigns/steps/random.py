@@ -24,7 +24,6 @@ from dampyr.campaigns.step import (
     Rest,
     Time,
     Volts,
-    at_least,
     check_ranges,
     enough_points,
 )
@@ -55,7 +54,8 @@ class Random:
 
     def __post_init__(self) -> None:
         check_ranges(self)
-        at_least(self, "seed", 0)
+        if self.seed < 0:
+            raise InputError(f"seed = {self.seed} is not allowed; it must be at least 0")
         enough_points(self.period, self.high)
         if floor(self.high * self.duration + 1e-9) <= ceil(self.low * self.duration - 1e-9):
             raise InputError(

@@ -15,7 +15,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from dampyr.campaigns.paths import AFTER, MAX_DURATION
-from dampyr.campaigns.step import Peaks, Period, Rest, Volts, at_least, check_ranges
+from dampyr.campaigns.step import Peaks, Period, Rest, Volts, check_ranges
 from dampyr.errors import InputError
 from dampyr.rig import Drive, RigSettings
 from dampyr.rig import DutyReversals as Timed
@@ -31,7 +31,7 @@ class Reversals:
         float, Quantity("", low=0.0, high=1.0, open_low=True), "duty at the top, as a part of the full voltage"
     ] = 1.0
     pause: Annotated[float, Quantity("s", low=0.0, high=5.0), "time for which the duty stays at the top"] = 0.05
-    count: Annotated[int, "number of strokes, one way each"] = 20
+    count: Annotated[int, Quantity("", low=2.0), "number of strokes, one way each"] = 20
     voltage: Annotated[float, Volts, "voltage at the coil"] = 0.0
     rest_before: Annotated[float, Rest, "rest before the motion, recorded so that offsets can be read"] = 2.0
     period: Annotated[float, Period, "time from set point to set point"] = 0.01
@@ -43,7 +43,6 @@ class Reversals:
 
     def __post_init__(self) -> None:
         check_ranges(self)
-        at_least(self, "count", 2)
 
     def drive(self, rig: RigSettings) -> Drive:
         """How long it takes, the voltage, and the reversals; its set points of the table are all 0."""

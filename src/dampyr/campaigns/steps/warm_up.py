@@ -14,13 +14,13 @@ from typing import Annotated, ClassVar
 
 from dampyr.campaigns.paths import around, sampled, swing
 from dampyr.campaigns.step import (
+    Count,
     Frequency,
     Length,
     Peaks,
     Period,
     Rest,
     Volts,
-    at_least,
     check_ranges,
     enough_points,
 )
@@ -35,7 +35,7 @@ class WarmUp:
     amplitude: Annotated[float, Length, "amplitude of the motion, half of the peak to peak"]
     frequency: Annotated[float, Frequency, "cycles per second"]
     voltage: Annotated[float, Volts, "voltage at the coil"] = 0.0
-    cycles: Annotated[int, "number of steady cycles at most"] = 50
+    cycles: Annotated[int, Count, "number of steady cycles at most"] = 50
     temperature: Annotated[
         float | None, Quantity("degC"), "temperature at which the test ends early; none: it ends after its cycles"
     ] = None
@@ -50,7 +50,6 @@ class WarmUp:
 
     def __post_init__(self) -> None:
         check_ranges(self)
-        at_least(self, "cycles", 1)
         enough_points(self.period, self.frequency)
 
     def drive(self, rig: RigSettings) -> Drive:
