@@ -211,7 +211,7 @@ def drifting_zero(measured: MeasuredTest) -> Iterator[Mark]:
     half, allowed = 0.5 * float(np.ptp(measured.force)), measured.thresholds
     try:
         record = Record(measured.time, measured.displacement, measured.force)
-    except InputError:  # too few samples for a record, which is said elsewhere
+    except InputError:  # samples that do not make a record are refused elsewhere
         return
     before, after = _force_at_rests(record)
     limit = allowed.rest_drift + allowed.rest_drift_share * half
@@ -409,7 +409,7 @@ def created_energy(measured: MeasuredTest) -> Iterator[Mark]:
     """A damper that gives energy in a whole cycle, or in the whole test: the force's sign is inverted."""
     try:
         record = Record(measured.time, measured.displacement, measured.force)
-    except InputError:  # too few samples for a record, which is said elsewhere
+    except InputError:  # samples that do not make a record are refused elsewhere
         return
     x, force = measured.displacement, measured.force
     # The integral of F dx is positive for what the damper takes, by the trapezoid rule at any sample.

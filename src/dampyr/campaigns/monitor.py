@@ -1,4 +1,4 @@
-"""What is told of a test while it runs: cycles, stroke, time left."""
+"""Progress of a test while it runs: cycles, stroke, time left."""
 
 from __future__ import annotations
 

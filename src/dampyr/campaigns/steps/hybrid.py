@@ -6,7 +6,7 @@ At each step the building's displacement at the damper goes to the table, and th
 back into the building. Before, whole cycles of a small sine show the table's lag and gain, and the static force. A table as
 small and slow as this one cannot move as a building does under most records: with ``fit_limits`` the plan lowers the scale s to
 what the rig can do, and says so. A ``clock`` of 5 lets the building's time pass 5 times slower instead; a force that depends on
-the velocity is wrong then, and by how much is said.
+the velocity is wrong then, and the plan says by how much.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The simulated rig in real time: it follows the wall clock, in the process that reads it.
 
 Such a rig stands for hardware, which waits for nobody; but where the machine is too busy for the process that simulates and
-reads it, its clock is held back, and what is late is no fault of the rig's. Time is measured by that clock.
+reads it, its clock is held back, and what is late is not a fault of the rig. Time is measured by that clock.
 """
 
 from __future__ import annotations
