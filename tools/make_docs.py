@@ -250,7 +250,7 @@ def unit_of(hint: Any) -> str:
     """The SI unit, or what else a value is; of a list, of each entry."""
     plain, quantity = split(hint)
     words = {int: "whole number", str: "text", bool: "true or false", float: "1"}
-    label = quantity.unit or "1" if quantity else words[plain]
+    label = words[plain] if quantity is None or plain is int else quantity.unit or "1"
     label = label if label != "1" else "–"
     return f"list, {label}" if get_origin(plain) is tuple else label
 

@@ -146,7 +146,7 @@ def test_tests_are_counted_before_any_is_built(tmp_path, monkeypatch):
     def built(*_):
         raise AssertionError("a test is built")
 
-    monkeypatch.setattr("dampyr.campaigns.campaign._step", built)
+    monkeypatch.setattr("dampyr.campaigns.campaign._build_step", built)
     (tmp_path / "rows.csv").write_text("amplitude [mm]\n" + "8\n" * 1500)
     for table in (
         {"rows": "rows.csv", "repeats": 2},

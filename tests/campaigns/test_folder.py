@@ -135,7 +135,7 @@ def test_a_whole_file_is_recorded_again_beside_itself(lab: Path) -> None:
     assert {name: after[name] for name in before} == before
     assert set(after) - set(before) == {f"{SECOND}.try2.h5"}
     with pytest.raises(
-        InputError, match=f"again = 'third' is no test of this campaign; its tests are {FIRST}, {SECOND}"
+        InputError, match=f"again = 'third' is not a test of this campaign; its tests are {FIRST}, {SECOND}"
     ):
         perform(lab / "short.toml", rig(), lab / "out", again=["third"])
 
@@ -255,10 +255,10 @@ def test_a_journal_with_the_digest_of_paths_is_gone_on_with(tmp_path: Path) -> N
     read = campaign.read(tmp_path / "quake.toml")
     assert read.path_digest != read.digest
     with closing(Journal(tmp_path / "out")) as journal:
-        journal.say({"digest": read.path_digest, "contents": ""})
+        journal.set_metadata({"digest": read.path_digest, "contents": ""})
     perform(tmp_path / "quake.toml", rig(), tmp_path / "out")
     with closing(Journal(tmp_path / "out")) as journal:
-        assert journal.said("digest") == read.digest
+        assert journal.get_metadata("digest") == read.digest
 
 
 def test_the_motion_of_a_changed_file_is_read_anew(tmp_path: Path) -> None:
@@ -290,7 +290,7 @@ def test_settings_that_were_changed_are_told_and_kept_with_each_record(lab: Path
     with pytest.warns(DampyrWarning, match="made anew"), pytest.warns(DampyrWarning, match=words):
         perform(lab / "short.toml", simulated(changed), lab / "out", again=[FIRST])
     with closing(Journal(lab / "out")) as journal:
-        assert json.loads(journal.said("rig"))["load_cell"]["scale"] == 613.0
+        assert json.loads(journal.get_metadata("rig"))["load_cell"]["scale"] == 613.0
 
 
 def at_the_second_test(act: Callable[[], object]) -> Callable[[Progress], None]:

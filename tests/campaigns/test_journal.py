@@ -70,7 +70,7 @@ def test_a_disk_that_takes_no_entry_is_told(tmp_path: Path) -> None:
 
 def test_what_is_no_journal_is_told(tmp_path: Path) -> None:
     (tmp_path / "journal.sqlite").write_text("no journal at all " * 100)
-    with pytest.raises(FileError, match="is no journal of a campaign, or is broken"):
+    with pytest.raises(FileError, match="is not the journal of a campaign, or is broken"):
         Journal(tmp_path)
     with pytest.raises(InputError, match=r"has no journal.sqlite"):
         read_journal(tmp_path / "nowhere")
@@ -82,7 +82,7 @@ def test_what_is_no_journal_is_told_with_the_way_out(tmp_path: Path, how: str) -
         (tmp_path / "journal.sqlite").write_text("not a database, and longer than its header of one hundred bytes" * 3)
     elif how == "schema":
         journal = Journal(tmp_path)
-        journal.say({"schema": "abc"})
+        journal.set_metadata({"schema": "abc"})
         journal.close()
     else:
         with closing(sqlite3.connect(tmp_path / "journal.sqlite")) as base:

@@ -238,7 +238,7 @@ class TestManyPlants:
         assert batch.worst("J4") == int(np.argmax(batch.true[:, 3]))
         assert "3" in repr(batch)
         assert list(batch.to_dataframe()["J2"]) == list(batch.true[:, 1])
-        with pytest.raises(InputError, match="'J10' is no criterion"):
+        with pytest.raises(InputError, match="'J10' is not a criterion"):
             batch.worst("J10")
 
     def test_an_unstable_plant_is_counted(self, building: Building, motion: GroundMotion) -> None:

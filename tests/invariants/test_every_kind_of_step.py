@@ -126,7 +126,7 @@ def drawn(name: str, data: st.DataObject) -> Any:
     arguments: dict[str, Any] = {}
     for f in dataclasses.fields(cls):
         hint, quantity = split(get_type_hints(cls, include_extras=True)[f.name])
-        if quantity is None or quantity.unit == "degC" or f.name in ("period", "rest_before"):
+        if quantity is None or hint is int or quantity.unit == "degC" or f.name in ("period", "rest_before"):
             continue
         low, high = SPANS[quantity.unit]
         value = st.floats(max(low, quantity.low if np.isfinite(quantity.low) else low), min(high, quantity.high))

@@ -61,7 +61,7 @@ class TestTheBuildings:
         assert masses == [1000.0, 1100.0, 1300.0, 1000.0]
 
     def test_another_case_is_refused(self) -> None:
-        with pytest.raises(InputError, match="case 5 is none of the benchmark's"):
+        with pytest.raises(InputError, match="case 5 is not one of the benchmark's"):
             vrths_2020.structure(5)
 
     def test_the_peaks_of_the_reference(self, el_centro: GroundMotion) -> None:
@@ -82,7 +82,7 @@ class TestTheMotions:
         (tmp_path / "ElCentroAccelNoScaling.mat").write_bytes(b"no MATLAB file" * 20)
         with pytest.raises(FileError, match="has no motion ElCentroAccel"):
             vrths_2020.motion("El Centro", tmp_path)
-        with pytest.raises(InputError, match="'Morgan' is no motion"):
+        with pytest.raises(InputError, match="'Morgan' is not a motion"):
             vrths_2020.motion("Morgan", tmp_path)
 
 

@@ -29,7 +29,7 @@ from dampyr.units import Quantity, round_trip
 
 ORDERS = ("as written", "random")
 MAX_TESTS = 2000  # a day and a half at a minute each; more is most likely a slip in `repeats`
-OWN = ("kind", "repeats", "zip", "rows", "learn")
+TABLE_KEYS = ("kind", "repeats", "zip", "rows", "learn")
 """What a ``[[step]]`` may say beside the fields of its kind."""
 
 
@@ -37,20 +37,24 @@ OWN = ("kind", "repeats", "zip", "rows", "learn")
 class Header:
     """What stands above the steps."""
 
-    name: Annotated[str, "of the campaign"] = ""
-    operator: Annotated[str, "who answers for it"] = ""
-    note: Annotated[str, "kept with every record"] = ""
+    name: Annotated[str, "name of the campaign; empty: that of its file"] = ""
+    operator: Annotated[str, "person who answers for the campaign"] = ""
+    note: Annotated[str, "remark that every record holds"] = ""
     measurement_session: Annotated[
-        str, "one day's records on one mounting; kept with every record; empty: the day of the run and the specimen"
+        str, "name for one day's records on one mounting, in every record; empty: the day of the run and the specimen"
     ] = ""
-    specimen: Annotated[str, "which damper is tested; kept with every record; empty: as the rig's file says"] = ""
-    seed: Annotated[int, "of the random order"] = 0
-    order: Annotated[str, '"as written" or "random"; warm-ups and rests keep their place'] = "as written"
-    rest_between: Annotated[float, Quantity("s", low=0.0, high=3600.0), "from one test to the next"] = 5.0
+    specimen: Annotated[str, "name of the damper that is tested, in every record; empty: as the rig's file says"] = ""
+    seed: Annotated[int, "seed of the random order"] = 0
+    order: Annotated[str, 'order of the tests, "as written" or "random"; warm-ups and rests keep their place'] = (
+        "as written"
+    )
+    rest_between: Annotated[float, Quantity("s", low=0.0, high=3600.0), "rest from one test to the next"] = 5.0
     check_amplitude: Annotated[
-        float, Quantity("m", low=0.0), "of a slow stroke before the first test; 0 leaves it out"
+        float, Quantity("m", low=0.0), "amplitude of a slow stroke before the first test; 0 leaves it out"
     ] = 0.002
-    learn: Annotated[bool, "every test whose drive can be learned is, unless its step says learn = false"] = False
+    learn: Annotated[
+        bool, "learn the drive of every test whose drive can be learned, unless its step says learn = false"
+    ] = False
 
     def __post_init__(self) -> None:
         if self.order not in ORDERS:
@@ -90,13 +94,12 @@ class Test(Shown):
     @property
     def additions(self) -> tuple[str, ...]:
         """What it is besides the fields that every release has had, where it is not as they were without: for the digest."""
-        later = [field for field in fields(self.step) if not field.repr]
-        said = [
-            f"{one.name} = {getattr(self.step, one.name)!r}"
-            for one in later
-            if getattr(self.step, one.name) != one.default
+        changed = [
+            f"{field.name} = {getattr(self.step, field.name)!r}"
+            for field in fields(self.step)
+            if not field.repr and getattr(self.step, field.name) != field.default
         ]
-        return (*said, *(("learn",) if self.learn else ()))
+        return (*changed, *(("learn",) if self.learn else ()))
 
     @property
     def where(self) -> str:
@@ -148,15 +151,44 @@ def read(path: str | Path, seed: int | None = None) -> Campaign:
         raise
     except DampyrError as problem:
         raise FileError(path, str(problem)) from None
-    return replace(campaign, source=path.read_text("utf-8"), header=_named(campaign.header, path.stem))
+    header = campaign.header if campaign.header.name else replace(campaign.header, name=path.stem)
+    return replace(campaign, source=path.read_text("utf-8"), header=header)
 
 
 def campaign_of(
     document: Mapping[str, Any], folder: str | Path = ".", seed: int | None = None, max_tests: int = MAX_TESTS
 ) -> Campaign:
-    """The campaign in a table as TOML gives it; files that it names are looked for in ``folder``.
+    """The campaign in a table as TOML gives it.
 
-    Raises :class:`~dampyr.errors.InputError` where it has more than ``max_tests`` tests: they are counted before any is built.
+    Parameters
+    ----------
+    document
+        The header's fields, and under "step" a list of tables with a kind and its fields; quantities may be texts with a unit.
+    folder
+        Where the files that it names are looked for: ground motions, structures, tables of rows.
+    seed
+        Takes the place of the seed of the random order that the document states.
+    max_tests
+        The number of tests beyond which it is refused: they are counted before any is built.
+
+    Returns
+    -------
+    Campaign
+        The header and every test, in the order in which they run.
+
+    Raises
+    ------
+    InputError
+        A field is missing, not known or outside of its range, or there are too many tests.
+    MissingData
+        A file that it names is not there.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> step = {"kind": "sine", "amplitude": "5 mm", "frequency": ["1 Hz", "2 Hz"]}
+    >>> [test.name for test in dp.campaigns.campaign_of({"step": [step]}).tests]
+    ['01-sine-5mm-1Hz-0V', '02-sine-5mm-2Hz-0V']
     """
     allowed = [*(field.name for field in fields(Header)), "step"]
     for name in document:
@@ -164,30 +196,33 @@ def campaign_of(
             raise InputError(unknown(name, name, allowed))
     head = {name: value for name, value in document.items() if name != "step"}
     header = fill(Header, head | ({} if seed is None else {"seed": seed}))
-    steps = document.get("step")
-    if not isinstance(steps, list) or not steps or not all(isinstance(each, Mapping) for each in steps):
+    step_tables = document.get("step")
+    if (
+        not isinstance(step_tables, list)
+        or not step_tables
+        or not all(isinstance(table, Mapping) for table in step_tables)
+    ):
         raise InputError("there is no step; give at least one table [[step]] with its kind")
-    read_steps = [_read_step(table, k + 1, Path(folder), header.learn) for k, table in enumerate(steps)]
-    _check_count(read_steps, max_tests)
-    written = [each for step in read_steps for each in _steps(step, Path(folder))]
-    count = len(written)
-    tests = [test for k, each in enumerate(written) for test in _tests(k + 1, count, *each)]
-    return Campaign(header, tuple(_ordered(tests, header)))
-
-
-def _named(header: Header, name: str) -> Header:
-    return header if header.name else replace(header, name=name)
+    tables = [_read_step(table, k + 1, Path(folder), header.learn) for k, table in enumerate(step_tables)]
+    _check_count(tables, max_tests)
+    steps = [
+        (table, _build_step(table.cls, row, table.where, Path(folder)))
+        for table in tables
+        for row in expanded(table.fields, table.cls, table.where, table.zipped, table.rows)
+    ]
+    tests = [test for k, (table, step) in enumerate(steps) for test in _repeat_test(k + 1, len(steps), table, step)]
+    return Campaign(header, tuple(_order_tests(tests, header)))
 
 
 @dataclass(frozen=True)
-class _Step:
-    """One ``[[step]]`` before it becomes tests: its fields, and the rows of the table that it names."""
+class _StepTable:
+    """A ``[[step]]`` before it becomes tests: its fields, and the rows of the table that it names."""
 
     where: str
     number: int
     kind: str
     cls: Any
-    table: Row
+    fields: Row
     zipped: bool
     rows: list[Row]
     repeats: int
@@ -196,10 +231,10 @@ class _Step:
     @property
     def count(self) -> int:
         """Number of its tests."""
-        return count_rows(self.table, self.cls, self.zipped, self.rows)[0] * self.repeats
+        return count_rows(self.fields, self.cls, self.zipped, self.rows)[0] * self.repeats
 
 
-def _read_step(table: Mapping[str, Any], number: int, folder: Path, learn_all: bool) -> _Step:
+def _read_step(table: Mapping[str, Any], number: int, folder: Path, learn_all: bool) -> _StepTable:
     where = f"step {number}"
     if "kind" not in table:
         raise InputError(f'{where}.kind is missing; give the kind of step, such as kind = "sine"')
@@ -211,13 +246,14 @@ def _read_step(table: Mapping[str, Any], number: int, folder: Path, learn_all: b
     repeats = value_of(int, table.get("repeats", 1), f"{where}.repeats")
     if repeats < 1:
         raise InputError(f"{where}.repeats = {repeats} is not allowed; it must be at least 1")
-    own = {name: value for name, value in table.items() if name not in OWN}
+    step_fields = {name: value for name, value in table.items() if name not in TABLE_KEYS}
     rows = read_rows(folder / value_of(str, table["rows"], f"{where}.rows")) if "rows" in table else []
     zipped = value_of(bool, table.get("zip", False), f"{where}.zip")
-    return _Step(where, number, kind, cls, own, zipped, rows, repeats, _learn(table, where, kind, cls, learn_all))
+    learn = _is_learned(table, where, kind, cls, learn_all)
+    return _StepTable(where, number, kind, cls, step_fields, zipped, rows, repeats, learn)
 
 
-def _learn(table: Mapping[str, Any], where: str, kind: str, cls: Any, learn_all: bool) -> bool:
+def _is_learned(table: Mapping[str, Any], where: str, kind: str, cls: Any, learn_all: bool) -> bool:
     """Whether the drives of a step are learned."""
     can = bool(getattr(cls, "learns", False))
     learn = value_of(bool, table.get("learn", learn_all and can), f"{where}.learn")
@@ -229,44 +265,39 @@ def _learn(table: Mapping[str, Any], where: str, kind: str, cls: Any, learn_all:
     return learn
 
 
-def _check_count(steps: list[_Step], max_tests: int) -> None:
+def _check_count(steps: list[_StepTable], max_tests: int) -> None:
     """Refuse too many tests by their number, with the lists that they come from."""
     total = sum(step.count for step in steps)
     if total <= max_tests:
         return
     largest = max(steps, key=lambda step: step.count)
-    number, factors = count_rows(largest.table, largest.cls, largest.zipped, largest.rows)
+    number, factors = count_rows(largest.fields, largest.cls, largest.zipped, largest.rows)
     if largest.repeats > 1:
-        factors, number = [*factors, f"{_shown(largest.repeats)} repeats"], number * largest.repeats
-    grid = f" ({largest.where}: {' x '.join(factors)} = {_shown(number)})" if len(factors) > 1 else ""
+        factors, number = [*factors, f"{_readable_count(largest.repeats)} repeats"], number * largest.repeats
+    grid = f" ({largest.where}: {' x '.join(factors)} = {_readable_count(number)})" if len(factors) > 1 else ""
     raise InputError(
-        f"the campaign has {_shown(total)} tests{grid}; split it into several of at most {_shown(max_tests)}, "
-        "or give shorter lists"
+        f"the campaign has {_readable_count(total)} tests{grid}; split it into several of at most "
+        f"{_readable_count(max_tests)}, or give shorter lists"
     )
 
 
-def _shown(count: int) -> str:
+def _readable_count(count: int) -> str:
     """A number of tests for a person; a power of ten where it is too long to read."""
     return f"{count:,}" if count < 10**15 else "more than 10^15"
 
 
-def _steps(step: _Step, folder: Path) -> Iterator[tuple[int, str, Any, int, bool]]:
-    """Each step of one ``[[step]]``: its number, kind, dataclass, how often it is repeated, whether its drive is learned."""
-    for row in expanded(step.table, step.cls, step.where, step.zipped, step.rows):
-        yield step.number, step.kind, _step(step.cls, row, step.where, folder), step.repeats, step.learn
-
-
-def _step(cls: Any, row: Row, where: str, folder: Path) -> Any:
-    row = _halved(cls, row, where)
+def _build_step(cls: Any, row: Row, where: str, folder: Path) -> Any:
+    """The step of one row of fields; files that it names are looked for in ``folder``."""
+    row = _halve_peak_to_peak(cls, row, where)
     try:
-        made = fill(cls, row, where)
+        step = fill(cls, row, where)
     except InputError as problem:
         text = str(problem)
         raise InputError(text if text.startswith(where) else f"{where}.{text}") from None
-    return made.located_in(folder) if hasattr(made, "located_in") else made
+    return step.located_in(folder) if hasattr(step, "located_in") else step
 
 
-def _halved(cls: Any, row: Row, where: str) -> Row:
+def _halve_peak_to_peak(cls: Any, row: Row, where: str) -> Row:
     """``peak_to_peak`` is another way to say the amplitude, of every kind that has one."""
     if "peak_to_peak" not in row or "amplitude" not in {field.name for field in fields(cls)}:
         return row
@@ -276,20 +307,20 @@ def _halved(cls: Any, row: Row, where: str) -> Row:
     return {name: value for name, value in row.items() if name != "peak_to_peak"} | {"amplitude": round_trip(whole / 2)}
 
 
-def _tests(
-    number: int, count: int, step_number: int, kind: str, step: Any, repeats: int, learn: bool
-) -> Iterator[Test]:
+def _repeat_test(number: int, count: int, table: _StepTable, step: Any) -> Iterator[Test]:
+    """The test with that number of ``count``, once for each of its repeats."""
     digits = max(2, len(str(count)))
     tags = [re.sub(r"[^\w.+-]", "_", shown(step, name, "").replace("/", "p")) for name in step.named]
-    name = "-".join([f"{number:0{digits}d}", kind, *(tag for tag in tags if tag)])
-    for k in range(1, repeats + 1):
-        yield Test(number, step_number, kind, step, k, f"{name}-r{k}" if repeats > 1 else name, learn)
+    name = "-".join([f"{number:0{digits}d}", table.kind, *(tag for tag in tags if tag)])
+    for k in range(1, table.repeats + 1):
+        repeat_name = f"{name}-r{k}" if table.repeats > 1 else name
+        yield Test(number, table.number, table.kind, step, k, repeat_name, table.learn)
 
 
-def _ordered(tests: list[Test], header: Header) -> Iterator[Test]:
+def _order_tests(tests: list[Test], header: Header) -> Iterator[Test]:
     """As written, or drawn by the seed between the tests that keep their place."""
     rng = np.random.default_rng(header.seed)
-    for fixed, group in groupby(tests, key=lambda test: bool(test.step.fixed)):
-        run = list(group)
-        drawn = range(len(run)) if fixed or header.order == "as written" else rng.permutation(len(run))
-        yield from (run[int(k)] for k in drawn)
+    for fixed, neighbours in groupby(tests, key=lambda test: bool(test.step.fixed)):
+        group = list(neighbours)
+        places = range(len(group)) if fixed or header.order == "as written" else rng.permutation(len(group))
+        yield from (group[int(k)] for k in places)

@@ -7,7 +7,6 @@ the speed that the motor's lag makes of it, :math:`|v + \\tau a|`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import floor, log10
 from typing import Any
@@ -24,7 +23,7 @@ from dampyr.units import round_trip
 STROKE_MARGIN = 0.0005  # m that the path stays inside of the stroke: the table follows its set points with an error
 MAX_DURATION = 7200.0  # s of one test
 DIGITS = 3
-HALVINGS = 16  # down to 3e-5 of the value: what passes only below that is no repair
+HALVINGS = 16  # down to 3e-5 of the value: what passes only below that does not repair a test
 
 
 @dataclass(frozen=True)
@@ -39,7 +38,9 @@ def violations_of(step: Any, rig: RigSettings, damper: Damper | None = None) -> 
     """What the rig cannot do of a step; empty where it can do all of it."""
     drive = step.drive(rig)
     violations = [*_duration(drive), *_temperature(drive, rig), *_voltage(drive, rig, damper)]
-    if not any(each.limit in ("voltage", "duration") for each in violations):  # the force follows from the voltage
+    if not any(
+        violation.limit in ("voltage", "duration") for violation in violations
+    ):  # the force follows from the voltage
         trajectory = course(drive, rig, damper)
         violations += [
             *_stroke(step, trajectory, rig),
@@ -77,7 +78,7 @@ def _voltage(drive: Drive, rig: RigSettings, damper: Damper | None) -> list[Viol
     if damper is None:
         return []
     factor = 1.0 if damper.input == "V" else rig.supply.resistance
-    low, top = (each * factor for each in damper.range)
+    low, top = (value * factor for value in damper.range)
     slack = 1e-9 * max(abs(low), abs(top), 1.0)
     for worst in (high, float(drive.voltage.min())):
         if not low - slack <= worst <= top + slack:
@@ -134,17 +135,43 @@ def repairs(step: Any, rig: RigSettings, damper: Damper | None = None, limit: st
     for field in step.lowers:
         value = largest(step, field, rig, damper, limit)
         if value is not None:
-            suggestions.append(f"the {field.replace('_', ' ')} to {_value(replace(step, **{field: value}), field)}")
+            unit = quantity_of(step, field).unit
+            lowered = shown(replace(step, **{field: value}), field) if unit else f"{value:.6g}"
+            suggestions.append(f"the {field.replace('_', ' ')} to {lowered}")
     return tuple(suggestions)
 
 
 def largest(
     step: Any, field: str, rig: RigSettings, damper: Damper | None = None, limit: str | None = None
 ) -> float | None:
-    """The largest value of ``field`` below the step's that passes the check, to three digits, rounded down.
+    """The largest value of ``field`` below the step's that passes the check, found by halving and then by bisection.
 
-    The whole check, or that of one ``limit``. None where lowering this field alone does not help. Found by halving until it
-    passes, and then by bisection.
+    Parameters
+    ----------
+    step
+        A step, such as `dampyr.campaigns.steps.sine.Sine`.
+    field
+        The name of its number that is lowered, such as "amplitude".
+    rig
+        The rig whose limits hold.
+    damper
+        Gives the expected force; None: a conservative envelope does.
+    limit
+        The name of the one limit that has to hold, such as "speed"; None: all of them.
+
+    Returns
+    -------
+    float or None
+        SI, to three digits, rounded down; None where lowering this field alone does not help.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> step = dp.campaigns.kind("sine")(amplitude=0.02, frequency=2.0)
+    >>> [violation.limit for violation in dp.campaigns.violations_of(step, dp.rig.RigSettings())]
+    ['speed']
+    >>> dp.campaigns.largest(step, "amplitude", dp.rig.RigSettings())
+    0.00539
     """
 
     def passes(value: float) -> bool:
@@ -152,27 +179,18 @@ def largest(
             violations = violations_of(replace(step, **{field: value}), rig, damper)
         except InputError:  # such as a frequency below the least that is allowed
             return False
-        return not [each for each in violations if limit in (None, each.limit)]
+        return not [violation for violation in violations if limit in (None, violation.limit)]
 
-    high = float(getattr(step, field))
-    low = next((high * 0.5**k for k in range(1, HALVINGS) if high > 0 and passes(high * 0.5**k)), None)
-    return None if low is None else _down(_bisected(passes, low, min(2 * low, high)), passes)
-
-
-def _bisected(passes: Callable[[float], bool], low: float, high: float) -> float:
-    """The largest value that passes, to a hundred-thousandth: ``low`` does, ``high`` does not."""
+    highest = float(getattr(step, field))
+    halves = (highest * 0.5**k for k in range(1, HALVINGS) if highest > 0)
+    low = next((value for value in halves if passes(value)), None)
+    if low is None:
+        return None
+    high = min(2 * low, highest)  # does not pass: the halving would have stopped there
     while high - low > 1e-5 * low:
         middle = 0.5 * (low + high)
         low, high = (middle, high) if passes(middle) else (low, middle)
-    return low
-
-
-def _down(value: float, passes: Callable[[float], bool]) -> float:
-    """``value`` > 0 rounded down to three digits, if that passes too."""
-    unit = 10.0 ** (floor(log10(value)) - DIGITS + 1)
-    rounded = round_trip(floor(value / unit + 2e-3) * unit)
-    return rounded if passes(rounded) else value
-
-
-def _value(step: Any, field: str) -> str:
-    return shown(step, field) if quantity_of(step, field).unit else f"{getattr(step, field):.6g}"
+    unit = 10.0 ** (floor(log10(low)) - DIGITS + 1)
+    # The bisection ends up to 1e-5 below the bound, which may itself be a round value: 6.19996 mm is to give 6.2 mm.
+    rounded = round_trip(floor(low / unit + 2e-3) * unit)
+    return rounded if passes(rounded) else low

@@ -23,7 +23,7 @@ def contents_of(campaign: Campaign) -> str:
 
 
 def _fields(test: Test) -> dict[str, Any]:
-    files = {f"{name} (contents)": text for name, text in test.contents.items()}
+    files = {f"{name} (contents)": digest for name, digest in test.contents.items()}
     return dataclasses.asdict(test.step) | files | ({LEARN: True} if test.learn else {})
 
 
@@ -35,19 +35,19 @@ def campaign_differences(saved: str, names: Sequence[str], campaign: Campaign) -
     before = {name: (kind, fields) for name, kind, fields in (json.loads(saved) if saved else ())}
     names = list(before) or list(names)
     now = {test.name: test for test in campaign.tests}
-    said = [f"{name} is not in it any more" for name in names if name not in now]
-    said += [f"{name} is new in it" for name in now if name not in names]
-    if not said and names != list(now):
-        said.append("its tests have another order")
+    differences = [f"{name} is not in it any more" for name in names if name not in now]
+    differences += [f"{name} is new in it" for name in now if name not in names]
+    if not differences and names != list(now):
+        differences.append("its tests have another order")
     for name, (_, fields) in before.items():
         if name in now:
-            said += [f"{name}: {words}" for words in _step_differences(fields, now[name])]
-    return _listed(said) or "the fields of its steps differ"
+            differences += [f"{name}: {words}" for words in _step_differences(fields, now[name])]
+    return _list_first(differences) or "the fields of its steps differ"
 
 
 def step_differences(saved: str, test: Test) -> str:
     """How a test differs from the step that was ``saved`` as JSON, in words; empty where it does not."""
-    return _listed(list(_step_differences(json.loads(saved), test)))
+    return _list_first(list(_step_differences(json.loads(saved), test)))
 
 
 def _step_differences(before: Mapping[str, Any], test: Test) -> Iterator[str]:
@@ -61,10 +61,10 @@ def _step_differences(before: Mapping[str, Any], test: Test) -> Iterator[str]:
             if name.endswith(" (contents)"):
                 yield f"the file of its {name.removesuffix(' (contents)')} holds something else"
             else:
-                yield f"{name} was {_shown(test, name, before[name])}, is {_shown(test, name, value)}"
+                yield f"{name} was {_readable_field(test, name, before[name])}, is {_readable_field(test, name, value)}"
 
 
-def _shown(test: Test, name: str, value: Any) -> str:
+def _readable_field(test: Test, name: str, value: Any) -> str:
     """A field with its unit, as far as the value is one that the step may have."""
     value = tuple(value) if isinstance(value, list) else value
     try:
@@ -76,31 +76,27 @@ def _shown(test: Test, name: str, value: Any) -> str:
 def settings_differences(saved: str, rig: RigSettings) -> str:
     """How a rig differs from the settings that were ``saved`` as JSON, in words; empty where it does not."""
     before, now = json.loads(saved), json.loads(json.dumps(dataclasses.asdict(rig), default=str))
-    said = []
+    differences = []
     for table, value in now.items():
+        hints = get_type_hints(type(getattr(rig, table)), include_extras=True) if isinstance(value, dict) else {}
         pairs = value.items() if isinstance(value, dict) else [("", value)]
         for name, new in pairs:
             old = before.get(table, new)
             old = old.get(name, new) if name and isinstance(old, dict) else old
             if old != new:
-                where, quantity = f"{table}.{name}".rstrip("."), _unit(rig, table, name)
-                said.append(f"{where} was {_with_unit(old, quantity)}, is {_with_unit(new, quantity)}")
-    return "; ".join(said)
+                where, quantity = f"{table}.{name}".rstrip("."), split(hints.get(name))[1]
+                unit = quantity.unit if quantity else ""
+                differences.append(f"{where} was {_readable(old, unit)}, is {_readable(new, unit)}")
+    return "; ".join(differences)
 
 
-def _unit(rig: RigSettings, table: str, name: str) -> str:
-    hints = get_type_hints(type(getattr(rig, table)), include_extras=True) if name else {}
-    quantity = split(hints.get(name))[1]
-    return quantity.unit if quantity else ""
-
-
-def _with_unit(value: Any, unit: str) -> str:
+def _readable(value: Any, unit: str) -> str:
     if isinstance(value, bool) or not isinstance(value, int | float):
         return repr(value)
     word, factor = for_people(unit) if unit else ("", 1.0)
     return f"{value * factor:.6g} {word}".strip()
 
 
-def _listed(said: Sequence[str]) -> str:
-    more = [f"and {len(said) - LISTED} more"] if len(said) > LISTED else []
-    return "; ".join([*said[:LISTED], *more])
+def _list_first(differences: Sequence[str]) -> str:
+    more = [f"and {len(differences) - LISTED} more"] if len(differences) > LISTED else []
+    return "; ".join([*differences[:LISTED], *more])

@@ -23,11 +23,12 @@ def expanded(table: Mapping[str, Any], cls: Any, where: str, zipped: bool, rows:
         if not values:
             raise InputError(f"{where}.{name} = [] is empty; give at least one value")
     single = {name: value for name, value in table.items() if name not in axes}
-    chosen = [dict(zip(axes, values)) for values in (_together(axes, where) if zipped else product(*axes.values()))]
+    value_rows = _zip_lists(axes, where) if zipped else product(*axes.values())
+    combinations = [dict(zip(axes, values)) for values in value_rows]
     for name in rows[0] if rows else ():
         if name in table:
             raise InputError(f"{where}.{name} stands in the step and in its table of rows; give it in one place")
-    return [{**row, **single, **one} for row in rows or [{}] for one in chosen]
+    return [{**row, **single, **combination} for row in rows or [{}] for combination in combinations]
 
 
 def count_rows(table: Mapping[str, Any], cls: Any, zipped: bool, rows: Sequence[Row]) -> tuple[int, list[str]]:
@@ -45,11 +46,11 @@ def count_rows(table: Mapping[str, Any], cls: Any, zipped: bool, rows: Sequence[
 def _is_axis(cls: Any, name: str, value: Any) -> bool:
     hint = split(get_type_hints(cls, include_extras=True).get(name))[0]
     if get_origin(hint) is tuple:
-        return isinstance(value, list) and bool(value) and all(isinstance(each, list) for each in value)
+        return isinstance(value, list) and bool(value) and all(isinstance(item, list) for item in value)
     return isinstance(value, list)
 
 
-def _together(axes: Mapping[str, Sequence[Any]], where: str) -> Sequence[Sequence[Any]]:
+def _zip_lists(axes: Mapping[str, Sequence[Any]], where: str) -> Sequence[Sequence[Any]]:
     lengths = {name: len(values) for name, values in axes.items()}
     if len(set(lengths.values())) > 1:
         summary = ", ".join(f"{name} has {n}" for name, n in lengths.items())
@@ -74,19 +75,19 @@ def read_rows(path: Path) -> list[Row]:
     filled = [(k + 1, line) for k, line in enumerate(lines) if any(cell.strip() for cell in line)]
     if len(filled) < 2:
         raise FileError(path, "has no rows; give a header and at least one row")
-    heads = [_head(cell) for cell in filled[0][1]]
+    heads = [_split_heading(cell) for cell in filled[0][1]]
     for number, line in filled[1:]:
         if len(line) != len(heads):
             raise FileError(path, f"line {number} has {len(line)} cells, the header {len(heads)}")
-    return [{name: _cell(cell, unit) for (name, unit), cell in zip(heads, line)} for _, line in filled[1:]]
+    return [{name: _cell_value(cell, unit) for (name, unit), cell in zip(heads, line)} for _, line in filled[1:]]
 
 
-def _head(cell: str) -> tuple[str, str]:
+def _split_heading(cell: str) -> tuple[str, str]:
     name, _, unit = cell.strip().partition("[")
     return name.strip(), unit.rstrip("]").strip()
 
 
-def _cell(cell: str, unit: str) -> Any:
+def _cell_value(cell: str, unit: str) -> Any:
     text = cell.strip()
     if unit:
         return f"{text} {unit}"

@@ -12,7 +12,6 @@ import os
 import socket
 import sys
 import warnings
-import weakref
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from datetime import datetime
@@ -27,14 +26,7 @@ BUSY = (errno.EWOULDBLOCK, errno.EAGAIN, errno.EACCES, errno.EDEADLK)
 LOCKED_BYTE = 2**30
 
 
-class _Held:
-    """A lock that this process holds."""
-
-    def __init__(self, descriptor: int) -> None:
-        self.descriptor = descriptor
-
-
-_held: weakref.WeakSet[_Held] = weakref.WeakSet()
+_held: set[int] = set()  # descriptors of the locked files of this process
 
 
 @contextmanager
@@ -46,7 +38,7 @@ def folder_lock(folder: Path) -> Iterator[None]:
     """
     path = folder / NAME
     try:
-        held = _Held(_acquired(path))
+        descriptor = _acquire(path)
     except OSError as problem:
         if problem.errno not in UNWRITABLE:
             raise FileError(
@@ -54,20 +46,20 @@ def folder_lock(folder: Path) -> Iterator[None]:
             ) from problem
         yield
         return
-    _held.add(held)
+    _held.add(descriptor)
     try:
         yield
     finally:
         with suppress(OSError):
-            os.ftruncate(held.descriptor, 0)
+            os.ftruncate(descriptor, 0)
             if sys.platform != "win32":  # which removes no open file
                 path.unlink()
-        _held.discard(held)
-        os.close(held.descriptor)
+        _held.discard(descriptor)
+        os.close(descriptor)
 
 
-def _acquired(path: Path) -> int:
-    """The descriptor of the locked file."""
+def _acquire(path: Path) -> int:
+    """Lock the file; its descriptor."""
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
         try:
@@ -75,7 +67,9 @@ def _acquired(path: Path) -> int:
                 _lock(descriptor)
             except OSError as problem:
                 if problem.errno in BUSY:
-                    raise InputError(f"{path.parent} is used by {_holder(path)}; wait, or give another --out") from None
+                    raise InputError(
+                        f"{path.parent} is used by {_name_holder(path)}; wait, or give another --out"
+                    ) from None
                 warnings.warn(
                     f"{path.parent} cannot be locked ({problem.strerror}): see to it that no other host uses it",
                     DampyrWarning,
@@ -83,7 +77,9 @@ def _acquired(path: Path) -> int:
                 )
             if _is_current(descriptor, path):
                 os.ftruncate(descriptor, 0)
-                os.write(descriptor, _own_name().encode())
+                now = datetime.now().astimezone().isoformat(sep=" ", timespec="seconds")
+                holder = {"process": os.getpid(), "host": socket.gethostname(), "since": now}
+                os.write(descriptor, json.dumps(holder).encode())
                 return descriptor
         except BaseException:
             os.close(descriptor)
@@ -106,33 +102,29 @@ def _lock(descriptor: int) -> None:
 
 
 def _is_current(descriptor: int, path: Path) -> bool:
+    """Whether the locked file is still the one at ``path``: its former holder removes it as it lets go."""
     try:
         return os.path.samestat(os.fstat(descriptor), path.stat())
     except FileNotFoundError:
         return False
 
 
-def _own_name() -> str:
-    now = datetime.now().astimezone().isoformat(sep=" ", timespec="seconds")
-    return json.dumps({"process": os.getpid(), "host": socket.gethostname(), "since": now})
-
-
-def _holder(path: Path) -> str:
+def _name_holder(path: Path) -> str:
     """Who holds the lock, in words."""
     try:
-        name = json.loads(path.read_text("utf-8"))
-        return f"another campaign: process {name['process']} on {name['host']}, since {name['since']}"
+        holder = json.loads(path.read_text("utf-8"))
+        return f"another campaign: process {holder['process']} on {holder['host']}, since {holder['since']}"
     except (OSError, ValueError, KeyError, TypeError):
         return "another campaign"
 
 
-def _forget() -> None:
+def _release_in_child() -> None:
     """In a forked process: the lock is its parent's, and must not outlive it."""
-    for held in list(_held):
+    for descriptor in _held:
         with suppress(OSError):
-            os.close(held.descriptor)
+            os.close(descriptor)
     _held.clear()
 
 
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_forget)
+    os.register_at_fork(after_in_child=_release_in_child)

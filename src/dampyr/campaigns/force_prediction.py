@@ -75,7 +75,7 @@ def specimen(rig: RigSettings, folder: str | Path | None = None) -> Damper | Non
 
 def course(drive: Drive, rig: RigSettings, damper: Damper | None) -> Course:
     """The motion and force of the drive; :class:`~dampyr.errors.RangeError` for a voltage outside the damper's range."""
-    x, u = _path(drive, rig)
+    x, u = _planned_path(drive, rig)
     t = np.arange(x.size, dtype=np.float64) * drive.period
     v = np.asarray(np.gradient(x, drive.period), dtype=float)
     a = np.asarray(np.gradient(v, drive.period), dtype=float)
@@ -87,7 +87,9 @@ def course(drive: Drive, rig: RigSettings, damper: Damper | None) -> Course:
             force = damper.force_of_motion(t, x, velocity=v, voltage=u)
         else:
             force = damper.force_of_motion(t, x, velocity=v, current=u / rig.supply.resistance)
-    notes = tuple(dict.fromkeys(str(each.message) for each in caught if issubclass(each.category, DampyrWarning)))
+    notes = tuple(
+        dict.fromkeys(str(warning.message) for warning in caught if issubclass(warning.category, DampyrWarning))
+    )
     return Course(t, x, v, a, force, notes)
 
 
@@ -109,13 +111,13 @@ def envelope(x: Array, v: Array, voltage: Array) -> Array:
     return np.asarray(FACTOR * (F0 + stiffness * np.abs(x) + damping * np.abs(v) + Fy))
 
 
-def _path(drive: Drive, rig: RigSettings) -> tuple[Array, Array]:
+def _planned_path(drive: Drive, rig: RigSettings) -> tuple[Array, Array]:
     """The planned path; for timed reversals that of an unloaded actuator from the middle."""
     timed = drive.reversals
     if timed is None:
         return drive.displacement, drive.voltage
-    t, whole = np.arange(drive.n) * drive.period, timed.half_period + timed.pause
-    stroke, since = np.divmod(t, whole)
-    share = np.minimum(2 * np.minimum(since, whole - since) / timed.half_period, 1.0) * (stroke < timed.count)
+    t, stroke_time = np.arange(drive.n) * drive.period, timed.half_period + timed.pause
+    stroke, since = np.divmod(t, stroke_time)
+    share = np.minimum(2 * np.minimum(since, stroke_time - since) / timed.half_period, 1.0) * (stroke < timed.count)
     v = np.where(stroke % 2, -1.0, 1.0) * share * timed.duty * rig.actuator.free_speed
     return np.asarray(np.cumsum(v) * drive.period), drive.voltage

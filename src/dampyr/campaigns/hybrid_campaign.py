@@ -29,18 +29,13 @@ def planned_hybrid(settings: Mapping[str, Any], rig: str | Path | None = None) -
 
     ``rig`` is a ``rig.toml``, None the original rig. The plan's refusals say what the rig cannot do, and what is unstable.
     """
-    chosen = RigSettings() if rig is None else load_settings(rig)
-    folder = None if rig is None else Path(rig).parent
-    table = dict(settings)
-    if (
-        not table.get("model")
-        and chosen.specimen.card
-        and folder
-        and chosen.specimen.card not in published.available_sets()
-    ):
-        table["model"] = str((folder / chosen.specimen.card).resolve())
-    named = {"name": "hybrid", "rest_between": 0.0}
-    return plan(campaign_of(named | {"step": [table]}, Path.cwd()), chosen, specimen(chosen, folder))
+    rig_settings = RigSettings() if rig is None else load_settings(rig)
+    folder, card = None if rig is None else Path(rig).parent, rig_settings.specimen.card
+    step = dict(settings)
+    if not step.get("model") and card and folder and card not in published.available_sets():
+        step["model"] = str((folder / card).resolve())  # a path from the rig's file, where the step's are from here
+    campaign = campaign_of({"name": "hybrid", "rest_between": 0.0, "step": [step]}, Path.cwd())
+    return plan(campaign, rig_settings, specimen(rig_settings, folder))
 
 
 def hybrid_result(source: Record | str | Path) -> HybridResult:
@@ -55,9 +50,8 @@ def hybrid_result(source: Record | str | Path) -> HybridResult:
             f"{record.name} is a test of the kind {record.provenance.get('kind', 'unknown')!r}, and not hybrid"
         )
     step = fill(kind("hybrid"), json.loads(record.provenance["step"]))
-    settings = (
-        RigSettings() if not record.provenance.get("rig") else fill(RigSettings, json.loads(record.provenance["rig"]))
-    )
+    rig_text = record.provenance.get("rig")
+    settings = fill(RigSettings, json.loads(rig_text)) if rig_text else RigSettings()
     drive: HybridDrive = step.drive(settings)
     run, static = replayed(drive, record.displacement, record.force, settings)
     lag, gain = lag_of(run.target, run.achieved, drive.substructure.h, LARGEST_LAG)

@@ -75,13 +75,18 @@ class Event:
     detail: str
 
 
+def now(timespec: str = "milliseconds") -> str:
+    """The time in UTC, ISO 8601."""
+    return datetime.now(UTC).isoformat(timespec=timespec)
+
+
 class Journal(Shown):
     """The journal of a folder; made where there is none."""
 
     def __init__(self, folder: str | Path) -> None:
         self.path, self._opened = Path(folder) / NAME, False
-        self.said_with_events: Callable[[], Mapping[str, str]] = dict
-        """What is said about the campaign with each event, in the same write to the disk."""
+        self.event_metadata: Callable[[], Mapping[str, str]] = dict
+        """Gives what is entered about the campaign with each event, in the same write to the disk."""
         try:
             self._base = sqlite3.connect(self.path, isolation_level=None)
             self._base.execute("PRAGMA synchronous = FULL")
@@ -97,14 +102,14 @@ class Journal(Shown):
     @property
     def origin(self) -> Origin:
         """Origin of the records, as the campaign was run."""
-        return as_origin(self.said("origin") or NOT_STATED.kind)
+        return as_origin(self.get_metadata("origin") or NOT_STATED.kind)
 
     def _check_schema(self) -> None:
-        version = self.said("schema")
+        version = self.get_metadata("schema")
         if version and int(version) > SCHEMA:
             raise FileError(self.path, f"has the schema {version}, this dampyr knows schema {SCHEMA}; upgrade dampyr")
         if not version:
-            self.say({"schema": str(SCHEMA)})
+            self.set_metadata({"schema": str(SCHEMA)})
 
     def _reason(self, problem: Exception) -> str:
         """Why the journal cannot be used, and the repair."""
@@ -117,7 +122,7 @@ class Journal(Shown):
             return f"cannot be written, as if it or its folder were read-only ({problem}); make both writable, and {GOES_ON}"
         if code in (sqlite3.SQLITE_FULL, sqlite3.SQLITE_IOERR):
             return f"cannot be written ({problem}); see to the disk, and {GOES_ON}"
-        return f"is no journal of a campaign, or is broken ({problem}); {REPAIR}"
+        return f"is not the journal of a campaign, or is broken ({problem}); {REPAIR}"
 
     def _rows(self, query: str, values: tuple[object, ...] = ()) -> list[Any]:
         """What the journal answers; :class:`FileError` where it cannot be read."""
@@ -126,28 +131,29 @@ class Journal(Shown):
         except sqlite3.Error as problem:
             raise FileError(self.path, self._reason(problem)) from problem
 
-    def said(self, key: str) -> str:
-        """What was said about the campaign; empty where nothing was."""
+    def get_metadata(self, key: str) -> str:
+        """What is entered about the campaign under ``key``; empty where nothing is."""
         rows = self._rows("SELECT value FROM campaign WHERE key = ?", (key,))
         return str(rows[0][0]) if rows else ""
 
-    def say(self, metadata: dict[str, str]) -> None:
-        """Say something about the campaign."""
+    def set_metadata(self, metadata: dict[str, str]) -> None:
+        """Enter what is known about the campaign, in the place of what was entered under the same keys."""
         with self._transaction():
             self._base.executemany("INSERT OR REPLACE INTO campaign VALUES (?, ?)", metadata.items())
 
     @property
     def is_empty(self) -> bool:
         """Whether it holds no plan: it is new, or was lost."""
-        return not self.said("digest") or not self.tests()
+        return not self.get_metadata("digest") or not self.tests()
 
     def check(self, digest: str, difference: str = "") -> None:
         """Raise :class:`InputError` where the folder belongs to another plan; ``difference`` says what differs."""
-        saved = self.said("digest")
+        saved = self.get_metadata("digest")
         if saved and saved != digest:
             what = f": {difference}" if difference else ""
+            name = self.get_metadata("name")
             raise InputError(
-                f"{self.path.parent} holds the campaign {self.said('name')!r}, and this one differs{what}; give another --out"
+                f"{self.path.parent} holds the campaign {name!r}, and this one differs{what}; give another --out"
             )
 
     def plan(
@@ -156,9 +162,11 @@ class Journal(Shown):
         """Enter the plan where none is, with what is known of its tests; :class:`InputError` where there is another one."""
         self.check(digest)
         if self.is_empty:
-            done = {entry.name: entry for entry in recorded}
-            entries = [done.get(name, JournalEntry(name, "planned", 0, "")) for name in names]
-            rows = [(each.name, place, each.state, each.attempt, each.reason) for place, each in enumerate(entries)]
+            with_files = {entry.name: entry for entry in recorded}
+            entries = [with_files.get(name, JournalEntry(name, "planned", 0, "")) for name in names]
+            rows = [
+                (entry.name, place, entry.state, entry.attempt, entry.reason) for place, entry in enumerate(entries)
+            ]
             with self._transaction():
                 self._base.executemany("INSERT OR REPLACE INTO tests VALUES (?, ?, ?, ?, ?)", rows)
                 metadata = metadata | {"digest": digest}
@@ -170,7 +178,7 @@ class Journal(Shown):
             self._base.execute(
                 "UPDATE tests SET state = 'planned', reason = 'to be recorded again' WHERE name = ?", (name,)
             )
-            self._event(name, 0, "again", "asked for by its name")
+            self._enter_event(name, 0, "again", "asked for by its name")
 
     def tests(self) -> list[JournalEntry]:
         """All tests in their order."""
@@ -185,7 +193,7 @@ class Journal(Shown):
                 (last, name),
             )
             attempt = int(self._base.execute("SELECT attempt FROM tests WHERE name = ?", (name,)).fetchone()[0])
-            self._event(name, attempt, "begun", "")
+            self._enter_event(name, attempt, "begun", "")
         return attempt
 
     def end(self, name: str, state: TestState, reason: str = "") -> None:
@@ -193,12 +201,12 @@ class Journal(Shown):
         with self._transaction():
             self._base.execute("UPDATE tests SET state = ?, reason = ? WHERE name = ?", (state, reason, name))
             attempt = int(self._base.execute("SELECT attempt FROM tests WHERE name = ?", (name,)).fetchone()[0])
-            self._event(name, attempt, state, reason)
+            self._enter_event(name, attempt, state, reason)
 
     def note(self, what: str, detail: str = "", test: str = "", attempt: int = 0) -> None:
         """Enter an event."""
         with self._transaction():
-            self._event(test, attempt, what, detail)
+            self._enter_event(test, attempt, what, detail)
 
     def events(self) -> list[Event]:
         """Everything that happened, oldest first."""
@@ -209,14 +217,12 @@ class Journal(Shown):
         """Let go of the file."""
         self._base.close()
 
-    def _event(self, test: str, attempt: int, what: str, detail: str) -> None:
-        now = datetime.now(UTC).isoformat(timespec="milliseconds")
+    def _enter_event(self, test: str, attempt: int, what: str, detail: str) -> None:
         self._base.execute(
             "INSERT INTO events (time, test, attempt, what, detail) VALUES (?, ?, ?, ?, ?)",
-            (now, test, attempt, what, detail),
+            (now(), test, attempt, what, detail),
         )
-        said = self.said_with_events().items()
-        self._base.executemany("INSERT OR REPLACE INTO campaign VALUES (?, ?)", said)
+        self._base.executemany("INSERT OR REPLACE INTO campaign VALUES (?, ?)", self.event_metadata().items())
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
@@ -243,6 +249,6 @@ def journal_origin(folder: str | Path) -> Origin:
 def read_journal(folder: str | Path) -> tuple[list[JournalEntry], list[Event]]:
     """The tests and events of a campaign's folder."""
     if not (Path(folder) / NAME).is_file():
-        raise InputError(f"{folder} has no {NAME}; it is no folder of a campaign that dampyr ran")
+        raise InputError(f"{folder} has no {NAME}; it is not the folder of a campaign that dampyr ran")
     with closing(Journal(folder)) as journal:
         return journal.tests(), journal.events()

@@ -18,8 +18,8 @@ import numpy as np
 
 from dampyr.atomic_write import write_whole
 from dampyr.campaigns.check import violations_of
-from dampyr.campaigns.journal import Journal
-from dampyr.campaigns.learned_drives import FOLDER, LearnedDrive, drive_key, load_learned, now, save_learned
+from dampyr.campaigns.journal import Journal, now
+from dampyr.campaigns.learned_drives import FOLDER, LearnedDrive, drive_key, load_learned, save_learned
 from dampyr.campaigns.learning import (
     LIMITS,
     TRIES,
@@ -34,6 +34,7 @@ from dampyr.campaigns.learning import (
 from dampyr.campaigns.planned_tests import Plan, PlannedTest
 from dampyr.campaigns.record_test import take
 from dampyr.campaigns.step import Peaks
+from dampyr.campaigns.thresholds import USUAL, CampaignThresholds
 from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.recording import Recording
@@ -45,23 +46,23 @@ from dampyr.rig.session import ArmedRig
 TRIES_FOLDER = "learning"
 COLUMNS = "time [s],wanted [m],commanded [m],voltage [V]"
 KEY, ERROR, RMS = "learning_key", "learning_error", "learning_rms"
-Seen = Callable[[Samples], None]
+OnSamples = Callable[[Samples], None]
 
 
 @dataclass(frozen=True)
-class GivenDrive:
+class DriveAsStep:
     """A drive in the place of a step, for the check: its peaks are those of its set points."""
 
-    given: Drive
+    set_points: Drive
 
     def drive(self, rig: RigSettings) -> Drive:
         """The drive."""
-        return self.given
+        return self.set_points
 
     def peaks(self, rig: RigSettings) -> Peaks:
         """The farthest set point, and the greatest speed from one to the next."""
-        x = self.given.displacement
-        return Peaks(float(np.abs(x).max()), float(np.abs(np.diff(x)).max()) / self.given.period)
+        x = self.set_points.displacement
+        return Peaks(float(np.abs(x).max()), float(np.abs(np.diff(x)).max()) / self.set_points.period)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,11 +86,11 @@ class Learned:
     origin: str
 
     @property
-    def about(self) -> dict[str, str]:
+    def provenance(self) -> dict[str, str]:
         """What the record of the test says of it."""
         return {
             "learning_tries": str(len(self.errors)),
-            "learning_errors": ", ".join(f"{each:.6f}" for each in self.errors),
+            "learning_errors": ", ".join(f"{error:.6f}" for error in self.errors),
             "learning_error_before": f"{self.errors[0]:.6f}",
             "learning_error_best": f"{min(self.errors):.6f}",
             "learning_ended": self.reason,
@@ -130,7 +131,8 @@ class PlayJudge:
 class DriveLearning:
     """Learning of one test's drive, on a table that is armed.
 
-    ``play`` gives what sees the samples of a try, from its number and the last error, None before the first.
+    ``play`` gives what is called with the samples of a try, from its number and the last error, None before the first.
+    ``provenance`` is what the record of each try says besides.
     """
 
     table: ArmedRig
@@ -140,11 +142,12 @@ class DriveLearning:
     attempt: int
     journal: Journal
     groups: Mapping[str, str]
-    about: Mapping[str, str]
-    play: Callable[[int, float | None], Seen]
+    provenance: Mapping[str, str]
+    play: Callable[[int, float | None], OnSamples]
+    thresholds: CampaignThresholds = USUAL
     tries: list[Try] = field(default_factory=list)
     origin: str = "the wanted drive"
-    _next: Array | None = None
+    _next_points: Array | None = None
 
     def __post_init__(self) -> None:
         rig = self.table.rig
@@ -160,21 +163,21 @@ class DriveLearning:
     @property
     def trackings(self) -> tuple[Tracking, ...]:
         """Of the tries, in their order."""
-        return tuple(each.tracking for each in self.tries)
+        return tuple(done.tracking for done in self.tries)
 
     @property
     def errors(self) -> tuple[float, ...]:
         """Of the tries, in their order."""
-        return tuple(each.error for each in self.trackings)
+        return tuple(result.error for result in self.trackings)
 
     def learn(self) -> Learned:
         """Try until learning ends; the best drive. What ends a try early is raised again."""
         self.table.meanwhile(self._begin)
         while not (reason := ended_because(self.trackings)):
-            if limit := self._limit():
+            if limit := self._describe_limit():
                 reason = f"{LIMITS}: the next drive {limit}"
                 break
-            self._try()
+            self._record_try()
             self.table.rest(self.plan.campaign.header.rest_between)
         best = self.tries[best_of(self.trackings)]
         drive = replace(self.wanted, displacement=best.commanded)
@@ -194,72 +197,75 @@ class DriveLearning:
             ) from problem
         for path in self.tries_folder.glob(f".{self.test.name}.iteration*.part"):
             path.unlink(missing_ok=True)
-        self.tries = self._complete()
+        self.tries = [done for done in map(self._read_try, self._try_numbers()) if done is not None]
         if self.tries:
             last = h5.provenance(self._path(self.tries[0].number, "h5"))
             self.origin = last.get("learning_started_from", self.origin)
-            self._advance()
+            self._choose_next_points()
             return
-        self._next = self.wanted.displacement
+        self._next_points = self.wanted.displacement
         learned = load_learned(self.store, self.test.test.kind, self.key, self.wanted)
         if learned is None:
             return
-        self._next, self.origin = learned.set_points, learned.origin
-        if limit := self._limit():
+        self._next_points, self.origin = learned.set_points, learned.origin
+        if limit := self._describe_limit():
             self.journal.note("learned drive not used", f"it {limit}", self.test.name, self.attempt)
-            self._next, self.origin = self.wanted.displacement, "the wanted drive"
+            self._next_points, self.origin = self.wanted.displacement, "the wanted drive"
 
-    def _limit(self) -> str:
+    def _describe_limit(self) -> str:
         """What the rig cannot do of the next drive; empty where it can do all of it."""
-        assert self._next is not None
-        if np.array_equal(self._next, self.wanted.displacement):
+        assert self._next_points is not None
+        if np.array_equal(self._next_points, self.wanted.displacement):
             return ""  # the plan has checked it
-        given = GivenDrive(replace(self.wanted, displacement=self._next))
-        violations = violations_of(given, self.table.rig.settings, self.plan.damper)
+        step = DriveAsStep(replace(self.wanted, displacement=self._next_points))
+        violations = violations_of(step, self.table.rig.settings, self.plan.damper)
         return violations[0].words if violations else ""
 
-    def _try(self) -> None:
+    def _record_try(self) -> None:
         """Play the next drive and record it."""
-        assert self._next is not None
-        number = 1 + max(self._numbers(), default=0)
+        assert self._next_points is not None
+        number = 1 + max(self._try_numbers(), default=0)
         count, last = len(self.tries) + 1, self.errors[-1] if self.tries else None
         name = f"{self.test.name}.iteration{number}"
-        drive = replace(self.wanted, displacement=self._next)
+        drive = replace(self.wanted, displacement=self._next_points)
         planned = replace(self.test, test=replace(self.test.test, name=name), drive=drive)
         path, points = self._path(number, "h5"), self._path(number, "csv")
-        self.table.meanwhile(lambda: self._write(points, drive))
-        about = {
-            **self.about, "learning_of": self.test.name, "learning_try": f"{count} of {TRIES}", KEY: self.key,
+        self.table.meanwhile(lambda: self._write_drive(points, drive))
+        provenance = {
+            **self.provenance, "learning_of": self.test.name, "learning_try": f"{count} of {TRIES}", KEY: self.key,
             "learning_drive": points.name, "learning_started_from": self.origin,
         }  # fmt: skip
         judge = PlayJudge(self.wanted)
-        seen = self.play(count, last)
-        take(self.table, planned, self.plan.campaign, path, number, self.groups, seen, about, judge)
-        self.table.meanwhile(lambda: self._take_up(number))
+        on_samples = self.play(count, last)
+        take(
+            self.table, planned, self.plan.campaign, path, number, self.groups, on_samples, provenance, judge,
+            self.thresholds,
+        )  # fmt: skip
+        self.table.meanwhile(lambda: self._add_try(number))
         result = self.tries[-1].tracking
         words = (
             f"try {count} of {TRIES}: {percent(result.error)}, rms {percent(result.rms)}, {TRIES_FOLDER}/{path.name}"
         )
         self.journal.note("learning", words, self.test.name, self.attempt)
 
-    def _take_up(self, number: int) -> None:
+    def _add_try(self, number: int) -> None:
         """Read the try that has just ended as one that an earlier run has left, and prepare the next one."""
-        done = self._read(number)
+        done = self._read_try(number)
         if done is None:
             raise FileError(
                 self._path(number, "h5"), "was recorded and cannot be read as a try; run the campaign again"
             )
         self.tries.append(done)
-        self._advance()
+        self._choose_next_points()
 
-    def _advance(self) -> None:
+    def _choose_next_points(self) -> None:
         """What the next try commands."""
         last = self.tries[-1]
-        self._next = next_set_points(self.wanted.displacement, last.commanded, last.achieved, self.wanted.period)
+        self._next_points = next_set_points(self.wanted.displacement, last.commanded, last.achieved, self.wanted.period)
 
     def _save(self, best: Try) -> None:
         """Save the best drive for the next campaign; that it cannot be is a warning."""
-        learned = LearnedDrive(self.key, self.test.words, best.commanded, best.tracking, now())
+        learned = LearnedDrive(self.key, self.test.words, best.commanded, best.tracking, now("seconds"))
         try:
             save_learned(self.store, self.test.test.kind, learned, self.wanted)
         except FileError as problem:
@@ -269,18 +275,13 @@ class DriveLearning:
     def _path(self, number: int, suffix: str) -> Path:
         return self.tries_folder / f"{self.test.name}.iteration{number}.{suffix}"
 
-    def _numbers(self) -> list[int]:
+    def _try_numbers(self) -> list[int]:
         """Of the tries that have left a file, whatever it holds."""
         pattern = re.compile(re.escape(self.test.name) + r"\.iteration(\d+)\..+")
         names = (pattern.fullmatch(path.name) for path in self.tries_folder.iterdir())
         return sorted({int(name[1]) for name in names if name})
 
-    def _complete(self) -> list[Try]:
-        """The complete tries of this test that count, in their order."""
-        read = [self._read(number) for number in self._numbers()]
-        return [each for each in read if each is not None]
-
-    def _read(self, number: int) -> Try | None:
+    def _read_try(self, number: int) -> Try | None:
         """A try from its files; None where it is not complete, cannot be read, or is one for something else."""
         path = self._path(number, "h5")
         try:
@@ -295,7 +296,7 @@ class DriveLearning:
         achieved = at_set_points(self.wanted, record.time, raw.gain * raw.values + raw.offset)
         return Try(number, table[:, 2], achieved, tracking(self.wanted, achieved))
 
-    def _write(self, path: Path, drive: Drive) -> None:
+    def _write_drive(self, path: Path, drive: Drive) -> None:
         """Write what is wanted and commanded in a try, every digit of it."""
         columns = (drive.time.round(6), self.wanted.displacement, drive.displacement, drive.voltage)
         rows = "\n".join(",".join(repr(float(value)) for value in row) for row in zip(*columns, strict=True))

@@ -12,7 +12,6 @@ import json
 import warnings
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -53,8 +52,8 @@ def drive_key(wanted: Drive, rig: RigSettings, groups: Mapping[str, str]) -> str
     ``groups`` names the specimen of the run as its records do.
     """
     parts = {name: asdict(getattr(rig, name)) for name in PARTS}
-    body = {"name": groups.get("specimen", ""), "card": rig.specimen.card}
-    text = json.dumps([wanted.period, rig.name, rig.wires.drive, parts, body], sort_keys=True, default=str)
+    specimen = {"name": groups.get("specimen", ""), "card": rig.specimen.card}
+    text = json.dumps([wanted.period, rig.name, rig.wires.drive, parts, specimen], sort_keys=True, default=str)
     hashed = hashlib.sha256(text.encode())
     for values in (wanted.displacement, wanted.voltage):
         hashed.update(np.round(values / NANO).astype("<i8").tobytes())
@@ -74,17 +73,17 @@ def load_learned(folder: Path, kind: str, key: str, wanted: Drive) -> LearnedDri
     except (FileNotFoundError, NotADirectoryError):
         return None
     except (OSError, UnicodeDecodeError) as problem:
-        _put_aside(path, str(problem))
+        _rename_broken(path, str(problem))
         return None
     try:
-        return _parsed(json.loads(text), key, wanted)
+        return _parse(json.loads(text), key, wanted)
     except (KeyError, TypeError, ValueError) as problem:
-        _put_aside(path, f"{type(problem).__name__}: {problem}")
+        _rename_broken(path, f"{type(problem).__name__}: {problem}")
         return None
 
 
-def _parsed(document: Any, key: str, wanted: Drive) -> LearnedDrive:
-    """The drive in a file; KeyError, TypeError or ValueError where it is none, or one for something else."""
+def _parse(document: Any, key: str, wanted: Drive) -> LearnedDrive:
+    """The drive in a file; KeyError, TypeError or ValueError where there is none, or one for something else."""
     if document["format"] != FORMAT or document["key"] != key:
         raise ValueError(f"format {document['format']} for {document['key']}, and not format {FORMAT} for {key}")
     points = np.asarray(document["set_points_m"], dtype=np.float64)
@@ -100,14 +99,14 @@ def _parsed(document: Any, key: str, wanted: Drive) -> LearnedDrive:
     return LearnedDrive(key, str(document["words"]), points, achieved, str(document["time"]))
 
 
-def _put_aside(path: Path, why: str) -> None:
-    """Rename a file that is no learned drive, and warn."""
+def _rename_broken(path: Path, why: str) -> None:
+    """Rename a file that does not hold a learned drive, and warn."""
     try:
-        where = f"it is {set_aside(path).name} now"
+        renamed = f"it is {set_aside(path).name} now"
     except OSError as problem:
-        where = f"and cannot be renamed ({problem.strerror or problem})"
+        renamed = f"and cannot be renamed ({problem.strerror or problem})"
     warnings.warn(
-        f"{path} holds no learned drive ({why}); {where}, and learning begins anew", DampyrWarning, stacklevel=4
+        f"{path} holds no learned drive ({why}); {renamed}, and learning begins anew", DampyrWarning, stacklevel=4
     )
 
 
@@ -132,8 +131,3 @@ def save_learned(folder: Path, kind: str, learned: LearnedDrive, wanted: Drive) 
 
 def _rounded(values: Array) -> list[float]:
     return [round(float(value), DIGITS) for value in values]
-
-
-def now() -> str:
-    """The time in UTC."""
-    return datetime.now(UTC).isoformat(timespec="seconds")

@@ -68,8 +68,8 @@ def tracking(wanted: Drive, achieved: Array) -> Tracking:
         raise InputError(
             "the wanted displacement does not change, so that no error can be related to it; give a test that moves"
         )
-    off = (wanted.displacement - achieved)[part]
-    return Tracking(float(np.abs(off).max()) / size, float(np.sqrt(np.mean(off**2))) / size)
+    error = (wanted.displacement - achieved)[part]
+    return Tracking(float(np.abs(error).max()) / size, float(np.sqrt(np.mean(error**2))) / size)
 
 
 def at_set_points(drive: Drive, time: Array, displacement: Array) -> Array:
@@ -79,14 +79,14 @@ def at_set_points(drive: Drive, time: Array, displacement: Array) -> Array:
     was kept get the first or the last one. Take the encoder's own reading, and not a record's displacement, which is on the
     force's clock. :class:`~dampyr.errors.InputError` where the samples end before the set points do.
     """
-    begin = drive.record_from * drive.period
+    first = drive.record_from * drive.period
     last = (drive.n - 1 if drive.record_to is None else drive.record_to) * drive.period
-    since = time - time[0] + begin
-    if since[-1] < last - drive.period:
+    drive_time = time - time[0] + first
+    if drive_time[-1] < last - drive.period:
         raise InputError(
-            f"the samples end after {since[-1]:.4g} s, the drive after {last:.4g} s; record the whole drive"
+            f"the samples end after {drive_time[-1]:.4g} s, the drive after {last:.4g} s; record the whole drive"
         )
-    return np.interp(drive.time, since, displacement)
+    return np.interp(drive.time, drive_time, displacement)
 
 
 def next_set_points(wanted: Array, commanded: Array, achieved: Array, period: float) -> Array:
@@ -99,9 +99,11 @@ def next_set_points(wanted: Array, commanded: Array, achieved: Array, period: fl
     from scipy import signal
 
     time = np.arange(wanted.size) * period
+    # The table answers a set point after about LEAD: what is off at t + LEAD is corrected at t.
     early = np.interp(time + LEAD, time, wanted - achieved)
     cutoff = min(CUTOFF, NYQUIST_SHARE * 0.5 / period)
     b, a = signal.butter(ORDER, 2.0 * cutoff * period)
+    # The usual pad of filtfilt, by which it continues both ends; less where the drive is shorter than that.
     pad = min(3 * max(len(a), len(b)), wanted.size - 1)
     return np.asarray(commanded + ends_window(wanted.size, period) * signal.filtfilt(b, a, early, padlen=pad))
 
@@ -126,4 +128,4 @@ def ended_because(tries: Sequence[Tracking]) -> str:
 
 def best_of(tries: Sequence[Tracking]) -> int:
     """Which try had the least `Tracking.error`, from 0."""
-    return int(np.argmin([each.error for each in tries]))
+    return int(np.argmin([result.error for result in tries]))

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.campaigns.thresholds import USUAL, CampaignThresholds
 from dampyr.errors import InputError
 from dampyr.records.checks.quality import flat_levels, motion_start
 from dampyr.records.cycle_analysis.cycles import similar_cycles
@@ -25,33 +26,14 @@ from dampyr.rig.uncertainty_budget import Evidence
 PIECE = 2**17  # samples that are looked at at a time: two minutes at 1 kHz
 WINDOW = 0.02  # s in which a reading is looked at: 20 samples at 1 kHz, which the noise of a live cell leaves
 ABRUPT = 0.05  # s about a reversal or a change of the voltage, within which the force may leap
-FLAT = 2.0  # steps of the converter that a reading may stray and still stand: the noise of a live cell is several
 AT_REST = 5.0e-5  # m: ten counts of the encoder; the force of a table at rest does not leap
-REVERSED = 5.0e-4  # m on either side of a reversal, over which the force of any damper changes
-LEAP = 20.0  # steps of the converter, and times the usual change between samples: no damper's force leaps so far
-ZERO_AT_REST = 10.0  # N, and
-SHARE_AT_REST = 0.5  # of half the force's range: in a rest after a motion hysteresis holds a part of it
-ZERO_OF_CYCLES = 10.0  # N, and
-SHARE_OF_CYCLES = 0.03  # of half the range; the mean of a cycle holds no hysteresis, and strays by 4 N in a good test
 ALIKE = 0.1  # of the stroke, by which the cycles of a motion that repeats itself differ, and end off where they began
-MIN_CYCLES = 4  # inner ones, from which the drift of their mean is taken
-ZERO_OF_PASSES = 6.0  # N by which the force of two slow passes may differ: they agree to 1 N
-SHARE_OF_PASSES = 0.005  # of the force, peak to peak
-ZERO_PER_KELVIN = 1.0  # N/K: a gas charge under 300 N gains a 293rd of its force a kelvin
-COIL_OFF, COIL_SPARE = 0.05, 0.02  # of the largest command, and V, by which the coil's voltage may differ from it
-SPOILED = 0.2  # of the command: a coil that has less is not at the test's voltage
 LEAST_VOLTAGE = 0.2  # V from which a coil's resistance is taken
-COIL_KELVIN = (
-    15.0  # K by which the coil may be warmer than the damper as estimated: it is inside, where the heat arises
-)
 SETTLED_COIL = 8.0  # time constants of the coil after which its current is within 0.03 %
 COIL_STEADY = 0.01  # V: a command that changes less from sample to sample is a slow ramp
-SUDDEN = 25.0  # N from sample to sample, and
-SUDDEN_RATE = 2.5e4  # N/s between samples that are further apart than a millisecond
 SLIDES = 3.0e-4  # m of way in one direction, after which the force of any damper changes slowly
 SLID = 2.0  # s in which such a way is looked for
 MAX_LEAPS = 2000  # candidates that are looked at: a good test at 60 mm/s has some hundred
-CREATED = 5.0  # N, the mean force over the path: a damper that is looser than this gives nothing to identify
 CLOSED = 0.1  # of the stroke, within which a test ends where it began
 RESTED = 0.25  # s of a rest from which its force is taken
 
@@ -84,6 +66,12 @@ class MeasuredTest:
     """A through the coil."""
     closed_loop: bool = False
     """Whether the set points followed from the measured force, so that the table was driven also where it seems to stand."""
+    thresholds: CampaignThresholds = USUAL
+
+    @property
+    def jitter(self) -> float:
+        """m by which the position may stray while nothing moves: the encoder's reading changes at the border of two counts."""
+        return 1.5 * self.rig.encoder.count
 
 
 Check = Callable[[MeasuredTest], Iterator[Mark]]
@@ -104,10 +92,10 @@ def marks_of(read: Callable[[slice], MeasuredTest], rows: int) -> list[Mark]:
         for check in CHECKS:
             if check not in marks:
                 marks.update((check, mark) for mark in check(piece))
-    whole = read(slice(0, rows, count))
+    thinned = read(slice(0, rows, count))
     return [
         *(marks[check] for check in CHECKS if check in marks),
-        *(m for check in CHECKS_OF_WHOLE for m in check(whole)),
+        *(m for check in CHECKS_OF_WHOLE for m in check(thinned)),
     ]
 
 
@@ -115,29 +103,32 @@ def flat_force(measured: MeasuredTest) -> Iterator[Mark]:
     """A force that stands while the table moves, or leaps to where it stands: the cell's wire or its amplifier is broken, or
     the amplifier saturates."""
     x = measured.displacement
-    stretches = [each for each in _standing(measured.volts, measured.rig) if _should_change(measured, each)]
+    stretches = [stretch for stretch in _find_standing(measured) if _should_change(measured, stretch)]
     if not stretches:
-        yield from _saturated(measured)
+        yield from _mark_saturation(measured)
         return
-    first = max(stretches, key=lambda each: each.stop - each.start)
-    path = float(np.abs(np.diff(x[first])).sum())
-    seconds = sum(float(measured.time[each.stop - 1] - measured.time[each.start]) for each in stretches)
+    main = max(stretches, key=lambda stretch: stretch.stop - stretch.start)
+    path = float(np.abs(np.diff(x[main])).sum())
+    seconds = sum(float(measured.time[stretch.stop - 1] - measured.time[stretch.start]) for stretch in stretches)
     yield Mark(
-        f"the force stands at {float(np.median(measured.force[first])):.4g} N for {seconds:.3g} s, from "
-        f"{float(measured.time[first.start]):.4g} s over {1e3 * path:.3g} mm of the table's path: look at the load cell's wire "
-        "and amplifier",
+        f"the force stands at {float(np.median(measured.force[main])):.4g} N for {seconds:.3g} s, from "
+        f"{float(measured.time[main.start]):.4g} s over {1e3 * path:.3g} mm of the table's path: look at the load cell's "
+        "wire and amplifier",
         spoils=True,
     )
 
 
-def _saturated(measured: MeasuredTest) -> Iterator[Mark]:
+def _mark_saturation(measured: MeasuredTest) -> Iterator[Mark]:
     """A force that stands without its noise at one level or two again and again, each time too shortly to be broken."""
-    moving = np.flatnonzero(_moves(measured))
+    x, n = measured.displacement, max(1, round(0.5 * WINDOW * measured.rig.board.rate))
+    moves = np.zeros(len(x), dtype=bool)
+    moves[n : len(x) - n] = np.abs(x[2 * n :] - x[: len(x) - 2 * n]) > measured.jitter
+    moving = np.flatnonzero(moves)
     levels = flat_levels(measured.volts, moving, measured.rig.step)
     if not levels:
         return
-    flat = np.any([at for _, at in levels], axis=0)
-    forces = [float(np.median(measured.force[at])) for _, at in levels]
+    flat = np.any([rows for _, rows in levels], axis=0)
+    forces = [float(np.median(measured.force[rows])) for _, rows in levels]
     yield Mark(
         f"the force stands at {' and '.join(f'{force:.4g} N' for force in forces)} in {np.sum(flat) / len(moving):.2g} of the "
         f"samples in which the table moves, first at {float(measured.time[int(np.argmax(flat))]):.4g} s, without its noise: "
@@ -146,34 +137,28 @@ def _saturated(measured: MeasuredTest) -> Iterator[Mark]:
     )
 
 
-def _moves(measured: MeasuredTest) -> NDArray[np.bool_]:
-    """Where the table moves, by more than a reading that strays by a count at the border of two."""
-    x, n = measured.displacement, max(1, round(0.5 * WINDOW * measured.rig.board.rate))
-    moves = np.zeros(len(x), dtype=bool)
-    moves[n : len(x) - n] = np.abs(x[2 * n :] - x[: len(x) - 2 * n]) > 1.5 * measured.rig.encoder.count
-    return moves
-
-
-def _standing(volts: Array, rig: RigSettings) -> list[slice]:
-    """The stretches in which a reading stays within `FLAT` steps."""
+def _find_standing(measured: MeasuredTest) -> list[slice]:
+    """The stretches in which the cell's reading stays within ``flat_steps`` of the converter."""
+    volts, rig = measured.volts, measured.rig
     n, step = max(MIN_SAMPLES, round(WINDOW * rig.board.rate)), rig.step
+    spread = measured.thresholds.flat_steps * step
     count = len(volts) // n
     windows = volts[: count * n].reshape(count, n)
-    flat = np.ptp(windows, axis=1) <= FLAT * step
+    flat = np.ptp(windows, axis=1) <= spread
     stretches: list[slice] = []
     for k in np.flatnonzero(flat):
-        middle = float(np.median(windows[k]))
-        if stretches and stretches[-1].stop >= k * n and abs(middle - float(np.median(volts[stretches[-1]]))) <= step:
+        level = float(np.median(windows[k]))
+        if stretches and stretches[-1].stop >= k * n and abs(level - float(np.median(volts[stretches[-1]]))) <= step:
             first = stretches.pop().start
         else:
-            first = _extended(volts, int(k) * n, middle, -1, step)
-        stretches.append(slice(first, _extended(volts, int(k + 1) * n - 1, middle, 1, step) + 1))
+            first = _extend_stretch(volts, int(k) * n, level, -1, spread)
+        stretches.append(slice(first, _extend_stretch(volts, int(k + 1) * n - 1, level, 1, spread) + 1))
     return stretches
 
 
-def _extended(volts: Array, at: int, middle: float, way: int, step: float) -> int:
-    """The last sample from ``at`` on that is still at ``middle``."""
-    while 0 <= at + way < len(volts) and abs(volts[at + way] - middle) <= FLAT * step:
+def _extend_stretch(volts: Array, at: int, level: float, way: int, spread: float) -> int:
+    """The last sample from ``at`` on, forwards or backwards, that is still at ``level``."""
+    while 0 <= at + way < len(volts) and abs(volts[at + way] - level) <= spread:
         at += way
     return at
 
@@ -181,9 +166,9 @@ def _extended(volts: Array, at: int, middle: float, way: int, step: float) -> in
 def _should_change(measured: MeasuredTest, stretch: slice) -> bool:
     """Whether the force of a damper changes in a stretch, or leaps at an end of it as no damper's force does."""
     x, volts = measured.displacement, measured.volts
-    if _reverses(x[stretch]):
+    if _reverses(x[stretch], measured.thresholds.reversal):
         return True
-    leap = LEAP * max(measured.rig.step, float(np.median(np.abs(np.diff(volts)))))
+    leap = measured.thresholds.leap * max(measured.rig.step, float(np.median(np.abs(np.diff(volts)))))
     ends = [(stretch.start, stretch.start - 1), (stretch.stop - 1, stretch.stop)]
     inside = [(inner, outer) for inner, outer in ends if 0 <= outer < len(volts)]
     return any(abs(volts[inner] - volts[outer]) > leap and not _may_leap(measured, inner) for inner, outer in inside)
@@ -198,49 +183,52 @@ def _may_leap(measured: MeasuredTest, at: int) -> bool:
     x = measured.displacement
     if not float(np.ptp(x[near])) > AT_REST:
         return False
-    return any(_turns(x, near.start + int(extreme(x[near])), 4 * n, measured) for extreme in (np.argmax, np.argmin))
+    return any(
+        _turns_around(x, near.start + int(extreme(x[near])), 4 * n, measured) for extreme in (np.argmax, np.argmin)
+    )
 
 
-def _turns(x: Array, at: int, reach: int, measured: MeasuredTest) -> bool:
+def _turns_around(x: Array, at: int, reach: int, measured: MeasuredTest) -> bool:
     """Whether the table leaves this sample to the side that it came from, be it slowly: a motor with friction sticks there."""
-    jitter = 1.5 * measured.rig.encoder.count  # a reading strays by a count at the border of two
     sides = []
     for away in (x[max(0, at - reach) : at][::-1] - x[at], x[at : at + reach] - x[at]):
-        beyond = away[np.abs(away) > jitter]
+        beyond = away[np.abs(away) > measured.jitter]
         sides.append(np.sign(beyond[0]) if beyond.size else 0.0)
     return bool(sides[0] == sides[1] != 0.0)
 
 
-def _reverses(x: Array) -> bool:
-    """Whether the table turns and moves by `REVERSED` on either side of it."""
+def _reverses(x: Array, way: float) -> bool:
+    """Whether the table turns and moves by ``way`` [m] on either side of it."""
     for turn in (int(np.argmax(x)), int(np.argmin(x))):
         sides = (np.ptp(x[: turn + 1]), np.ptp(x[turn:]))
-        if min(sides) >= REVERSED:
+        if min(sides) >= way:
             return True
     return False
 
 
 def drifting_zero(measured: MeasuredTest) -> Iterator[Mark]:
     """A zero of the force that drifts: between the rests before and after the motion, or from cycle to cycle at one voltage."""
-    half = 0.5 * float(np.ptp(measured.force))
+    half, allowed = 0.5 * float(np.ptp(measured.force)), measured.thresholds
     try:
         record = Record(measured.time, measured.displacement, measured.force)
-    except InputError:  # samples that are no record are told elsewhere
+    except InputError:  # samples that do not make a record are refused elsewhere
         return
-    before, after = _rests(record)
-    limit = ZERO_AT_REST + SHARE_AT_REST * half
+    before, after = _force_at_rests(record)
+    limit = allowed.rest_drift + allowed.rest_drift_share * half
     if before is not None and after is not None and abs(after - before) > limit:
-        yield _drift(f"from {before:.4g} N at rest before the motion to {after:.4g} N after it", after - before, limit)
+        yield _mark_drift(
+            f"from {before:.4g} N at rest before the motion to {after:.4g} N after it", after - before, limit
+        )
         return
     spans = _repeated_cycles(record)[1:-1]  # growing and fading ones are left out
-    if float(np.ptp(measured.voltage)) or len(spans) < MIN_CYCLES:
+    if float(np.ptp(measured.voltage)) or len(spans) < allowed.cycles:
         return
     means = np.array([np.mean(measured.force[first:last]) for first, last in spans])
-    middles = np.array([measured.time[(first + last) // 2] for first, last in spans])
-    rate = float(np.polyfit(middles - middles[0], means, 1)[0])
-    limit = ZERO_OF_CYCLES + SHARE_OF_CYCLES * half
+    times = np.array([measured.time[(first + last) // 2] for first, last in spans])
+    rate = float(np.polyfit(times - times[0], means, 1)[0])
+    limit = allowed.cycle_drift + allowed.cycle_drift_share * half
     if abs(rate) * record.duration > limit:
-        yield _drift(f"at {rate:+.3g} N/s, by the means of {len(spans)} cycles", rate * record.duration, limit)
+        yield _mark_drift(f"at {rate:+.3g} N/s, by the means of {len(spans)} cycles", rate * record.duration, limit)
 
 
 def _repeated_cycles(record: Record) -> list[tuple[int, int]]:
@@ -253,19 +241,19 @@ def _repeated_cycles(record: Record) -> list[tuple[int, int]]:
     if not spans:
         return []
     strokes = np.array([np.ptp(x[first : last + 1]) for first, last in spans])
-    apart = np.array([abs(x[last] - x[first]) for first, last in spans])
+    unclosed = np.array([abs(x[last] - x[first]) for first, last in spans])
     stroke = float(np.median(strokes))
     alike = np.abs(strokes - stroke) <= ALIKE * stroke
-    return spans if np.all(alike & (apart <= ALIKE * stroke)) else []
+    return spans if np.all(alike & (unclosed <= ALIKE * stroke)) else []
 
 
-def _drift(how: str, change: float, limit: float) -> Mark:
+def _mark_drift(course: str, change: float, limit: float) -> Mark:
     return Mark(
-        f"the force's zero drifts {how}: {abs(change):.3g} N in the test, {limit:.3g} N at most; look at the load cell"
+        f"the force's zero drifts {course}: {abs(change):.3g} N in the test, {limit:.3g} N at most; look at the load cell"
     )
 
 
-def _rests(record: Record) -> tuple[float | None, float | None]:
+def _force_at_rests(record: Record) -> tuple[float | None, float | None]:
     """The force [N] at the end of the rest before the motion, and at the end of that after it, where there are such rests."""
     n = max(1, round(RESTED / record.dt))
     mirrored = Record(-record.time[::-1], record.displacement[::-1], record.force[::-1])
@@ -288,19 +276,19 @@ def force_at_rail(measured: MeasuredTest) -> Iterator[Mark]:
         )
 
 
-def zero_moved(shown: Evidence, span: float = 0.0) -> list[Mark]:
+def zero_moved(evidence: Evidence, span: float = 0.0, allowed: CampaignThresholds = USUAL) -> list[Mark]:
     """A zero of the force that moved between the slow passes before and after the test, or since the run's first one.
 
     ``span`` [N] is the force's, peak to peak: a damper that relaxes slowly is not quite the same after a test.
     """
-    if shown.zero_shift is None:
+    if evidence.zero_shift is None:
         return []
-    before, after = shown.zero_shift
+    before, after = evidence.zero_shift
     for change, rise, since in (
-        (after - before, shown.rise, "in the test"),
-        (after, shown.warming, "since the run began"),
+        (after - before, evidence.rise, "in the test"),
+        (after, evidence.warming, "since the run began"),
     ):
-        limit = ZERO_OF_PASSES + SHARE_OF_PASSES * span + ZERO_PER_KELVIN * abs(rise)
+        limit = allowed.pass_shift + allowed.pass_shift_share * span + allowed.shift_per_kelvin * abs(rise)
         if abs(change) > limit:
             return [
                 Mark(
@@ -313,21 +301,21 @@ def zero_moved(shown: Evidence, span: float = 0.0) -> list[Mark]:
 
 def coil_without_its_voltage(measured: MeasuredTest) -> Iterator[Mark]:
     """A coil that does not have the voltage that was commanded: the supply is off, at its limit, or its enable line is low."""
-    command, read = measured.command, measured.coil_voltage
-    if command is None or read is None:
+    command, coil_voltage = measured.command, measured.coil_voltage
+    if command is None or coil_voltage is None:
         return
-    steady = _steady(command, measured)
+    steady, allowed = _steady(command, measured), measured.thresholds
     size = float(np.abs(command).max(initial=0.0))
-    apart = np.abs(read - command)
-    wrong = steady & (apart > COIL_OFF * size + COIL_SPARE)
-    if int(wrong.sum()) < WINDOW * measured.rig.board.rate:
+    difference = np.abs(coil_voltage - command)
+    off_command = steady & (difference > allowed.coil_voltage_share * size + allowed.coil_voltage)
+    if int(off_command.sum()) < WINDOW * measured.rig.board.rate:
         return
-    worst = int(np.argmax(np.where(wrong, apart, -1.0)))
+    worst = int(np.argmax(np.where(off_command, difference, -1.0)))
     yield Mark(
-        f"the coil has {read[worst]:.3g} V where {command[worst]:.3g} V were commanded, at {measured.time[worst]:.4g} s, and "
-        f"other than commanded for {wrong.sum() / measured.rig.board.rate:.3g} s: look at the supply, its enable line and "
-        "supply.gain",
-        spoils=float(apart[worst]) > SPOILED * size + COIL_SPARE,
+        f"the coil has {coil_voltage[worst]:.3g} V where {command[worst]:.3g} V were commanded, at {measured.time[worst]:.4g} "
+        f"s, and other than commanded for {off_command.sum() / measured.rig.board.rate:.3g} s: look at the supply, its "
+        "enable line and supply.gain",
+        spoils=float(difference[worst]) > allowed.spoiling_share * size + allowed.coil_voltage,
     )
 
 
@@ -341,17 +329,20 @@ def coil_without_its_current(measured: MeasuredTest) -> Iterator[Mark]:
     if int(steady.sum()) < WINDOW * rig.board.rate:
         return
     u, i = volts[steady], current[steady]
+    # The conductance i = G u by least squares, over that of the coil at 20 degC: high voltages tell most of it.
     share = float(u @ i) / float(u @ u) * rig.supply.resistance
     first = float(measured.time[int(np.argmax(steady))])
-    if share < 1.0 - SPOILED - COPPER * max(0.0, rig.limits.temperature - COLD):
+    if share < 1.0 - measured.thresholds.spoiling_share - COPPER * max(0.0, rig.limits.temperature - COLD):
         yield Mark(
             f"{np.mean(i):.3g} A flow through the coil at {np.mean(u):.3g} V, from {first:.4g} s, and "
             f"{np.mean(u) / rig.supply.resistance:.3g} A do at 20 degC: look at the supply and at the coil's wires",
             spoils=True,
         )
         return
+    # Copper: R = R20 (1 + COPPER (T - COLD)), solved for T.
     warm, expected = COLD + (1.0 / share - 1.0) / COPPER, measured.temperature
-    uncertain = COIL_KELVIN + math.hypot(rig.supply.resistance_uncertainty, rig.supply.reading_uncertainty) / COPPER
+    of_resistance = math.hypot(rig.supply.resistance_uncertainty, rig.supply.reading_uncertainty) / COPPER
+    uncertain = measured.thresholds.coil_warmth + of_resistance
     if abs(warm - expected) > uncertain or warm > rig.limits.temperature + uncertain:
         yield Mark(
             f"the coil's resistance is {rig.supply.resistance / share:.4g} ohm, that of {warm:.0f} degC, and the damper is at "
@@ -365,14 +356,14 @@ def _steady(command: Array, measured: MeasuredTest) -> NDArray[np.bool_]:
     supply = measured.rig.supply
     n = 2 + round(SETTLED_COIL * supply.inductance / supply.resistance * measured.rig.board.rate)
     changed = np.abs(np.diff(command, prepend=command[0])) > COIL_STEADY
-    changed[0] = changed[-1] = True  # what was before and comes after is not seen here
+    changed[0] = changed[-1] = True  # what was before and comes after is not in this stretch
     near = np.convolve(changed, np.ones(2 * n + 1), mode="full")[n : n + len(command)] > 0.5
     return np.asarray(~near)
 
 
 def sudden_force(measured: MeasuredTest) -> Iterator[Mark]:
     """A force that leaps where no damper's does: while the table slides or stands, at one voltage."""
-    limit = max(SUDDEN, SUDDEN_RATE / measured.rig.board.rate)
+    limit = max(measured.thresholds.sudden_force, measured.thresholds.sudden_rate / measured.rig.board.rate)
     leaps = np.flatnonzero(np.abs(np.diff(measured.force)) > limit)
     for at in leaps[:MAX_LEAPS].tolist():
         if _is_steady(measured, at):
@@ -391,15 +382,14 @@ def _is_steady(measured: MeasuredTest, at: int) -> bool:
     show, and the force by all of the friction.
     """
     x, n = measured.displacement, max(2, round(ABRUPT * measured.rig.board.rate))
-    # A reading strays by a count at the border of two; within two counts the stiffest of dampers has 30 N.
-    near, jitter = slice(max(0, at - n), at + n), 1.5 * measured.rig.encoder.count
+    # Within the two counts of a reading that strays the stiffest of dampers has 30 N.
+    near, jitter = slice(max(0, at - n), at + n), measured.jitter
     if np.ndim(measured.voltage) and float(np.ptp(np.asarray(measured.voltage)[max(0, at - 2 * n) : at + n])):
         return False
     if float(np.ptp(x[near])) <= jitter:
         return not measured.closed_loop
     past = x[max(0, at - round(SLID * measured.rig.board.rate)) : at + 1]
-    gone = np.abs(past - x[at])
-    far = np.flatnonzero(gone >= SLIDES)
+    far = np.flatnonzero(np.abs(past - x[at]) >= SLIDES)
     if not far.size:
         return False
     way = past[far[-1] :]
@@ -419,9 +409,10 @@ def created_energy(measured: MeasuredTest) -> Iterator[Mark]:
     """A damper that gives energy in a whole cycle, or in the whole test: the force's sign is inverted."""
     try:
         record = Record(measured.time, measured.displacement, measured.force)
-    except InputError:  # samples that are no record are told elsewhere
+    except InputError:  # samples that do not make a record are refused elsewhere
         return
     x, force = measured.displacement, measured.force
+    # The integral of F dx is positive for what the damper takes, by the trapezoid rule at any sample.
     work = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(x))])
     path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(x)))])
     spans = [
@@ -429,8 +420,8 @@ def created_energy(measured: MeasuredTest) -> Iterator[Mark]:
         *([(0, record.n - 1)] if abs(float(x[-1] - x[0])) < CLOSED * float(np.ptp(x)) else []),
     ]
     for first, last in spans:
-        gained, gone = float(work[first] - work[last]), float(path[last] - path[first])
-        if gained > CREATED * gone:
+        gained, way = float(work[first] - work[last]), float(path[last] - path[first])
+        if gained > measured.thresholds.created_force * way:
             yield Mark(
                 f"the damper gives {gained:.3g} J from {float(measured.time[first]):.4g} s to {float(measured.time[last]):.4g} "
                 "s, and should take some: is the force's sign inverted? Look at the load cell's wires",

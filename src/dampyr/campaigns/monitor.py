@@ -1,4 +1,4 @@
-"""What is told of a test while it runs: cycles, stroke, time left."""
+"""Progress of a test while it runs: cycles, stroke, time left."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ class Watch:
 
     def take(self, samples: Samples) -> None:
         """Count the crossings of the middle, with a hysteresis of a fifth of the amplitude."""
-        keep = max(8, round(SEEN * self.rate))
-        self._past = np.concatenate([self._past, samples.displacement])[-keep:]
+        count = max(8, round(SEEN * self.rate))
+        self._past = np.concatenate([self._past, samples.displacement])[-count:]
         sides = _sides(samples.displacement, 0.2 * self.test.peak_position)
         if sides.size:
             before = self._side or sides[0]

@@ -59,6 +59,7 @@ def raised(share: Array) -> Array:
 
 def top_speed(distance: float, speed: float) -> float:
     """The greatest speed [m/s] of a move: ``speed``, or less where it is too short for it."""
+    # Half of the distance at the acceleration speed/RAMP: v^2 = 2 a d/2.
     return min(speed, math.sqrt(abs(distance) * speed / RAMP))
 
 
@@ -88,8 +89,8 @@ def moves(places: Sequence[float], speed: float, pause: float = 0.0) -> Iterator
 
 def around(pieces: Sequence[PathPiece], centre: float, rest_before: float) -> list[PathPiece]:
     """Rest in the middle, a glide to the ``centre``, the pieces, the glide back and ``AFTER`` seconds of rest."""
-    there, back = ([move(0.0, centre, GLIDE)], [move(centre, 0.0, GLIDE)]) if centre else ([], [])
-    return [hold(0.0, rest_before), *there, *pieces, *back, hold(0.0, AFTER)]
+    out, back = ([move(0.0, centre, GLIDE)], [move(centre, 0.0, GLIDE)]) if centre else ([], [])
+    return [hold(0.0, rest_before), *out, *pieces, *back, hold(0.0, AFTER)]
 
 
 def sampled(pieces: Sequence[PathPiece], period: float) -> Array:
@@ -99,12 +100,13 @@ def sampled(pieces: Sequence[PathPiece], period: float) -> Array:
         raise InputError(
             f"the path takes {edges[-1] / 60:.4g} min, at most {MAX_DURATION / 60:g} min are drawn; shorten it"
         )
+    # 1e-9 of a period: a path of whole periods gets no further set point by a rounding error.
     t = np.arange(math.ceil(edges[-1] / period - 1e-9) + 1) * period
     which = np.clip(np.searchsorted(edges, t, side="right") - 1, 0, len(pieces) - 1)
     x = np.empty(t.size)
     for k, piece in enumerate(pieces):
-        own = which == k
-        x[own] = piece.at(np.minimum(t[own] - edges[k], piece.duration))
+        inside = which == k
+        x[inside] = piece.at(np.minimum(t[inside] - edges[k], piece.duration))
     return x
 
 

@@ -8,15 +8,15 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field, replace
-from datetime import UTC, datetime
+from datetime import datetime
 from pathlib import Path
 
 from dampyr.campaigns.campaign import Campaign, read
 from dampyr.campaigns.differences import campaign_differences, contents_of, settings_differences
 from dampyr.campaigns.folder_lock import folder_lock
 from dampyr.campaigns.force_prediction import specimen
-from dampyr.campaigns.journal import Journal
-from dampyr.campaigns.learn_drive import DriveLearning, Learned, PlayJudge, Seen, percent
+from dampyr.campaigns.journal import Journal, now
+from dampyr.campaigns.learn_drive import DriveLearning, Learned, OnSamples, PlayJudge, percent
 from dampyr.campaigns.learning import TRIES
 from dampyr.campaigns.monitor import Watch, time_left
 from dampyr.campaigns.planned_tests import Plan, PlannedTest, plan
@@ -26,16 +26,17 @@ from dampyr.campaigns.recorded_campaign import RecordedCampaign
 from dampyr.campaigns.recorded_tests import (
     INTERRUPTED,
     broken_tries,
+    describe_lost,
+    entries_from_files,
     entries_with_files,
     file_of,
     is_broken,
     last_try,
-    lost_words,
-    recorded,
     remove_parts,
     set_aside,
 )
 from dampyr.campaigns.run_control import Progress, RunControl, Skipped, Stopped
+from dampyr.campaigns.thresholds import USUAL, CampaignThresholds
 from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.origin import as_origin, combined
 from dampyr.records.formats import h5
@@ -55,6 +56,7 @@ def perform(
     progress: Watcher | None = None,
     control: RunControl | None = None,
     again: Sequence[str] = (),
+    thresholds: CampaignThresholds | None = None,
 ) -> RecordedCampaign:
     """Run a campaign on a connected rig; its folder holds a file per test and the journal. The records are what it returns.
 
@@ -73,14 +75,31 @@ def perform(
     again
         Names of tests that are recorded again, each as a further try, although they are complete. A file of them that is
         broken is renamed, so that it is not read as a record.
+    thresholds
+        When what a test shows of itself becomes a mark of its record, or ends the campaign; None: the usual values.
 
-    Warns of settings of the rig that differ from those that the campaign was begun with; the journal and each further record
-    say how.
+    Returns
+    -------
+    RecordedCampaign
+        The records of the complete tests in ``folder``, the latest try of each.
 
-    Raises :class:`~dampyr.errors.InputError` before anything moves, :class:`~dampyr.errors.RigFault` where a safety layer
-    has acted, :class:`Stopped` where it was asked for, :class:`~dampyr.errors.FileError` where the disk is full. In every
-    case the table is at rest, the coil at 0 V, and the journal records the reason. A folder in which the file of a complete
-    test is gone or broken is not complete: what is left is run, after a warning, and then a FileError names these tests.
+    Raises
+    ------
+    InputError
+        Before anything moves: the rig cannot do a test, the folder holds another campaign, or the damper has to cool first.
+    RigFault
+        A safety layer has acted, or a mark has spoiled a test.
+    Stopped
+        It was asked for.
+    FileError
+        The disk is full, or the file of a complete test is elapsed or broken: what is left is run, after a warning, before.
+
+    In every case the table is at rest, the coil at 0 V, and the journal records the reason.
+
+    Warns
+    -----
+    DampyrWarning
+        Settings of the rig differ from those that the campaign was begun with: the journal and each further record say how.
 
     Examples
     --------
@@ -92,55 +111,62 @@ def perform(
     >>> [record.name for record in records], records.folder.name
     (['01-sine-8mm-1Hz-1.98V'], 'one')
     """
-    campaign_plan = _planned(campaign, rig)
+    if isinstance(campaign, Plan):
+        campaign_plan = campaign
+    else:
+        tests_to_run = campaign if isinstance(campaign, Campaign) else read(campaign)
+        campaign_plan = plan(tests_to_run, rig.settings, specimen(rig.settings, rig.folder))
     campaign_plan.require()
     names = [test.name for test in campaign_plan.tests]
     for name in again:
         if name not in names:
-            raise InputError(f"again = {name!r} is no test of this campaign; its tests are {_some(names)}")
-    folder = _made(Path(folder))
+            raise InputError(f"again = {name!r} is not a test of this campaign; its tests are {_name_first(names)}")
+    folder = _make_folder(Path(folder))
     with folder_lock(folder):
         remove_parts(folder, names)
         moved = [set_aside(path) for name in again for path in broken_tries(folder, name)]
         with closing(Journal(folder)) as journal:
-            _enter(campaign_plan, rig, journal, folder)
-            before = journal.said("origin")
+            _enter_plan(campaign_plan, rig, journal, folder)
+            before = journal.get_metadata("origin")
             origin = combined([rig.origin, *([as_origin(before)] if before else [])])
             if origin.kind != before:  # a complete campaign on a disk that takes nothing is read as it is
-                journal.say({"origin": origin.kind})
+                journal.set_metadata({"origin": origin.kind})
             _reconcile(journal, folder)
             for path in moved:
                 journal.note("set aside", f"{path.name}: it cannot be read")
             for name in again:
                 journal.repeat(name)
-            lost = lost_words(entries_with_files(journal.tests(), folder))
-            run = _Run(campaign_plan, rig, folder, journal, progress or (lambda _: None), control or RunControl())
-            if run.left():
+            lost = describe_lost(entries_with_files(journal.tests(), folder))
+            run = _Run(
+                campaign_plan,
+                rig,
+                folder,
+                journal,
+                progress or (lambda _: None),
+                control or RunControl(),
+                thresholds or USUAL,
+            )
+            if run.remaining_tests():
                 if lost:
                     warnings.warn(f"{folder}: {lost}", DampyrWarning, stacklevel=2)
-                run.begin_warm()
-                run.about = _tell_settings(journal, rig)
+                run.restore_temperature()
+                run.provenance = _note_changed_settings(journal, rig)
+                if run.thresholds != USUAL:
+                    run.provenance |= {"thresholds": as_json(run.thresholds)}
                 run.perform()
             tests = entries_with_files(journal.tests(), folder)
-    if lost := lost_words(tests):
+    if lost := describe_lost(tests):
         complete = sum(entry.state == "complete" for entry in tests)
         raise FileError(folder, f"{complete} of {len(tests)} tests are complete: {lost}")
     return RecordedCampaign(folder)
 
 
-def _some(names: Sequence[str]) -> str:
+def _name_first(names: Sequence[str]) -> str:
     """A few names, and how many more there are."""
     return ", ".join(names[:8]) + (f" and {len(names) - 8} more" if len(names) > 8 else "")
 
 
-def _planned(campaign: Plan | Campaign | str | Path, rig: Rig) -> Plan:
-    if isinstance(campaign, Plan):
-        return campaign
-    tests = campaign if isinstance(campaign, Campaign) else read(campaign)
-    return plan(tests, rig.settings, specimen(rig.settings, rig.folder))
-
-
-def _made(folder: Path) -> Path:
+def _make_folder(folder: Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as problem:
@@ -148,35 +174,33 @@ def _made(folder: Path) -> Path:
     return folder
 
 
-def _enter(campaign_plan: Plan, rig: Rig, journal: Journal, folder: Path) -> None:
+def _enter_plan(campaign_plan: Plan, rig: Rig, journal: Journal, folder: Path) -> None:
     """Enter the plan; where the journal holds none, with what the files in the folder say of its tests."""
     campaign = campaign_plan.campaign
     names, digest = [test.name for test in campaign_plan.tests], campaign.digest
     if not journal.is_empty:
-        saved = journal.said("digest")
-        if (
-            saved == campaign.path_digest != digest
-        ):  # of before 2026-11-23, when what is in a motion's file did not count
-            journal.say({"digest": digest, "contents": contents_of(campaign)})
+        saved = journal.get_metadata("digest")
+        if saved == campaign.path_digest != digest:  # of before 2026-11-23, when only a motion file's path counted
+            journal.set_metadata({"digest": digest, "contents": contents_of(campaign)})
         elif saved != digest:
             entered = [entry.name for entry in journal.tests()]
-            journal.check(digest, campaign_differences(journal.said("contents"), entered, campaign))
+            journal.check(digest, campaign_differences(journal.get_metadata("contents"), entered, campaign))
         return
     journal.check(digest)
-    entries = recorded(folder, campaign_plan)
+    entries = entries_from_files(folder, campaign_plan)
     journal.plan(digest, names, _metadata(campaign_plan, rig, folder), entries)
     if entries:
         complete = sum(entry.state == "complete" for entry in entries)
-        words = f"from the files of {len(entries)} of its {len(names)} tests: "
-        words += f"{complete} complete, {len(entries) - complete} not"
-        journal.note("rebuilt", words)
-        warnings.warn(f"{journal.path} was missing or empty and is made anew {words}", DampyrWarning, stacklevel=3)
+        source = f"from the files of {len(entries)} of its {len(names)} tests: "
+        source += f"{complete} complete, {len(entries) - complete} not"
+        journal.note("rebuilt", source)
+        warnings.warn(f"{journal.path} was missing or empty and is made anew {source}", DampyrWarning, stacklevel=3)
 
 
-def _tell_settings(journal: Journal, rig: Rig) -> dict[str, str]:
+def _note_changed_settings(journal: Journal, rig: Rig) -> dict[str, str]:
     """Warn of settings that are not those that the campaign was begun with; what its further records say of it."""
-    begun = journal.said("rig")
-    difference = settings_differences(begun, rig.settings) if begun else ""
+    saved = journal.get_metadata("rig")
+    difference = settings_differences(saved, rig.settings) if saved else ""
     if not difference:
         return {}
     journal.note("settings changed", difference)
@@ -192,7 +216,7 @@ def _metadata(campaign_plan: Plan, rig: Rig, folder: Path) -> dict[str, str]:
     """What the journal says of a campaign; where records are there already, the rig is that of the first of them."""
     head = campaign_plan.campaign.header
     files = (h5.provenance(path) for path in folder.glob("[!.]*.h5"))
-    first = min(files, key=lambda each: each.get("started", "9"), default={})
+    first = min(files, key=lambda provenance: provenance.get("started", "9"), default={})
     return {
         "name": head.name,
         "operator": head.operator,
@@ -220,7 +244,7 @@ def _reconcile(journal: Journal, folder: Path) -> None:
 
 
 @contextmanager
-def _noted(problem: BaseException) -> Iterator[None]:
+def _noting_trouble(problem: BaseException) -> Iterator[None]:
     """A failed entry in the journal does not hide ``problem``; the files are right without it."""
     try:
         yield
@@ -238,27 +262,30 @@ class _Run:
     journal: Journal
     progress: Watcher
     control: RunControl
+    thresholds: CampaignThresholds
     groups: Mapping[str, str] = field(default_factory=dict)
     """The session and the specimen of every test of this run."""
-    about: Mapping[str, str] = field(default_factory=dict)
-    """What its records say besides."""
+    provenance: dict[str, str] = field(default_factory=dict)
+    """What the records of this run say besides."""
     _saved: float = field(default_factory=time.monotonic)
     """When the damper's temperature was saved last, s of a monotonic clock."""
     _saving: threading.Thread | None = None
     _checked: bool = False
 
-    def left(self) -> list[PlannedTest]:
+    def remaining_tests(self) -> list[PlannedTest]:
         """The incomplete tests, in their order."""
-        done = {entry.name for entry in self.journal.tests() if entry.state == "complete"}
-        return [test for test in self.plan.tests if test.name not in done]
+        complete = {entry.name for entry in self.journal.tests() if entry.state == "complete"}
+        return [test for test in self.plan.tests if test.name not in complete]
 
-    def begin_warm(self) -> None:
+    def restore_temperature(self) -> None:
         """Begin with the damper as warm as the journal's last host left it; :class:`InputError` where it has to cool first."""
         rig, limit = self.rig, self.rig.settings.limits.temperature
-        self.journal.said_with_events = self._temperature
+        self.journal.event_metadata = self._temperature
         if rig.damper_persists:
-            with suppress(ValueError):  # none is saved, or by somebody else
-                saved = SavedTemperature.parse(self.journal.said(TEMPERATURE), self.journal.said(TEMPERATURE_TIME))
+            with suppress(ValueError):  # there is none, or one that another program has written
+                saved = SavedTemperature.parse(
+                    self.journal.get_metadata(TEMPERATURE), self.journal.get_metadata(TEMPERATURE_TIME)
+                )
                 rig.warmth.estimate = max(rig.warmth.estimate, saved.cooled(rig.settings))
         if rig.warmth.hottest >= limit:
             raise InputError(
@@ -270,18 +297,10 @@ class _Run:
         """The damper's temperature with its time, for the journal."""
         if not self.rig.damper_persists:
             return {}
-        now = datetime.now(UTC).isoformat(timespec="milliseconds")
-        return {TEMPERATURE: f"{self.rig.warmth.hottest:.3f}", TEMPERATURE_TIME: now}
-
-    def _save_temperature(self) -> None:
-        """Save it beside the rig's settings too, now and then; a disk that hesitates holds nothing up."""
-        if time.monotonic() - self._saved >= SAVE_EVERY and not (self._saving and self._saving.is_alive()):
-            self._saved = time.monotonic()
-            self._saving = threading.Thread(target=self.rig.save_temperature, name="temperature", daemon=True)
-            self._saving.start()
+        return {TEMPERATURE: f"{self.rig.warmth.hottest:.3f}", TEMPERATURE_TIME: now()}
 
     def perform(self) -> None:
-        left = self.left()
+        left = self.remaining_tests()
         self.groups = groups_of(self.rig.settings, self.plan.campaign, datetime.now().astimezone())
         check_disk(self.folder, self.rig, left, self.plan.campaign, self.groups)
         self.journal.note(
@@ -290,20 +309,20 @@ class _Run:
         try:
             while left:  # a test that was skipped has cut the coil: the rig is armed again for the next one
                 with suppress(Skipped):
-                    self._armed(left)
-                left.extend(self._repeated())
+                    self._perform_armed(left)
+                left.extend(self._take_repeats())
         except BaseException as problem:
-            with _noted(problem):
+            with _noting_trouble(problem):
                 self.journal.note("ended early", reason(problem)["reason"])
             raise
-        if missing := [test.name for test in self.left()]:
+        if missing := [test.name for test in self.remaining_tests()]:
             self.journal.note("ended", f"{len(missing)} of {len(self.plan.tests)} tests skipped")
             raise Stopped(
-                f"skipped by the operator: {_some(missing)}; run the campaign again to record what is missing"
+                f"skipped by the operator: {_name_first(missing)}; run the campaign again to record what is missing"
             )
         self.journal.note("complete", f"{len(self.plan.tests)} tests")
 
-    def _armed(self, left: list[PlannedTest]) -> None:
+    def _perform_armed(self, left: list[PlannedTest]) -> None:
         """Perform what is in ``left``, and take each test out of it as it begins."""
         try:
             with self.rig.armed() as table:
@@ -313,18 +332,18 @@ class _Run:
                 self._prepare(table)
                 first = True
                 while left:
-                    self._between(table, left, first)
+                    self._rest_between(table, left, first)
                     first = False
                     test = left.pop(0)
                     if self.control.skips(test.name):
                         self.journal.note("skipped", "by the operator", test.name)
                     else:
-                        self._test(table, test, len(left) + 1)
-                    left.extend(self._repeated())
+                        self._record_test(table, test, len(left) + 1)
+                    left.extend(self._take_repeats())
         finally:
             self.control.abort_now = None
 
-    def _repeated(self) -> list[PlannedTest]:
+    def _take_repeats(self) -> list[PlannedTest]:
         """The tests that the operator wants to have once more."""
         names = self.control.repeats()
         for name in names:
@@ -333,57 +352,61 @@ class _Run:
 
     def _prepare(self, table: ArmedRig) -> None:
         if table.homed:
-            self._say("verifying the index")
+            self._report_phase("verifying the index")
             if not table.pass_index():
                 self.journal.note("index moved", "since the table was homed; it is homed again")
-                words = (
-                    "the encoder's index was not where homing had put it, so counts were lost; the table is homed again"
+                warnings.warn(
+                    "the encoder's index was not where homing had put it, so counts were lost; the table is homed again",
+                    DampyrWarning,
+                    stacklevel=5,
                 )
-                warnings.warn(words, DampyrWarning, stacklevel=5)
         if not table.homed:
-            self._say("homing")
+            self._report_phase("homing")
             table.home()
             self.journal.note("homed")
         if self.plan.preliminary is not None and not self._checked:
-            self._say("preliminary check")
+            self._report_phase("preliminary check")
             table.go(float(self.plan.preliminary.displacement[0]))
-            self.journal.note("checked", preliminary_check(table, self.plan.preliminary))
+            self.journal.note("checked", preliminary_check(table, self.plan.preliminary, self.thresholds))
             self._checked = True
         table.verify()
 
-    def _between(self, table: ArmedRig, left: list[PlannedTest], first: bool) -> None:
+    def _rest_between(self, table: ArmedRig, left: list[PlannedTest], first: bool) -> None:
         """Rest between two tests, and while the campaign is paused."""
         self.control.check()
         if not first:
-            self._say("rest", left[0].name, len(left))
+            self._report_phase("rest", left[0].name, len(left))
             table.rest(self.plan.campaign.header.rest_between)
         if self.control.paused:
             self.journal.note("paused")
             while self.control.paused:
                 self.control.check()
-                self._say("paused", left[0].name, len(left))
+                self._report_phase("paused", left[0].name, len(left))
                 table.rest(0.1)
             self.journal.note("resumed")
         self.control.check()
 
-    def _test(self, table: ArmedRig, test: PlannedTest, remaining: int) -> None:
+    def _record_test(self, table: ArmedRig, test: PlannedTest, remaining: int) -> None:
         attempt, held = self.journal.begin(test.name, last_try(self.folder, test.name)), self.rig.clock_held
         if test.fitted:
             self.journal.note("fitted", test.fitted, test.name, attempt)
         try:
             self.control.under_way = test.name
-            learned = self._learned(table, test, remaining, attempt) if test.test.learn else None
-            judge, about, drive, before = None, dict(self.about), test.drive, 0.0
+            learned = self._learn_drive(table, test, remaining, attempt) if test.test.learn else None
+            judge, provenance, drive, before = None, dict(self.provenance), test.drive, 0.0
             if learned is not None:
                 judge, drive = PlayJudge(test.drive), learned.drive
-                about, before = about | learned.about, TRIES * self.plan.try_time(test)
+                provenance, before = provenance | learned.provenance, TRIES * self.plan.try_time(test)
             path = file_of(self.folder, test.name, attempt)
-            seen = self._seen(table, test, remaining, "testing", before)
+            on_samples = self._report_samples(table, test, remaining, "testing", before)
             played = replace(test, drive=drive)
-            marks = take(table, played, self.plan.campaign, path, attempt, self.groups, seen, about, judge)
+            marks = take(
+                table, played, self.plan.campaign, path, attempt, self.groups, on_samples, provenance, judge,
+                self.thresholds,
+            )  # fmt: skip
         except BaseException as problem:
             outcome = reason(problem)
-            with _noted(problem):
+            with _noting_trouble(problem):
                 self.journal.end(
                     test.name, "failed" if outcome["exit_status"] == "failed" else "stopped", outcome["reason"]
                 )
@@ -399,60 +422,55 @@ class _Run:
             marks = (*marks, f"{achieved} off its wanted path, with a learned drive (tries: {learned.words})")
         self.journal.end(test.name, "complete", "; ".join(marks))
 
-    def _learned(self, table: ArmedRig, test: PlannedTest, remaining: int, attempt: int) -> Learned:
+    def _learn_drive(self, table: ArmedRig, test: PlannedTest, remaining: int, attempt: int) -> Learned:
         """Learn a test's drive, try by try."""
 
-        def play(count: int, error: float | None) -> Seen:
+        def play(count: int, error: float | None) -> OnSamples:
             phase = f"learning, try {count} of {TRIES}" + ("" if error is None else f", {percent(error)} so far:")
-            return self._seen(table, test, remaining, phase, (count - 1) * self.plan.try_time(test))
+            return self._report_samples(table, test, remaining, phase, (count - 1) * self.plan.try_time(test))
 
         return DriveLearning(
-            table, self.plan, test, self.folder, attempt, self.journal, self.groups, self.about, play
+            table,
+            self.plan,
+            test,
+            self.folder,
+            attempt,
+            self.journal,
+            self.groups,
+            self.provenance,
+            play,
+            self.thresholds,
         ).learn()
 
-    def _seen(self, table: ArmedRig, test: PlannedTest, remaining: int, phase: str, before: float) -> Seen:
+    def _report_samples(
+        self, table: ArmedRig, test: PlannedTest, remaining: int, phase: str, before: float
+    ) -> OnSamples:
         """What reports the samples of one play of a test; ``before`` s of what is planned for the test are over."""
-        watch = Watch(test, self.rig.settings.board.rate)
-        first: list[int] = []
+        watch, rate = Watch(test, self.rig.settings.board.rate), self.rig.settings.board.rate
+        total = len(self.plan.tests)
+        first: int | None = None
 
-        def seen(samples: Samples) -> None:
+        def report(samples: Samples) -> None:
+            nonlocal first
             watch.take(samples)
-            first[:] = first or [samples.first]
-            gone = (samples.first + samples.n - first[0]) / self.rig.settings.board.rate
-            self._show(table, test, watch, samples, remaining, gone, phase, before)
+            first = samples.first if first is None else first
+            elapsed = (samples.first + samples.n - first) / rate
+            # The temperature is saved beside the rig's settings too, in a thread: a disk that hesitates holds nothing up.
+            if time.monotonic() - self._saved >= SAVE_EVERY and not (self._saving and self._saving.is_alive()):
+                self._saved = time.monotonic()
+                self._saving = threading.Thread(target=self.rig.save_temperature, name="temperature", daemon=True)
+                self._saving.start()
+            fraction, left = elapsed / max(test.duration, 1e-9), time_left(self.plan, remaining, before + elapsed)
+            self.progress(
+                Progress(
+                    max(0, total - remaining), total, test.name, phase, min(1.0, fraction), max(0.0, left), watch.cycles,
+                    watch.planned, float(samples.force[-1]), watch.stroke, table.temperature, samples,
+                )
+            )  # fmt: skip
 
-        return seen
+        return report
 
-    def _show(
-        self,
-        table: ArmedRig,
-        test: PlannedTest,
-        watch: Watch,
-        samples: Samples,
-        remaining: int,
-        gone: float,
-        phase: str,
-        before: float,
-    ) -> None:
-        self._save_temperature()
-        self.progress(
-            Progress(
-                max(0, len(self.plan.tests) - remaining),
-                len(self.plan.tests),
-                test.name,
-                phase,
-                min(1.0, gone / max(test.duration, 1e-9)),
-                max(0.0, time_left(self.plan, remaining, before + gone)),
-                watch.cycles,
-                watch.planned,
-                float(samples.force[-1]),
-                watch.stroke,
-                table.temperature,
-                samples,
-            )
-        )
-
-    def _say(self, phase: str, name: str = "", remaining: int | None = None) -> None:
-        count = len(self.left()) if remaining is None else remaining
+    def _report_phase(self, phase: str, name: str = "", remaining: int | None = None) -> None:
+        count = len(self.remaining_tests()) if remaining is None else remaining
         left = time_left(self.plan, count)
         self.progress(Progress(max(0, len(self.plan.tests) - count), len(self.plan.tests), name, phase, time_left=left))

@@ -118,6 +118,11 @@ def plan(
     seed
         Of a campaign file in random order, in the place of the one that it states.
 
+    Returns
+    -------
+    Plan
+        Every test with its duration, peaks and expected force; ``refusals`` holds a sentence for each that the rig cannot do.
+
     Examples
     --------
     >>> import dampyr as dp
@@ -131,36 +136,35 @@ def plan(
     settings = rig if isinstance(rig, RigSettings) else RigSettings() if rig is None else load_settings(rig)
     if damper is None and not (isinstance(campaign, Campaign) and folder is None):
         damper = specimen(settings, folder)
-    return _plan(campaign if isinstance(campaign, Campaign) else read(campaign, seed), settings, damper)
-
-
-def _plan(campaign: Campaign, rig: RigSettings, damper: Damper | None) -> Plan:
-    alike = {test.number: test for test in campaign.tests}
-    by_number = {number: _planned(alike[number], rig, damper) for number in sorted(alike)}
-    tests = tuple(replace(by_number[test.number], test=test) for test in campaign.tests)
-    before = campaign.preliminary
-    refusals = [each.refusal for each in by_number.values() if each.refusal]
-    if before is not None and (violations := violations_of(before, rig, damper)):
+    if not isinstance(campaign, Campaign):
+        campaign = read(campaign, seed)
+    by_number = {test.number: test for test in campaign.tests}  # repeats are planned once
+    planned = {number: _plan_test(by_number[number], settings, damper) for number in sorted(by_number)}
+    tests = tuple(replace(planned[test.number], test=test) for test in campaign.tests)
+    stroke = campaign.preliminary
+    refusals = [test.refusal for test in planned.values() if test.refusal]
+    if stroke is not None and (violations := violations_of(stroke, settings, damper)):
         refusals.insert(0, f"the stroke before the first test: {violations[0].words}; lower check_amplitude")
     notes = (UNKNOWN,) if damper is None else ()
-    if before is None:
+    if stroke is None:
         notes = (*notes, f"before the first test: {UNCHECKED}")
-    return Plan(campaign, rig, damper, tests, before.drive(rig) if before else None, notes, tuple(refusals))
+    preliminary = stroke.drive(settings) if stroke else None
+    return Plan(campaign, settings, damper, tests, preliminary, notes, tuple(refusals))
 
 
-def _planned(test: Test, rig: RigSettings, damper: Damper | None) -> PlannedTest:
-    step, violations, fitted = _fitted(test.step, violations_of(test.step, rig, damper), rig, damper)
+def _plan_test(test: Test, rig: RigSettings, damper: Damper | None) -> PlannedTest:
+    step, violations, fitted = _fit_to_rig(test.step, violations_of(test.step, rig, damper), rig, damper)
     notes = (fitted,) if fitted else ()
     if test.learn:
         notes = (*notes, f"its drive is learned first, in at most {TRIES} tries")
     drive, peaks, force, energy = step.drive(rig), step.peaks(rig), None, None
-    if not any(each.limit == "voltage" for each in violations):
+    if not any(violation.limit == "voltage" for violation in violations):
         trajectory = course(drive, rig, damper)
         force, energy = float(np.abs(trajectory.force).max()), trajectory.energy
-        notes = (*notes, *trajectory.notes, *_warming(energy, rig))
+        notes = (*notes, *trajectory.notes, *_note_warming(energy, rig))
     if hasattr(step, "remarks"):
         notes = (*notes, *step.remarks(rig))
-    refusal = _refusal(test, step, violations, rig, damper)
+    refusal = _describe_refusal(test, step, violations, rig, damper)
     if not refusal and hasattr(step, "rehearsal") and (words := step.rehearsal(rig)):
         refusal = f"{test.where}: {words}"
     return PlannedTest(
@@ -169,7 +173,7 @@ def _planned(test: Test, rig: RigSettings, damper: Damper | None) -> PlannedTest
     )  # fmt: skip
 
 
-def _warming(energy: float, rig: RigSettings) -> tuple[str, ...]:
+def _note_warming(energy: float, rig: RigSettings) -> tuple[str, ...]:
     """A note where a test alone may warm the damper from the room's temperature to the limit."""
     rise, ambient = energy / rig.specimen.heat_capacity, rig.specimen.room
     if ambient + rise < rig.limits.temperature:
@@ -182,27 +186,31 @@ def _warming(energy: float, rig: RigSettings) -> tuple[str, ...]:
 Violations = tuple[Violation, ...]
 
 
-def _fitted(step: Any, violations: Violations, rig: RigSettings, damper: Damper | None) -> tuple[Any, Violations, str]:
+def _fit_to_rig(
+    step: Any, violations: Violations, rig: RigSettings, damper: Damper | None
+) -> tuple[Any, Violations, str]:
     """The step lowered to what the rig can do, where it asks for that and needs it, and what was done in words."""
     field = getattr(step, "fits", "scale")
     value = largest(step, field, rig, damper) if violations and getattr(step, "fit_limits", False) else None
     if value is None:
         return step, violations, ""
     lower = replace(step, **{field: value})
-    before, after = (_bare(each, field) for each in (step, lower))
-    why = " and it ".join(each.words for each in violations)
+    before, after = (_field_text(version, field) for version in (step, lower))
+    why = " and it ".join(violation.words for violation in violations)
     head = "scaled" if field == "scale" else f"{field} lowered"
     return lower, (), f"{head} to {after} instead of {before}: at {before} it {why}"
 
 
-def _bare(step: Any, field: str) -> str:
+def _field_text(step: Any, field: str) -> str:
     """A field with its unit and without its name."""
     return shown(step, field).removeprefix(f"{field} ")
 
 
-def _refusal(test: Test, step: Any, violations: tuple[Violation, ...], rig: RigSettings, damper: Damper | None) -> str:
+def _describe_refusal(
+    test: Test, step: Any, violations: tuple[Violation, ...], rig: RigSettings, damper: Damper | None
+) -> str:
     sentences = []
-    for each in violations:
-        ways = repairs(step, rig, damper, each.limit if len(violations) > 1 else None)
-        sentences.append(each.words + (f"; lower {' or '.join(ways)}" if ways else ""))
+    for violation in violations:
+        ways = repairs(step, rig, damper, violation.limit if len(violations) > 1 else None)
+        sentences.append(violation.words + (f"; lower {' or '.join(ways)}" if ways else ""))
     return f"{test.where}: {'; it also '.join(sentences)}" if sentences else ""

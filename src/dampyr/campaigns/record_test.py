@@ -8,7 +8,7 @@ import math
 import platform
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from datetime import UTC, datetime
+from datetime import datetime
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -16,10 +16,12 @@ from typing import Any
 import numpy as np
 
 from dampyr.campaigns.campaign import Campaign
+from dampyr.campaigns.journal import now
 from dampyr.campaigns.kinds import kind
 from dampyr.campaigns.marks import Mark, MeasuredTest, marks_of, zero_moved
 from dampyr.campaigns.planned_tests import UNCHECKED, PlannedTest
 from dampyr.campaigns.run_control import Stopped, exit_status
+from dampyr.campaigns.thresholds import USUAL, CampaignThresholds
 from dampyr.errors import DampyrError, FileError, RigFault
 from dampyr.models.numerics.differentiation import differentiate, window
 from dampyr.records.checks.channel_uncertainty import ChannelUncertainty
@@ -46,17 +48,19 @@ def take(
     path: Path,
     attempt: int,
     groups: Mapping[str, str],
-    seen: Callable[[Samples], None],
-    about: Mapping[str, str] | None = None,
+    on_samples: Callable[[Samples], None],
+    extra_provenance: Mapping[str, str] | None = None,
     judge: Judge | None = None,
+    thresholds: CampaignThresholds = USUAL,
 ) -> tuple[str, ...]:
     """Play a test and record it, in a file whose room is reserved before anything moves. The file says how the test ended; what
     ended it early is raised again.
 
-    ``about`` is added to what the record says of its origin, and what ``judge`` gives of the samples of a test that came to its
-    end. The marks of the test are given back; one that spoils it is raised as a :class:`~dampyr.errors.RigFault`.
+    ``on_samples`` is called with each block. ``extra_provenance`` is added to that of the record, and what ``judge`` gives of
+    the samples of a test that came to its end. The marks of the test, by the ``thresholds``, are given back; one that spoils
+    it is raised as a :class:`~dampyr.errors.RigFault`.
     """
-    record_header = header(table.rig, table.loop.calibration, planned, campaign, attempt, groups, about)
+    record_header = header(table.rig, table.loop.calibration, planned, campaign, attempt, groups, extra_provenance)
     recording = Recording(path, capacity(planned.drive, table.rig), record_header)
     try:
         table.go(float(planned.drive.displacement[0]))
@@ -65,36 +69,44 @@ def take(
         raise
     started = {"started": now(), "temperature_at_start_degC": f"{table.temperature:.2f}"}
     marks: list[Mark] = []
-    cool, lost = table.temperature, LostCounts(table.rig.settings.encoder.count)
+    start_temperature, lost = table.temperature, LostCounts(table.rig.settings.encoder.count)
     table.rig.watchers.append(lost)
     try:
-        with ended(recording, table, started, marks, lambda: evidence(table, lost, cool), judge):
+        with finished(
+            recording,
+            table,
+            started,
+            marks,
+            lambda: collect_evidence(table, lost, start_temperature),
+            judge,
+            thresholds,
+        ):
             for samples, selection in table.play(planned.drive):
                 if selection.stop > selection.start:
-                    recording.append(values(samples, selection, recording.header, table.rig.settings))
-                seen(samples)
+                    recording.append(file_rows(samples, selection, recording.header, table.rig.settings))
+                on_samples(samples)
             table.verify()
     finally:
         table.rig.watchers.remove(lost)
     return tuple(mark.text for mark in marks)
 
 
-def evidence(table: ArmedRig, lost: LostCounts, cool: float) -> Evidence:
-    """What a test has shown of its own measurement; ``cool`` [degC] was the damper at its begin."""
+def collect_evidence(table: ArmedRig, lost: LostCounts, start_temperature: float) -> Evidence:
+    """What a test has shown of its own measurement; the damper was at ``start_temperature`` [degC] at its begin."""
     zero = table.zero
     shift = (zero[-2] - zero[0], zero[-1] - zero[0]) if len(zero) > 1 else None
-    warm = table.temperature
+    rise = table.temperature - start_temperature
     return dataclasses.replace(
-        warmth_of(table), lost_counts=lost.number(table.loop.index), zero_shift=shift, rise=warm - cool
+        early_evidence(table), lost_counts=lost.number(table.loop.index), zero_shift=shift, rise=rise
     )
 
 
-def warmth_of(table: ArmedRig) -> Evidence:
+def early_evidence(table: ArmedRig) -> Evidence:
     """What a test that was ended early has shown of its measurement: how warm the damper is, and how late its supply."""
-    warm, rig = table.temperature, table.rig
+    temperature, rig = table.temperature, table.rig
     return Evidence(
-        temperature=warm,
-        warming=warm - rig.settings.specimen.room,
+        temperature=temperature,
+        warming=temperature - rig.settings.specimen.room,
         command_delay=rig.command_delay,
         parted=rig.warmth.parted,
         doubt=rig.warmth.doubt,
@@ -102,16 +114,18 @@ def warmth_of(table: ArmedRig) -> Evidence:
 
 
 @contextmanager
-def ended(
+def finished(
     recording: Recording,
     table: ArmedRig,
     started: dict[str, str],
     marks: list[Mark],
-    shown: Callable[[], Evidence],
+    collect_evidence: Callable[[], Evidence],
     judge: Judge | None = None,
+    thresholds: CampaignThresholds = USUAL,
 ) -> Iterator[None]:
     """Finish the file, after the table was brought to rest if something ended the test early; ``marks`` takes those of it.
-    ``shown`` gives what a test that came to its end has shown of its measurement, ``judge`` what its record says besides.
+    ``collect_evidence`` gives what a test that came to its end has shown of its measurement, ``judge`` what its record says
+    besides.
     """
     held = table.rig.clock_held
     try:
@@ -123,13 +137,13 @@ def ended(
             DampyrError
         ):  # a full disk, or too few samples for a record: what was acknowledged is in the file
             recording.close() if isinstance(problem, FileError) else recording.finish(
-                outcome, complete=False, uncertainty=uncertainty(recording, table.rig.settings, warmth_of(table))
+                outcome, complete=False, uncertainty=uncertainty(recording, table.rig.settings, early_evidence(table))
             )
         raise
     outcome = started | {"ended": now(), "temperature_at_end_degC": f"{table.temperature:.2f}"}
     outcome |= _clock_held(table.rig.clock_held - held)
-    seen = shown()
-    table.meanwhile(lambda: marks.extend(_finish(recording, table.rig.settings, outcome, seen, judge)))
+    evidence = collect_evidence()
+    table.meanwhile(lambda: marks.extend(_finish(recording, table.rig.settings, outcome, evidence, judge, thresholds)))
     if any(mark.spoils for mark in marks):
         raise _spoiled(marks)
 
@@ -140,30 +154,36 @@ def _clock_held(seconds: float) -> dict[str, str]:
 
 
 def _finish(
-    recording: Recording, rig: RigSettings, outcome: dict[str, str], shown: Evidence, judge: Judge | None = None
+    recording: Recording,
+    rig: RigSettings,
+    outcome: dict[str, str],
+    evidence: Evidence,
+    judge: Judge | None,
+    thresholds: CampaignThresholds,
 ) -> list[Mark]:
     """Finish the file of a test that came to its end, complete unless a mark spoils it; its marks."""
     outcome = outcome | dict(judge(recording) if judge is not None else {})
-    marks = marks_of(lambda rows: measured(recording, rig, rows, shown.temperature), recording.rows)
-    marks += zero_moved(
-        shown, float(np.ptp(recording.read("calibrated/force", thinly(recording)))) if recording.rows else 0.0
-    )
-    if shown.doubt:
-        marks.append(Mark(shown.doubt))
-    about: dict[str, Any] = {"marks": tuple(mark.text for mark in marks)}
-    about["uncertainty"] = uncertainty(recording, rig, shown)
+    marks = marks_of(lambda rows: measured_test(recording, rig, rows, evidence.temperature, thresholds), recording.rows)
+    span = float(np.ptp(recording.read("calibrated/force", thinned(recording)))) if recording.rows else 0.0
+    marks += zero_moved(evidence, span, thresholds)
+    if evidence.doubt:
+        marks.append(Mark(evidence.doubt))
+    changes: dict[str, Any] = {"marks": tuple(mark.text for mark in marks)}
+    changes["uncertainty"] = uncertainty(recording, rig, evidence)
     if "voltage" in recording.header.constants and "raw/coil_voltage" in recording.datasets:
-        about["constants"] = {"voltage": mean_voltage(recording, rig)}
+        changes["constants"] = {"voltage": mean_voltage(recording, rig)}
         outcome = outcome | {SOURCE: MEASURED}  # tests at one voltage then count as such, whatever was read
     if any(mark.spoils for mark in marks):
-        recording.finish(outcome | reason(_spoiled(marks)), complete=False, **about)
+        recording.finish(outcome | reason(_spoiled(marks)), complete=False, **changes)
     else:
         outcome = outcome | {"exit_status": "complete", "reason": ""}
-        recording.finish(outcome, history(rig), refine=lambda values: refined(values, rig), margin=margin(rig), **about)
+        recording.finish(
+            outcome, history(rig), refine=lambda values: refined(values, rig), margin=margin(rig), **changes
+        )
     return marks
 
 
-def uncertainty(recording: Recording, rig: RigSettings, shown: Evidence) -> dict[str, ChannelUncertainty]:
+def uncertainty(recording: Recording, rig: RigSettings, evidence: Evidence) -> dict[str, ChannelUncertainty]:
     """The standard uncertainty of each channel of a test; none with too few samples for a record."""
     rows = recording.rows
     if rows < MIN_SAMPLES or rows < 5.0 * rig.board.rate / rig.board.velocity_bandwidth:
@@ -171,23 +191,24 @@ def uncertainty(recording: Recording, rig: RigSettings, shown: Evidence) -> dict
     voltage, count = recording.header.constants.get("voltage"), max(1, rows // PIECE)
 
     def piece(k: int) -> tuple[Array, Array, Array, Array | float]:
-        some = slice(rows * k // count, rows * (k + 1) // count)
-        time, x, force = (recording.read(f"calibrated/{name}", some) for name in ("time", "displacement", "force"))
-        return time, x, force, recording.read("calibrated/voltage", some) if voltage is None else voltage
+        part = slice(rows * k // count, rows * (k + 1) // count)
+        time, x, force = (recording.read(f"calibrated/{name}", part) for name in ("time", "displacement", "force"))
+        return time, x, force, recording.read("calibrated/voltage", part) if voltage is None else voltage
 
-    parts = budget(rig, shown, rows / rig.board.rate, map(piece, range(count)))
-    return {name: ChannelUncertainty(each) for name, each in parts.items()}
+    parts = budget(rig, evidence, rows / rig.board.rate, map(piece, range(count)))
+    return {name: ChannelUncertainty(terms) for name, terms in parts.items()}
 
 
 def mean_voltage(recording: Recording, rig: RigSettings) -> float:
     """The mean of the coil's voltage [V] as read back in a test at one voltage, less what its warmth has added."""
-    wanted = recording.header.constants["voltage"]
-    read, command = (recording.read(f"raw/{name}", thinly(recording)) for name in ("coil_voltage", "command"))
-    warm = np.mean(command) * rig.supply.gain / wanted if wanted else 1.0
-    return float(np.mean(read)) * rig.supply.voltage_scale / float(warm or 1.0)
+    nominal = recording.header.constants["voltage"]
+    read_back, command = (recording.read(f"raw/{name}", thinned(recording)) for name in ("coil_voltage", "command"))
+    # The command rises with the coil's warmth, so that its current stays; over the nominal voltage it is by how much.
+    rise = np.mean(command) * rig.supply.gain / nominal if nominal else 1.0
+    return float(np.mean(read_back)) * rig.supply.voltage_scale / float(rise or 1.0)
 
 
-def thinly(recording: Recording) -> slice:
+def thinned(recording: Recording) -> slice:
     """So many of its samples, evenly spaced, that a test of any length takes the same memory."""
     return slice(0, None, max(1, -(-recording.rows // PIECE)))
 
@@ -196,7 +217,9 @@ def _spoiled(marks: list[Mark]) -> RigFault:
     return RigFault(f"the test is spoiled: {'; '.join(mark.text for mark in marks if mark.spoils)}", "check")
 
 
-def measured(recording: Recording, rig: RigSettings, rows: slice, temperature: float) -> MeasuredTest:
+def measured_test(
+    recording: Recording, rig: RigSettings, rows: slice, temperature: float, thresholds: CampaignThresholds
+) -> MeasuredTest:
     """What was measured, as `dampyr.campaigns.marks` looks at it, with the damper at ``temperature`` [degC]."""
     coil = {
         name: recording.read(f"raw/{name}", rows) * scale
@@ -218,6 +241,7 @@ def measured(recording: Recording, rig: RigSettings, rows: slice, temperature: f
         temperature,
         **coil,
         closed_loop=getattr(kind(recording.header.provenance["kind"]), "closed_loop", False),
+        thresholds=thresholds,
     )
 
 
@@ -282,14 +306,13 @@ def groups_of(rig: RigSettings, campaign: Campaign, started: datetime) -> dict[s
     a name; and the session is the day, in local time, and the specimen: the tests of one run, even past midnight, and those of
     further runs on that day. Who mounts the damper anew within a day has to state the session.
     """
-    body = rig.specimen
-    specimen = campaign.header.specimen or body.name or Path(body.card).stem or body.data_sheet
+    named = rig.specimen
+    specimen = campaign.header.specimen or named.name or Path(named.card).stem or named.data_sheet
     day = started.astimezone().date().isoformat()
     session = campaign.header.measurement_session or f"{day} {specimen}"
-    named = {
-        name: as_group(name, text) for name, text in (("measurement_session", session), ("specimen", specimen)) if text
-    }
-    return {name: text for name, text in named.items() if text}
+    texts = (("measurement_session", session), ("specimen", specimen))
+    groups = {name: as_group(name, text) for name, text in texts if text}
+    return {name: text for name, text in groups.items() if text}
 
 
 def header(
@@ -299,7 +322,7 @@ def header(
     campaign: Campaign,
     attempt: int,
     groups: Mapping[str, str],
-    about: Mapping[str, str] | None = None,
+    extra_provenance: Mapping[str, str] | None = None,
 ) -> RecordingHeader:
     """The header of the file, complete before the test begins."""
     drive = planned.drive
@@ -336,7 +359,7 @@ def header(
         {"voltage": float(voltage[0])} if constant else {},
         role=getattr(planned.step, "role", "fit"),
         label=label(planned.step),
-        provenance=provenance(rig, calibration, planned, campaign) | dict(about or {}),
+        provenance=provenance(rig, calibration, planned, campaign) | dict(extra_provenance or {}),
         derived=("velocity",),
         origin=rig.origin,
         **groups,
@@ -386,7 +409,7 @@ def as_json(settings: Any) -> str:
     return json.dumps(dataclasses.asdict(settings), default=str)
 
 
-def values(samples: Samples, selection: slice, record_header: RecordingHeader, rig: RigSettings) -> dict[str, Any]:
+def file_rows(samples: Samples, selection: slice, record_header: RecordingHeader, rig: RigSettings) -> dict[str, Any]:
     """The rows of a block for the file."""
     columns: dict[str, Any] = {
         "calibrated/time": samples.time,
@@ -398,13 +421,8 @@ def values(samples: Samples, selection: slice, record_header: RecordingHeader, r
         "raw/position": samples.counts,
         "raw/command": samples.command / rig.supply.gain,
     }
-    wanted = [
+    names = [
         *(f"calibrated/{name}" for name in record_header.channels),
         *(f"raw/{name}" for name in record_header.raw),
     ]
-    return {name: columns[name][selection] for name in wanted}
-
-
-def now() -> str:
-    """The time in UTC."""
-    return datetime.now(UTC).isoformat(timespec="milliseconds")
+    return {name: columns[name][selection] for name in names}

@@ -21,8 +21,8 @@ BROKEN = ".broken"  # behind the name of a file that nobody can read, so that no
 REPAIR = "give another --out, or move the files that are there to another folder"
 
 
-def recorded(folder: Path, campaign_plan: Plan) -> list[JournalEntry]:
-    """The tests of a plan that have files in ``folder``: complete where one of them is.
+def entries_from_files(folder: Path, campaign_plan: Plan) -> list[JournalEntry]:
+    """The entries of the tests of a plan that have files in ``folder``: complete where one of them is.
 
     Raises :class:`~dampyr.errors.FileError` where a file is of another campaign or cannot be read.
     """
@@ -37,7 +37,7 @@ def recorded(folder: Path, campaign_plan: Plan) -> list[JournalEntry]:
                 folder,
                 f"has no journal of its tests, and a file cannot be read: {problem}; {''.join(again)}{REPAIR}",
             ) from None
-        why = _difference(campaign_plan, planned.get(state.test), provenance)
+        why = _describe_difference(campaign_plan, planned.get(state.test), provenance)
         if why:
             raise FileError(
                 folder,
@@ -45,10 +45,10 @@ def recorded(folder: Path, campaign_plan: Plan) -> list[JournalEntry]:
                 f"{campaign_plan.campaign.header.name!r}: {why}; {REPAIR}",
             )
         tries.setdefault(state.test, []).append((state, provenance))
-    return [_entry(name, tries[name]) for name in planned if name in tries]
+    return [_entry_of_tries(name, tries[name]) for name in planned if name in tries]
 
 
-def _difference(campaign_plan: Plan, test: Test | None, provenance: dict[str, str]) -> str:
+def _describe_difference(campaign_plan: Plan, test: Test | None, provenance: dict[str, str]) -> str:
     """Why a file is not of this plan; empty where it is. Files of before 2026-11-22 tell their own step only."""
     campaign, digest = campaign_plan.campaign, provenance.get("campaign_digest", "")
     if digest in (campaign.digest, campaign.path_digest):
@@ -56,7 +56,7 @@ def _difference(campaign_plan: Plan, test: Test | None, provenance: dict[str, st
     if test is None:
         return "it has no such test"
     if provenance.get("kind") != test.kind or "step" not in provenance:
-        return "its step differs, or is not told"
+        return "its step differs, or is not stated"
     step = step_differences(provenance["step"], test)
     if digest and not step:
         return "other tests of it, their order, or what is in its files differ"
@@ -77,22 +77,22 @@ def _entry_with_file(entry: JournalEntry, path: Path) -> JournalEntry:
     if entry.state != "complete":
         return entry
     try:
-        about = path.stat()
+        status = path.stat()
     except OSError:
         return replace(entry, state="gone", reason=f"its file {path.name} is not there")
-    if _is_broken(path, about.st_size, about.st_mtime_ns):
+    if _is_broken_unchanged(path, status.st_size, status.st_mtime_ns):
         return replace(entry, state="broken", reason=f"its file {path.name} cannot be read")
     return entry
 
 
 @lru_cache(maxsize=4096)
-def _is_broken(path: Path, size: int, changed: int) -> bool:
+def _is_broken_unchanged(path: Path, size: int, changed: int) -> bool:
     """`is_broken` of a file of that size, changed at that time: pages list hundreds of them again and again."""
     return is_broken(path)
 
 
-def lost_words(entries: Iterable[JournalEntry]) -> str:
-    """Which of the entries are gone or broken, and the repair; empty where none is."""
+def describe_lost(entries: Iterable[JournalEntry]) -> str:
+    """A sentence on the entries that are gone or broken, with the repair; empty where there are none."""
     lost = [entry for entry in entries if entry.state in ("gone", "broken")]
     if not lost:
         return ""
@@ -128,7 +128,7 @@ def _is_damaged(path: Path) -> bool:
 
 
 def is_broken(path: Path) -> bool:
-    """Whether a file is there and is truncated or no record."""
+    """Whether a file is there and is truncated or does not hold a record."""
     try:
         h5.state(path)
     except h5.BrokenFile:
@@ -145,13 +145,13 @@ def remove_parts(folder: Path, names: Iterable[str]) -> None:
             path.unlink(missing_ok=True)
 
 
-def _entry(name: str, tries: list[tuple[h5.FileState, dict[str, str]]]) -> JournalEntry:
+def _entry_of_tries(name: str, tries: list[tuple[h5.FileState, dict[str, str]]]) -> JournalEntry:
     complete = [state.attempt for state, _ in tries if state.complete]
     if complete:
         return JournalEntry(name, "complete", max(complete), "by its file: the journal was lost")
-    last, provenance = max(tries, key=lambda each: each[0].attempt)
-    how: TestState = "stopped" if provenance.get("exit_status") in ("stopped", "aborted") else "failed"
-    return JournalEntry(name, how, last.attempt, provenance.get("reason") or INTERRUPTED)
+    last, provenance = max(tries, key=lambda saved: saved[0].attempt)
+    ended: TestState = "stopped" if provenance.get("exit_status") in ("stopped", "aborted") else "failed"
+    return JournalEntry(name, ended, last.attempt, provenance.get("reason") or INTERRUPTED)
 
 
 def last_try(folder: Path, name: str) -> int:
@@ -160,6 +160,6 @@ def last_try(folder: Path, name: str) -> int:
 
 
 def _try_of(path: Path, name: str) -> int:
-    """Which try of the test ``name`` a file is, by its own name; 0 where it is none."""
+    """Which try of the test ``name`` a file is, by its own name; 0 where it is not one."""
     number = re.fullmatch(rf"(?:\.try(\d+))?\.h5(?:{re.escape(BROKEN)}\d*)?", path.name.removeprefix(name))
     return int(number[1] or 1) if path.name.startswith(name) and number else 0

@@ -78,7 +78,7 @@ class RunControl(Shown):
         self._skipped.add(name)
 
     def skips(self, name: str) -> bool:
-        """Whether a test is to be left out; asked once, as it may be repeated after it."""
+        """Whether a test is to be left out. A second call says no: it may be repeated after it."""
         skipped = name in self._skipped
         self._skipped.discard(name)
         return skipped

@@ -11,7 +11,7 @@ from dampyr.campaigns.differences import campaign_differences
 from dampyr.campaigns.folder_lock import folder_lock
 from dampyr.campaigns.journal import NAME, Journal
 from dampyr.campaigns.planned_tests import Plan
-from dampyr.campaigns.recorded_tests import entries_with_files, lost_words
+from dampyr.campaigns.recorded_tests import describe_lost, entries_with_files
 from dampyr.errors import DampyrError, FileError, InputError
 from dampyr.origin import NOT_STATED, Origin
 
@@ -40,7 +40,7 @@ def run_folder(folder: str | Path) -> RunFolder:
     try:
         with closing(Journal(folder)) as journal:
             entries, events = entries_with_files(journal.tests(), folder), journal.events()
-            campaign, operator = journal.said("name"), journal.said("operator")
+            campaign, operator = journal.get_metadata("name"), journal.get_metadata("operator")
             origin = journal.origin
     except DampyrError as problem:
         return RunFolder(folder.name, "", "", "unreadable", 0, 0, "", str(problem))
@@ -49,7 +49,7 @@ def run_folder(folder: str | Path) -> RunFolder:
     if state == "interrupted" and is_locked(folder):
         state = "running"
     ended = [event.detail for event in events if event.what in ("ended early", "ended")]
-    ended += filter(None, [lost_words(entries)])
+    ended += filter(None, [describe_lost(entries)])
     last = events[-1].time if events else ""
     return RunFolder(
         folder.name,
@@ -79,8 +79,8 @@ def folder_state(campaign_plan: Plan, folder: str | Path) -> tuple[FolderState, 
     if not (folder / NAME).is_file():
         return "new", "a new folder"
     with closing(Journal(folder)) as journal:
-        entries, digest = entries_with_files(journal.tests(), folder), journal.said("digest")
-        name, contents = journal.said("name"), journal.said("contents")
+        entries, digest = entries_with_files(journal.tests(), folder), journal.get_metadata("digest")
+        name, contents = journal.get_metadata("name"), journal.get_metadata("contents")
     campaign = campaign_plan.campaign
     if digest and digest not in (campaign.digest, campaign.path_digest):
         difference = campaign_differences(contents, [entry.name for entry in entries], campaign)
@@ -94,6 +94,6 @@ def folder_state(campaign_plan: Plan, folder: str | Path) -> tuple[FolderState, 
             "complete",
             f"all {complete} tests are recorded there; choose another folder to run them again, or repeat some of them",
         )
-    if lost := lost_words(entries):
+    if lost := describe_lost(entries):
         return "interrupted", f"{complete} of {len(entries)} tests are recorded there; {lost}"
     return "interrupted", f"{complete} of {len(entries)} tests are recorded there; the others are run"

@@ -19,6 +19,7 @@ Volts = Quantity("V", low=0.0)
 Seconds = Quantity("s", low=0.0)
 Time = Quantity("s", low=0.0, open_low=True)
 Rest = Quantity("s", low=0.0, high=60.0)
+Count = Quantity("", low=1.0)
 Period = Quantity("s", low=0.001, high=0.05)
 
 POINTS = 8  # set points that a cycle needs
@@ -64,13 +65,13 @@ def shown(step: Any, field: str, blank: str = " ") -> str:
     if quantity is None or not quantity.unit:
         return f"{field}{blank}{value:.6g}"
     unit, factor = (quantity.unit, 1.0) if quantity.unit == "s" else for_people(quantity.unit)
-    each = (", " if blank else "+").join(f"{v * factor:.6g}" for v in (value if isinstance(value, tuple) else (value,)))
-    return f"{each}{blank}{unit}"
+    numbers = value if isinstance(value, tuple) else (value,)
+    return f"{(', ' if blank else '+').join(f'{number * factor:.6g}' for number in numbers)}{blank}{unit}"
 
 
 def words(kind: str, step: Any) -> str:
     """A step in words, such as ``sine 20 mm at 2 Hz, 0.8712 V``."""
-    first, *others = [each for each in (shown(step, name) for name in step.named) if each]
+    first, *others = [text for text in (shown(step, name) for name in step.named) if text]
     return f"{kind.replace('_', ' ')} {first}" + (f" at {', '.join(others)}" if others else "")
 
 
@@ -89,19 +90,11 @@ def quantity_of(step: Any, field: str) -> Quantity:
 
 def check_ranges(step: Any) -> None:
     """Raise :class:`InputError` where a value leaves its range: for steps made in Python, not read from a file."""
-    for each in fields(step):
-        quantity = _quantities(step.__class__)[each.name]
-        value = getattr(step, each.name)
+    for field in fields(step):
+        quantity, value = _quantities(step.__class__)[field.name], getattr(step, field.name)
         if quantity is not None and value is not None:
-            for one in value if isinstance(value, tuple) else (value,):
-                quantity.check(each.name, one)
-
-
-def at_least(step: Any, field: str, least: int) -> None:
-    """Raise :class:`InputError` where a whole number is less than ``least``."""
-    value = getattr(step, field)
-    if value < least:
-        raise InputError(f"{field} = {value} is not allowed; it must be at least {least}")
+            for number in value if isinstance(value, tuple) else (value,):
+                quantity.check(field.name, number)
 
 
 def enough_points(period: float, frequency: float) -> None:

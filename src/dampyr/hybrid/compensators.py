@@ -96,11 +96,11 @@ class PhaseLeadCompensator:
     def linear(self, setup: HybridSetup, theta: Array | None = None) -> tuple[Array, Array, Array, Array, Array]:
         """States: the last target, the last output of the phase lead, the integral, the last error."""
         kp, ki, b0, b1, a1 = self.coefficients(setup)
-        wanted = np.array([b1, a1, 0.0, 0.0])
-        integral = ki * wanted + [0.0, 0.0, 1.0, ki]
-        a = np.array([np.zeros(4), wanted, integral, wanted])
+        led = np.array([b1, a1, 0.0, 0.0])
+        integral = ki * led + [0.0, 0.0, 1.0, ki]
+        a = np.array([np.zeros(4), led, integral, led])
         target, measured = np.array([1.0, b0, ki * b0, b0]), np.array([0.0, 0.0, -ki, -1.0])
-        return a, target, measured, kp * wanted + integral, np.array([(kp + ki) * b0, -kp - ki])
+        return a, target, measured, kp * led + integral, np.array([(kp + ki) * b0, -kp - ki])
 
 
 @dataclass(frozen=True)
@@ -113,11 +113,11 @@ class _Inverse:
             raise InputError("the loop of an inverse needs its coefficients; give theta")
         taps = np.zeros(ORDER + 1)
         for i, value in enumerate(theta):
-            each = np.zeros(1) + value * setup.rate**i
+            derivative = np.zeros(1) + value * setup.rate**i  # the i-th, as i backward differences
             for _ in range(i):
-                each = np.convolve(each, [1.0, -1.0])
-            taps[: i + 1] += each
-            taps[: i + 2] += getattr(self, "lead", 0.0) * np.convolve(each, [1.0, -1.0])
+                derivative = np.convolve(derivative, [1.0, -1.0])
+            taps[: i + 1] += derivative
+            taps[: i + 2] += getattr(self, "lead", 0.0) * np.convolve(derivative, [1.0, -1.0])
         a = np.eye(ORDER, k=-1)
         return a, np.eye(ORDER)[0], np.zeros(ORDER), taps[1:], np.array([taps[0], 0.0])
 
@@ -173,9 +173,22 @@ class KalmanCompensator(_Inverse):
         extrapolation: float | None = None,
         spread: float = 2.0,  # so that a plant at four standard deviations is still within two
     ) -> KalmanCompensator:
-        """For the nominal plant of ``nominal`` and the plants within ``spread`` times the ``uncertainty`` of it.
+        """The compensator for a nominal plant and those about it.
 
-        ``extrapolation`` is the delay of the force and half a sample, in which it is held, unless it is given.
+        Parameters
+        ----------
+        nominal
+            The set-up whose plant's inverse it starts from.
+        uncertainty
+            Standard deviations of the plants about it; None: those of the benchmark.
+        noise
+            m, the standard deviation of the command's error that is not the plant's, more than 0.
+        lead
+            Samples by which the specimen shall be ahead of its target.
+        extrapolation
+            Samples over which the measured force is extrapolated; None: its delay and half a sample, in which it is held.
+        spread
+            How many times the uncertainty the plants may be off, more than 0.
         """
         for name, value in (("noise", noise), ("spread", spread)):
             Quantity("", low=0.0, open_low=True).check(name, value)
@@ -202,7 +215,7 @@ class KalmanCompensator(_Inverse):
 FLOOR = 2e-3  # relative s.d. in each coefficient by itself: what the inverse of third order leaves out
 
 
-def _law(kind: int, setup: HybridSetup, **given: Any) -> CompensatorArrays:
+def _law(kind: int, setup: HybridSetup, **numbers: Any) -> CompensatorArrays:
     from scipy.signal import butter
 
     b, a = butter(4, FILTER_FREQUENCY / (0.5 * setup.rate))
@@ -210,11 +223,11 @@ def _law(kind: int, setup: HybridSetup, **given: Any) -> CompensatorArrays:
         "linear": np.zeros(5), "theta": np.zeros(ORDER), "scale": np.ones(ORDER), "gain": np.zeros(ORDER),
         "covariance": np.zeros((ORDER, ORDER)), "noise": 1.0, "lead": 0.0, "extrapolation": 0.0, "b": b, "a": a,
     }  # fmt: skip
-    numbers: dict[str, Any] = {
+    arrays: dict[str, Any] = {
         name: float(value) if isinstance(zeros[name], float) else np.array(value, dtype=float)
-        for name, value in (zeros | given).items()
+        for name, value in (zeros | numbers).items()
     }
-    return CompensatorArrays(kind, **numbers)
+    return CompensatorArrays(kind, **arrays)
 
 
 def unloaded_inverse() -> tuple[float, ...]:
@@ -233,8 +246,8 @@ def inverse_coefficients(setup: HybridSetup) -> Array:
     """
     states, command = setup.plant_step
     z = np.exp(2j * np.pi * BAND * setup.dt)
-    right = np.broadcast_to(command[:, None], (len(z), 5, 1))
-    response = np.linalg.solve(z[:, None, None] * np.eye(5) - states, right)[:, 3, 0]
+    commands = np.broadcast_to(command[:, None], (len(z), 5, 1))
+    response = np.linalg.solve(z[:, None, None] * np.eye(5) - states, commands)[:, 3, 0]
     sizes = (2.0 * np.pi * CORNER) ** -np.arange(ORDER)
     columns = ((1.0 - 1.0 / z) * setup.rate)[:, None] ** np.arange(ORDER) * response[:, None] * sizes
     weight = 1.0 / (1.0 + (BAND / CORNER) ** 2)

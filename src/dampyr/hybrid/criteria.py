@@ -40,11 +40,35 @@ class Criteria(NamedTuple):
 def tracking_criteria(
     displacement: Array, target: Array, floors: Array, reference: Array, floor: int, dt: float
 ) -> Criteria:
-    """The criteria of a run.
+    """The criteria J1 to J9 of a run.
 
-    ``displacement`` (T,) of the specimen, true or as measured, ``target`` (T,) of the numerical part there, ``floors`` (n, T)
-    of the numerical part, ``reference`` (n, T) of the structure, all [m]
-    every ``dt`` s; ``floor`` the specimen's, counted from 1.
+    Parameters
+    ----------
+    displacement : (T,) m, of the specimen, true or as measured.
+    target : (T,) m, of the numerical part there.
+    floors : (n, T) m, of the numerical part.
+    reference : (n, T) m, of the whole structure, computed.
+    floor : the specimen's, counted from 1.
+    dt : s between two samples.
+
+    Returns
+    -------
+    Criteria
+        J1 [ms], J2 to J9 [%]; nan for floors that the structure does not have.
+
+    Raises
+    ------
+    InputError
+        The shapes do not match, there are fewer than 51 samples, or nothing moves.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> x = np.sin(0.02 * np.arange(4096))
+    >>> criteria = dp.hybrid.tracking_criteria(0.99 * x, x, x[None], x[None], 1, 1 / 4096)
+    >>> criteria.J1, round(criteria.J2, 6)
+    (0.0, 1.0)
     """
     if displacement.shape != target.shape or floors.shape != reference.shape or floors.shape[1:] != target.shape:
         raise InputError(
@@ -53,16 +77,16 @@ def tracking_criteria(
         )
     if not len(target) > LAGS:
         raise InputError(f"{len(target)} samples are too few; the criteria need more than {LAGS}")
-    others = [k for k in range(len(floors)) if k != floor - 1][:2]
-    errors = [_relative(floors[k], reference[k]) for k in others] + [(np.nan, np.nan)] * (2 - len(others))
-    own = tracking_error(displacement, target, reference[floor - 1], dt)
-    return Criteria._make([*own, errors[0][0], errors[1][0], errors[0][1], errors[1][1]])
+    other_floors = [k for k in range(len(floors)) if k != floor - 1][:2]
+    errors = [_relative(floors[k], reference[k]) for k in other_floors] + [(np.nan, np.nan)] * (2 - len(other_floors))
+    of_specimen = tracking_error(displacement, target, reference[floor - 1], dt)
+    return Criteria._make([*of_specimen, errors[0][0], errors[1][0], errors[0][1], errors[1][1]])
 
 
 def tracking_error(displacement: Array, target: Array, reference: Array, dt: float) -> tuple[float, ...]:
     """J1 to J5 of a displacement (T,)."""
-    follows, whole = _relative(displacement, target), _relative(displacement, reference)
-    return 1e3 * dt * delay_in_samples(displacement, target), *follows, *whole
+    to_target, to_reference = _relative(displacement, target), _relative(displacement, reference)
+    return 1e3 * dt * delay_in_samples(displacement, target), *to_target, *to_reference
 
 
 def delay_in_samples(late: Array, early: Array) -> int:
@@ -72,16 +96,16 @@ def delay_in_samples(late: Array, early: Array) -> int:
     products = np.zeros(LAGS)
     compile_cached(lag_products)(a, b, products)
     # what a lag leaves out is the start of a and the end of b
-    sum_a, square_a = (np.concatenate([[0.0], np.cumsum(each[: LAGS - 1])]) for each in (a, a**2))
-    sum_b, square_b = (np.concatenate([[0.0], np.cumsum(each[:-LAGS:-1])]) for each in (b, b**2))
+    sum_a, square_a = (np.concatenate([[0.0], np.cumsum(values[: LAGS - 1])]) for values in (a, a**2))
+    sum_b, square_b = (np.concatenate([[0.0], np.cumsum(values[:-LAGS:-1])]) for values in (b, b**2))
     spread = (np.sum(a**2) - square_a - sum_a**2 / count) * (np.sum(b**2) - square_b - sum_b**2 / count)
     return int(np.argmax((products - sum_a * sum_b / count) / np.sqrt(spread)))
 
 
-def _relative(own: Array, other: Array) -> tuple[float, float]:
-    """Standard deviation and peak of the difference, in % of those of ``other``."""
-    gap = own - other
-    spread, peak = float(np.std(other)), float(np.max(np.abs(other)))
+def _relative(history: Array, reference: Array) -> tuple[float, float]:
+    """Standard deviation and peak of the difference, in % of those of ``reference``."""
+    gap = history - reference
+    spread, peak = float(np.std(reference)), float(np.max(np.abs(reference)))
     if spread == 0.0:
         raise InputError("nothing moves, so that an error has nothing to be compared with; give a motion")
     return 100.0 * float(np.std(gap)) / spread, 100.0 * float(np.max(np.abs(gap))) / peak

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,42 +15,57 @@ Array = NDArray[np.float64]
 
 
 def run_delayed(
-    about: Substructure,
+    part: Substructure,
     specimen: Damper,
     delay: float,
     lead: float | None = None,
-    seen: Callable[[SubstructureRun], None] | None = None,
 ) -> SubstructureRun:
-    """The hybrid test of ``specimen`` on an actuator with a ``delay`` [s], whose set points are sent ``lead`` s ahead of their
-    time (None: as long as the delay); the run, ended early where its error of energy passed its limit.
+    """The hybrid test of a damper's model on an actuator that is late by a fixed time.
 
-    ``seen`` is called after every step.
+    Parameters
+    ----------
+    part
+        The computed part.
+    specimen
+        The damper whose force answers the actuator's displacement, at ``part.voltage``.
+    delay
+        s by which the actuator is late, 0 to 1.
+    lead
+        s by which set points are sent ahead of their time, 0 to 1; None: as long as the delay.
+
+    Returns
+    -------
+    SubstructureRun
+        The run, ended early where its error of energy passed the limit of ``part``.
+
+    Raises
+    ------
+    InputError
+        ``delay`` or ``lead`` is outside of its range.
     """
-    h = about.h
+    h = part.h
     lead = delay if lead is None else lead
     for name, value in (("delay", delay), ("lead", lead)):
         if not 0.0 <= value <= 1.0:
             raise InputError(f"{name} = {value:g} s is not allowed; it must be from 0 to 1 s")
     ahead, late = round(lead / h), (delay - lead) / h + (lead / h - round(lead / h))
-    run, follow = about.run(), bind(substructure_kernel.follow_path, (specimen.composition,))
+    run, follow = part.run(), bind(substructure_kernel.follow_path, (specimen.composition,))
     s, p = (
         np.array(specimen.composition.state0, float),
-        np.ascontiguousarray(specimen.values(about.voltage, static=False)),
+        np.ascontiguousarray(specimen.values(part.voltage, static=False)),
     )
     y, out = np.zeros(2), np.zeros(1)
     run.set_points(ahead)
     while not run.over:
         k = run.now + 1
-        run.set_points(min(k + ahead, about.steps))
+        run.set_points(min(k + ahead, part.steps))
         place = min(max(0.0, k - late), run.given)
-        whole = int(place)
-        last = min(whole + 1, run.given)
-        y[1] = run.sent[whole] + (place - whole) * (run.sent[last] - run.sent[whole])
+        index = int(place)
+        last = min(index + 1, run.given)
+        y[1] = run.sent[index] + (place - index) * (run.sent[last] - run.sent[index])
         follow(y, h, 0, 1, s, p, out)
         run.measured(y[1], out[0])
         y[0] = y[1]
-        if seen is not None:
-            seen(run)
-        if run.energy_error > about.energy_limit:
+        if run.energy_error > part.energy_limit:
             break
     return run

@@ -30,30 +30,63 @@ def delayed_result(
     adaptive: bool = True,
     h: float = STEP,
 ) -> HybridResult:
-    """The hybrid test of a damper's model on an actuator ``delay`` s late, whose lag is known but for ``lag_error`` s.
+    """The hybrid test of a damper's model on an actuator that is late; the same model predicts the force.
 
-    ``value`` is the damper's input, ``place`` where it stands, ``adaptive`` whether the lag is followed, ``h`` s the step. The
-    same model predicts the force. InputError where the delay is longer than `LARGEST_LAG`, and where the error of energy passes
-    its limit: such a test would be unstable.
+    Parameters
+    ----------
+    building, motion
+        The computed part, and the ground's acceleration.
+    damper
+        The specimen, and the model that predicts its force.
+    delay
+        s by which the actuator is late, 0 to 0.05.
+    value
+        The damper's input, V or A.
+    place
+        Where the damper stands: a storey, or two floors.
+    lag_error
+        s by which the actuator is later than it is taken to be.
+    adaptive
+        Whether the lag is followed during the test.
+    h
+        s of a step of the computed part.
+
+    Returns
+    -------
+    HybridResult
+        The floors' displacements beside those of the response with the damper's model, and the error of energy.
+
+    Raises
+    ------
+    InputError
+        The delay is too long, or the error of energy passes its limit: such a test would be unstable.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> damper, motion = dp.studies.load_damper("raminelli_2020"), dp.ground_motions.el_centro()
+    >>> result = dp.hybrid.delayed_result(dp.structures.two_storey(), motion, damper, 0.005)
+    >>> bool(abs(result.differences).max() < 0.001)
+    True
     """
     lag = delay - lag_error
     for name, number in (("delay", delay), ("delay - lag_error", lag)):
         if not 0.0 <= number <= LARGEST_LAG:
             raise InputError(f"{name} = {number:g} s is not allowed; it must be from 0 to {LARGEST_LAG:g} s")
-    how: dict[str, Any] = {"voltage" if damper.input == "V" else "current": value}
-    computed = respond(building, motion, {place: damper}, **how)
-    about = replace(substructure_of(building, place, computed, h, damper, value), lag=lag, adaptive=adaptive)
-    run = run_delayed(about, damper, delay, 0.0)
+    inputs: dict[str, Any] = {"voltage" if damper.input == "V" else "current": value}
+    computed = respond(building, motion, {place: damper}, **inputs)
+    part = replace(substructure_of(building, place, computed, h, damper, value), lag=lag, adaptive=adaptive)
+    run = run_delayed(part, damper, delay, 0.0)
     if not run.over:
         raise InputError(
             f"the hybrid test of {computed.title} would be unstable on an actuator {1e3 * delay:g} ms late that is taken for "
-            f"{1e3 * lag:g} ms late: the error of energy passes {100 * about.energy_limit:g} % of the ground's energy after "
+            f"{1e3 * lag:g} ms late: the error of energy passes {100 * part.energy_limit:g} % of the ground's energy after "
             f"{run.now * h:.2f} s; identify the delay better, or take a lower voltage or a heavier building"
         )
     return HybridResult(
         computed.title, 1.0, 1.0, value, np.asarray(np.arange(run.now + 1) * h, float),
         np.ascontiguousarray(run.z[:, : building.n_floors].T),
-        run.target, run.achieved, run.force, modelled_force(about, run), 0.0,
+        run.target, run.achieved, run.force, modelled_force(part, run), 0.0,
         delay - run.lag.lag, run.lag.gain, run.energy_error, computed,
         origin=replace(combined([damper.origin]), kind="virtual"),
     )  # fmt: skip

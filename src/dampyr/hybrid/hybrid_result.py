@@ -84,13 +84,13 @@ class HybridResult(Shown):
         return {"computed": computed, self.tested: self.displacement[floor]}
 
 
-def modelled_force(about: Substructure, run: SubstructureRun) -> Array:
+def modelled_force(part: Substructure, run: SubstructureRun) -> Array:
     """The model's force (T,) [N] along the achieved path, the mean of the step that follows; without its static force."""
-    assert about.model is not None
-    follow = bind(substructure_kernel.follow_path, (about.model.composition,))
-    s, p = np.array(about.model.composition.state0, float), about.model.values(about.voltage, static=False)
+    assert part.model is not None
+    follow = bind(substructure_kernel.follow_path, (part.model.composition,))
+    s, p = np.array(part.model.composition.state0, float), part.model.values(part.voltage, static=False)
     out = np.zeros(len(run.achieved))
-    follow(run.achieved, about.h, 0, about.steps, s, np.ascontiguousarray(p), out)
+    follow(run.achieved, part.h, 0, part.steps, s, np.ascontiguousarray(p), out)
     out[-1] = out[-2]
     return out
 
@@ -104,6 +104,6 @@ def replayed(drive: HybridDrive, displacement: Array, force: Array, rig: RigSett
     if len(force) < begin + drive.substructure.steps * points:
         raise InputError("the record ends before the hybrid test does; run it again")
     for k in range(drive.substructure.steps):
-        own = slice(begin + k * points, begin + (k + 1) * points)
-        run.measured(float(displacement[own.stop - 1]), float(np.mean(force[own])) - static)
+        rows = slice(begin + k * points, begin + (k + 1) * points)
+        run.measured(float(displacement[rows.stop - 1]), float(np.mean(force[rows])) - static)
     return run, static

@@ -49,7 +49,7 @@ class BatchResult(Shown):
     def worst(self, criterion: str = "J2") -> int:
         """The row of the worst plant by a criterion; one that diverged is worse than any other."""
         if criterion not in CRITERIA:
-            raise InputError(f"{criterion!r} is no criterion; choose from {', '.join(CRITERIA)}")
+            raise InputError(f"{criterion!r} is not a criterion; choose from {', '.join(CRITERIA)}")
         values = self.true[:, CRITERIA.index(criterion)]
         return int(np.argmax(np.where(np.isnan(values), np.inf, values)))
 
@@ -74,12 +74,49 @@ def run_many(
     workers: int | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> BatchResult:
-    """The virtual test on ``count`` random plants, each with noise of its own; the same for any number of ``workers`` threads.
+    """The virtual hybrid test on random plants, each with noise of its own.
 
-    ``workers`` is the number of processors unless it is given. ``progress`` is called with the fraction that is done.
+    Parameters
+    ----------
+    nominal
+        The set-up whose specimen and actuator are the mean of the plants.
+    compensator
+        The one that all plants have.
+    motion
+        The ground's acceleration, as it is applied.
+    count
+        Number of plants, at least 1.
+    seed
+        Of the plants and of the noise.
+    uncertainty
+        Standard deviations of the plants; None: those of the benchmark.
+    workers
+        Number of threads, which does not change the result; None: one for each processor that this process may use.
+    progress
+        Called with the fraction that is done, 0 to 1.
+
+    Returns
+    -------
+    BatchResult
+        The criteria of each plant, and how many were unstable.
+
+    Raises
+    ------
+    InputError
+        ``count`` is not a whole number of at least 1, or the specimen is not held to the ground.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> setup = dp.hybrid.HybridSetup(dp.studies.load_structure("vrths_2020_case_1"))
+    >>> compensator, motion = dp.hybrid.KalmanCompensator.designed(setup), dp.ground_motions.el_centro().scaled(0.4)
+    >>> batch = dp.hybrid.run_many(setup, compensator, motion, 3)
+    >>> batch.unstable, batch.true.shape
+    (0, (3, 9))
     """
     from threadpoolctl import ThreadpoolController
 
+    workers = workers or (len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count())
     plants = draw_plants(nominal, count, seed, uncertainty)
     ground = ground_history(motion, nominal.dt)
     reference = reference_history(nominal.structure, ground, nominal.dt)
@@ -88,7 +125,7 @@ def run_many(
     radius, at_limit, diverged = np.zeros(count), np.zeros(count, dtype=np.int64), np.zeros(count, dtype=bool)
     n = nominal.structure.n
 
-    def one(k: int) -> None:
+    def run_plant(k: int) -> None:
         setup = nominal.with_plant(*(float(value) for value in plants[k]))
         radius[k] = abs(largest_eigenvalue(setup, compensator, compensator.matched(setup)))
         noise = np.random.default_rng([seed, k])
@@ -100,12 +137,8 @@ def run_many(
             measured[k] = [*tracking_error(out[n + 1], target, reference[floor - 1], setup.dt), *true[k, 5:]]
 
     # matrices of 20 rows in threads of BLAS's own wait for one another longer than they compute
-    with ThreadpoolController().limit(limits=1, user_api="blas"), ThreadPoolExecutor(workers or _processors()) as pool:
-        for done, _ in enumerate(pool.map(one, range(count)), start=1):
+    with ThreadpoolController().limit(limits=1, user_api="blas"), ThreadPoolExecutor(workers) as pool:
+        for done, _ in enumerate(pool.map(run_plant, range(count)), start=1):
             if progress is not None:
                 progress(done / count)
     return BatchResult(nominal.structure.name, plants, true, measured, radius, at_limit, diverged)
-
-
-def _processors() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

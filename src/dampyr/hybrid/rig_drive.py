@@ -33,7 +33,7 @@ class HybridPlayer(Player):
         self._late = round(self.rig.force_delay * self.rig.board.rate)
         self._measured: list[tuple[Array, Array]] = []
         self._first = 0  # sample of the drive with which what is in `_measured` begins
-        self._begun = False
+        self._identified = False
         self._static = 0.0
 
     def feed(self, samples: Samples) -> None:
@@ -50,40 +50,43 @@ class HybridPlayer(Player):
         zero = self.hybrid.lead_in * self._points
         if taken - self._late <= zero:
             return
-        x, force = (np.concatenate(each) for each in zip(*self._measured, strict=True))
-        if not self._begun:
+        x, force = (np.concatenate(blocks) for blocks in zip(*self._measured, strict=True))
+        if not self._identified:
             self._identify(x[:zero], force)
             self._first, x, force = zero, x[zero:], force[zero:]
         steps = min((taken - self._late - self._first) // self._points, self.hybrid.substructure.steps - self.run.now)
         for k in range(steps):
-            own = slice(k * self._points + self._late, (k + 1) * self._points + self._late)
-            self.run.measured(float(x[(k + 1) * self._points - 1]), float(np.mean(force[own])) - self._static)
+            # The load cell's filter is late by so many samples: the force of a step stands that much further on.
+            rows = slice(k * self._points + self._late, (k + 1) * self._points + self._late)
+            self.run.measured(float(x[(k + 1) * self._points - 1]), float(np.mean(force[rows])) - self._static)
         self._first += steps * self._points
         self._measured = [(x[steps * self._points :], force[steps * self._points :])]
         if self.run.energy_error > self.hybrid.substructure.energy_limit:
-            raise RigFault(energy_words(self.run.energy_error, self.hybrid.substructure, self.run.now), "check")
+            raise RigFault(
+                describe_energy_error(self.run.energy_error, self.hybrid.substructure, self.run.now), "check"
+            )
 
     def _identify(self, x: Array, force: Array) -> None:
         """The lag and the gain from the motion before the test, and the static force from its whole cycles."""
-        own = self.hybrid
-        first, last = own.cycles
+        hybrid = self.hybrid
+        first, last = hybrid.cycles
         self._static = static_force(force, first * self._points + self._late, last * self._points + self._late)
-        sent, achieved = own.displacement[: own.lead_in], x[:: self._points]
-        lag, gain = lag_of(sent[: len(achieved)], achieved, own.period, LARGEST_LAG * own.clock)
+        sent, achieved = hybrid.displacement[: hybrid.lead_in], x[:: self._points]
+        lag, gain = lag_of(sent[: len(achieved)], achieved, hybrid.period, LARGEST_LAG * hybrid.clock)
         if not GAINS[0] < gain < GAINS[1]:
             raise RigFault(
                 f"the table moved {100 * gain:.0f} % of what it was sent before the hybrid test; look at its motor, its "
                 "encoder and its load, or lower the voltage",
                 "check",
             )
-        self.run.begin(lag / own.clock, gain)
-        self._begun = True
+        self.run.begin(lag / hybrid.clock, gain)
+        self._identified = True
 
-    def _send(self, free: int) -> None:
+    def _send_points(self, free: int) -> None:
         """Set points until the next block has come; those of the test follow from what was measured."""
-        own, taken = self.hybrid, self._first + sum(len(x) for x, _ in self._measured)
-        ahead = self.rig.board.block + own.reserve
-        until = min(own.n, math.ceil(taken / self._points + ahead / own.period) + 2)
+        hybrid, taken = self.hybrid, self._first + sum(len(x) for x, _ in self._measured)
+        ahead = self.rig.board.block + hybrid.reserve
+        until = min(hybrid.n, math.ceil(taken / self._points + ahead / hybrid.period) + 2)
         while self.sent < until:
             n = min(MAX_POINTS, until - self.sent)
             self.uno.points(
@@ -93,9 +96,9 @@ class HybridPlayer(Player):
 
     def _set_points(self, first: int, n: int) -> Array:
         """Set points ``first`` to ``first`` + n of the drive, from the lead-in, the test and the way back."""
-        own, steps = self.hybrid, self.hybrid.substructure.steps
-        index = np.arange(first, first + n) - own.lead_in
-        points = own.displacement[first : first + n].copy()
+        hybrid, steps = self.hybrid, self.hybrid.substructure.steps
+        index = np.arange(first, first + n) - hybrid.lead_in
+        points = hybrid.displacement[first : first + n].copy()
         during = (index > 0) & (index <= steps)
         if during.any():
             self.run.set_points(int(index[during][-1]))
@@ -103,8 +106,8 @@ class HybridPlayer(Player):
             self._check_speed(index[during])
         after = index > steps
         if after.any():
-            velocity = (self.run.sent[steps] - self.run.sent[steps - 1]) / own.period
-            points[after] = way_back(self.run.sent[steps], velocity, (index[after] - steps) * own.period)
+            velocity = (self.run.sent[steps] - self.run.sent[steps - 1]) / hybrid.period
+            points[after] = way_back(self.run.sent[steps], velocity, (index[after] - steps) * hybrid.period)
         return points
 
     def _check_speed(self, index: Any) -> None:
@@ -113,8 +116,8 @@ class HybridPlayer(Player):
         limit = self.rig.limits.speed
         if speed > limit:
             raise RigFault(
-                f"{stopped(self.run.about, self.run.now)}: the building wants to move at {1e3 * speed:.3g} mm/s, the limit is "
-                f"{1e3 * limit:.3g} mm/s; {REPAIR}",
+                f"{describe_stop(self.run.about, self.run.now)}: the building wants to move at {1e3 * speed:.3g} mm/s, the "
+                f"limit is {1e3 * limit:.3g} mm/s; {REPAIR}",
                 "check",
             )
 
@@ -149,14 +152,14 @@ def way_back(place: float, velocity: float, t: Any) -> Array:
     return np.asarray(place * remaining + slope * moving)
 
 
-def energy_words(error: float, about: Substructure, now: int) -> str:
+def describe_energy_error(error: float, part: Substructure, now: int) -> str:
     """Why a test was stopped."""
     return (
-        f"{stopped(about, now)}: the table's lag put {100 * error:.0f} % of the ground's energy into the structure, the limit "
-        f"is {100 * about.energy_limit:g} %; {REPAIR}"
+        f"{describe_stop(part, now)}: the table's lag put {100 * error:.0f} % of the ground's energy into the structure, "
+        f"the limit is {100 * part.energy_limit:g} %; {REPAIR}"
     )
 
 
-def stopped(about: Substructure, now: int) -> str:
+def describe_stop(part: Substructure, now: int) -> str:
     """How a message of a test that was stopped begins."""
-    return f"the hybrid test was stopped after {now * about.h:.2f} s of the structure's time"
+    return f"the hybrid test was stopped after {now * part.h:.2f} s of the structure's time"

@@ -33,9 +33,9 @@ Array = NDArray[np.float64]
 
 def _check(owner: Any, name: str, unit: str, low: float, open_low: bool = False, infinite: bool = False) -> None:
     value = getattr(owner, name)
-    wrong = isinstance(value, bool) or not isinstance(value, int | float | np.floating | np.integer)
-    finite = not wrong and (math.isfinite(value) or (infinite and value > 0))
-    if wrong or not finite or value < low or (open_low and value == low):
+    is_number = isinstance(value, int | float | np.floating | np.integer) and not isinstance(value, bool)
+    finite = is_number and (math.isfinite(value) or (infinite and value > 0))
+    if not finite or value < low or (open_low and value == low):
         bound = "" if low == -math.inf else f" and {'greater than' if open_low else 'at least'} {low:g}"
         raise InputError(f"{name} = {value!r} {unit}".rstrip() + f" is not allowed; it must be a finite number{bound}")
 
@@ -90,8 +90,8 @@ class PlantSpread:
     beta2: float = 3.3e3
 
     def __post_init__(self) -> None:
-        for each in fields(self):
-            _check(self, each.name, "", 0.0)
+        for spread in fields(self):
+            _check(self, spread.name, "", 0.0)
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ class HybridSetup(Shown):
     """A structure, the specimen at ``place`` (a storey, or two floors), actuator, sensors, and the ``rate`` [Hz] of the loop.
 
     The force reaches the numerical part ``force_delay`` samples late. :class:`~dampyr.errors.InputError` where the structure
-    without the specimen is none: it has less mass, damping or stiffness than the specimen.
+    cannot stand without the specimen: it has less mass, damping or stiffness than the specimen.
     """
 
     structure: Building
@@ -168,10 +168,11 @@ class HybridSetup(Shown):
         from scipy.linalg import expm
 
         a, b = plant_matrices(self)
-        big = np.zeros((6, 6))
-        big[:5, :5], big[:5, 5] = a * self.dt, b * self.dt
-        whole = expm(big)
-        return np.ascontiguousarray(whole[:5, :5]), np.ascontiguousarray(whole[:5, 5])
+        # exp([[A, b], [0, 0]] h) holds both maps: the command as a further state that does not change.
+        augmented = np.zeros((6, 6))
+        augmented[:5, :5], augmented[:5, 5] = a * self.dt, b * self.dt
+        both = expm(augmented)
+        return np.ascontiguousarray(both[:5, :5]), np.ascontiguousarray(both[:5, 5])
 
     @cached_property
     def numerical_step(self) -> tuple[Array, Array, Array]:
@@ -218,9 +219,9 @@ def plant_matrices(setup: HybridSetup) -> tuple[Array, Array]:
 def building_step(building: Building, row: Array, dt: float) -> tuple[Array, Array, Array]:
     """A building over ``dt`` s, exactly: the states' map (2n, 2n), that of the ground's acceleration at both ends (2n, 2),
     linear between, and that of a force held against ``row`` (2n,)."""
-    whole, n = transition(building, row[None, :], dt, 1.0), 2 * building.n
+    maps, n = transition(building, row[None, :], dt, 1.0), 2 * building.n
     return (
-        np.ascontiguousarray(whole[:, :n]),
-        np.ascontiguousarray(whole[:, n : n + 2]),
-        np.ascontiguousarray(whole[:, n + 2 :].sum(axis=1)),
+        np.ascontiguousarray(maps[:, :n]),
+        np.ascontiguousarray(maps[:, n : n + 2]),
+        np.ascontiguousarray(maps[:, n + 2 :].sum(axis=1)),
     )

@@ -46,14 +46,14 @@ def loop_stability(setup: HybridSetup, compensator: Compensator) -> LoopStabilit
         first = law.theta * law.scale / setup.rate ** np.arange(len(law.theta))
         start = abs(largest_eigenvalue(setup, compensator, first))
     stable = radius < 1.0
-    reason = _reason(setup, stable, frequency, growth)
+    reason = _describe_stability(setup, stable, frequency, growth)
     if stable and start >= 1.0:
         name = "the published start" if law.kind == MODEL_BASED else "its start"
         reason += f"; with {name} it is not (growing by {np.log(start) * setup.rate:.3g} 1/s) until the compensator has adapted"
     return LoopStability(stable, radius, frequency, growth, start, reason)
 
 
-def _reason(setup: HybridSetup, stable: bool, frequency: float, growth: float) -> str:
+def _describe_stability(setup: HybridSetup, stable: bool, frequency: float, growth: float) -> str:
     if stable:
         return f"stable: its slowest mode, at {frequency:.3g} Hz, decays by {-growth:.3g} 1/s"
     damping = float(np.nanmin(setup.structure.damping_ratios))
@@ -77,11 +77,11 @@ def loop_matrix(setup: HybridSetup, compensator: Compensator, theta: Array | Non
     a, by_target, by_measured, c, d = compensator.linear(setup, theta)
     row, late, n = setup.connection, setup.force_delay, setup.structure.n
     ends = np.cumsum([2 * n, 5, late + 1, len(a)])
-    z, p, past, own = np.split(np.eye(ends[-1]), ends[:-1])
+    z, p, past, states = np.split(np.eye(ends[-1]), ends[:-1])
     target, measured, forces = row @ z[:n], p[3], np.vstack([p[2], past])
     held = forces[late] + compensator.extrapolation * (forces[late] - forces[late + 1])
-    u = c @ own + d[0] * target + d[1] * measured
-    following = a @ own + np.outer(by_target, target) + np.outer(by_measured, measured)
+    u = c @ states + d[0] * target + d[1] * measured
+    following = a @ states + np.outer(by_target, target) + np.outer(by_measured, measured)
     return np.vstack(
         [numerical @ z + np.outer(by_force, held), plant @ p + np.outer(command, u), forces[:-1], following]
     )

@@ -78,10 +78,10 @@ class LagEstimator:
         """One more set point with its rate, and the displacement achieved ``delay`` s later."""
         if not self.adaptive:
             return
-        keep = 1.0 - self.h / self.memory
+        forget = 1.0 - self.h / self.memory
         u = np.array([sent, rate])
-        self._A = keep * self._A + np.outer(u, u)
-        self._b = keep * self._b + u * achieved
+        self._A = forget * self._A + np.outer(u, u)
+        self._b = forget * self._b + u * achieved
         anchor = self._prior @ [self.start[1], self.start[1] * (delay - self.start[0])]
         gain, slope = np.linalg.solve(self._A + self._prior, self._b + anchor)
         self.gain = float(np.clip(gain, *GAINS))
@@ -146,10 +146,28 @@ def substructure_of(
 
 
 def lag_of(sent: Array, achieved: Array, h: float, largest: float) -> tuple[float, float]:
-    """The lag [s], from 0 to ``largest``, and the gain with which ``achieved`` (n,) follows ``sent`` (n,), every ``h`` s.
+    """The lag [s] and the gain with which an actuator follows its set points, by least squares.
 
-    The least squares of ``achieved`` less the gain times what was sent a lag before, straight between its points. InputError
-    where what was sent stands still.
+    Parameters
+    ----------
+    sent, achieved : (n,) m, set points and the displacements at their times.
+    h : s from set point to set point; between two of them what was sent goes straight.
+    largest : s, the longest lag that is looked for.
+
+    Raises
+    ------
+    InputError
+        What was sent stands still, or is too short.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> time = 0.002 * np.arange(200)
+    >>> sent = 0.004 * np.sin(2 * np.pi * 2.0 * time)
+    >>> lag, gain = dp.hybrid.lag_of(sent, 0.9 * np.interp(time - 0.006, time, sent), 0.002, 0.02)
+    >>> round(lag, 4), round(gain, 3)
+    (0.006, 0.9)
     """
     from scipy.optimize import minimize_scalar
 
@@ -166,7 +184,9 @@ def lag_of(sent: Array, achieved: Array, h: float, largest: float) -> tuple[floa
     lags = np.linspace(0.0, largest, 26)
     best = int(np.argmin([fit(lag)[0] for lag in lags]))
     bounds = lags[max(best - 1, 0)], lags[min(best + 1, 25)]
-    lag = float(minimize_scalar(lambda one: fit(one)[0], bounds=bounds, method="bounded", options={"xatol": 1e-6}).x)
+    lag = float(
+        minimize_scalar(lambda trial: fit(trial)[0], bounds=bounds, method="bounded", options={"xatol": 1e-6}).x
+    )
     return lag, fit(lag)[1]
 
 
@@ -211,7 +231,7 @@ class SubstructureRun(Shown):
         """Begin with an actuator of this lag [s] and gain: set points are what will be wanted so much later."""
         about = self.about
         self.lag = LagEstimator(about.h, about.size, lag, gain, adaptive=about.adaptive)
-        self._begun_with = lag
+        self._first_lag = lag
         self.lags[self.now], self.gains[self.now] = lag, gain
 
     def measured(self, displacement: float, force: float) -> None:
@@ -221,13 +241,15 @@ class SubstructureRun(Shown):
         self.z[k + 1] = self.states @ self.z[k] + self.by_ground @ g[k : k + 2] + self.by_force * force
         self.force[k : k + 2], self.achieved[k + 1] = force, displacement
         self.target[k + 1] = self.about.row @ self.z[k + 1, :n]
+        # The work of the force over the way by which the specimen went elsewhere than the computation.
         self.error += force * (displacement - self.achieved[k] - (self.target[k + 1] - self.target[k]))
         velocity = 0.5 * (self.z[k, n:] + self.z[k + 1, n:])
+        # The ground's power is -(iota M) v a: the building goes against the force of inertia.
         self.input -= float(self._pull @ velocity) * 0.5 * (g[k] + g[k + 1]) * h
         self.largest_input = max(self.largest_input, self.input)
-        before = k + 1 - self._begun_with / h
-        sent, rate = (_between(values, before) for values in (self.sent, self._sent_rate))
-        self.lag.take(sent, rate, displacement, self._begun_with)
+        before = k + 1 - self._first_lag / h
+        sent, rate = (_interpolate(values, before) for values in (self.sent, self._sent_rate))
+        self.lag.take(sent, rate, displacement, self._first_lag)
         self.lags[k + 1], self.gains[k + 1] = self.lag.lag, self.lag.gain
         difference = force - (self._model[k] if self.about.model is not None else 0.0)
         self._difference += (difference - self._difference) * self._share
@@ -261,8 +283,8 @@ class SubstructureRun(Shown):
         return self.sent[new]
 
 
-def _between(values: Array, place: float) -> float:
+def _interpolate(values: Array, place: float) -> float:
     """The value at a place between two indices, straight between them; the first before the begin."""
-    whole = max(0, int(place))
-    part = max(0.0, place - whole)
-    return float(values[whole] * (1.0 - part) + values[min(whole + 1, len(values) - 1)] * part)
+    index = max(0, int(place))
+    part = max(0.0, place - index)
+    return float(values[index] * (1.0 - part) + values[min(index + 1, len(values) - 1)] * part)

@@ -71,18 +71,47 @@ class VirtualRun(Shown):
         """
         if self.diverged:
             raise InputError(f"the run diverged at {self.time[-1]:.3f} s; it has no criteria")
-        own = self.measured if measured else self.displacement
+        displacement = self.measured if measured else self.displacement
         floor = compared_floor(self.setup)
-        return tracking_criteria(own, self.target, self.floors, self.reference, floor, self.setup.dt)
+        return tracking_criteria(displacement, self.target, self.floors, self.reference, floor, self.setup.dt)
 
 
 def perform_virtual(
     setup: HybridSetup, compensator: Compensator, motion: GroundMotion, seed: int = 0, check: bool = True
 ) -> VirtualRun:
-    """The loop through a ground motion; ``seed`` is the noise's.
+    """A virtual hybrid test: the loop of computed structure, actuator and specimen through a ground motion.
 
-    Raises :class:`~dampyr.errors.InputError` with the reason where the loop is unstable, before it runs; without ``check`` it
-    runs all the same.
+    Parameters
+    ----------
+    setup
+        Structure, specimen, actuator, sensors and rate.
+    compensator
+        Gives the actuator's command, such as `KalmanCompensator`.
+    motion
+        The ground's acceleration, as it is applied.
+    seed
+        Of the sensors' noise: the same calls give the same bits.
+    check
+        Whether an unstable loop is refused before it runs; without, it runs all the same.
+
+    Returns
+    -------
+    VirtualRun
+        The histories; ``criteria()`` are J1 to J9.
+
+    Raises
+    ------
+    InputError
+        The loop is unstable; the sentence has the reason.
+
+    Examples
+    --------
+    >>> import dampyr as dp
+    >>> setup = dp.hybrid.HybridSetup(dp.studies.load_structure("vrths_2020_case_1"))
+    >>> compensator = dp.hybrid.KalmanCompensator.designed(setup)
+    >>> run = dp.hybrid.perform_virtual(setup, compensator, dp.ground_motions.el_centro().scaled(0.4))
+    >>> run.stability.stable, run.criteria().J2 < 1.0
+    (True, True)
     """
     stability = loop_stability(setup, compensator)
     if check and not stability.stable:

@@ -164,10 +164,10 @@ def shunt_point(cell: LoadCell, resistor: float, zero: float, shunted: float) ->
 
 def doubt(scale: float, before: float) -> str:
     """A sentence where a new scale is far from the one before; empty where it is not."""
-    off = scale / before - 1.0
-    if abs(off) <= SPREAD:
+    change = scale / before - 1.0
+    if abs(change) <= SPREAD:
         return ""
     return (
-        f"the scale {scale:.4g} N/V differs from {before:.4g} N/V by {off:+.1%}; check the cell and its load, and calibrate it "
-        "again if they are not right"
+        f"the scale {scale:.4g} N/V differs from {before:.4g} N/V by {change:+.1%}; check the cell and its load, and calibrate "
+        "it again if they are not right"
     )

@@ -70,7 +70,7 @@ def measure_coil(rig: Rig) -> Coil:
             "wires.coil_current; without one its resistance has to be measured by hand and written to supply.resistance"
         )
     with rig.armed() as table:
-        volts, command = _steps(table)
+        volts, command = _play_steps(table)
     readings = dict(zip(rig.settings.inputs, volts, strict=True))
     supply = rig.settings.supply
     current = readings["coil_current"] * supply.current_scale
@@ -78,12 +78,12 @@ def measure_coil(rig: Rig) -> Coil:
     return fit_coil(rig.settings, command / supply.gain, coil, current, rig.warmth.temperature)
 
 
-def _steps(table: ArmedRig) -> tuple[Array, Array]:
+def _play_steps(table: ArmedRig) -> tuple[Array, Array]:
     """The volts of all inputs (channels, n), and the command at the coil (n,) [V], over steps of the voltage."""
     n = round(STEP / PERIOD)
     voltage = np.repeat(np.array(LEVELS) * SHARE * table.rig.settings.limits.voltage, n)
     drive = Drive(PERIOD, np.full(voltage.size, table.position), voltage, standing=True)
-    blocks = [(samples.volts[:, some], samples.command[some]) for samples, some in table.play(drive)]
+    blocks = [(samples.volts[:, selection], samples.command[selection]) for samples, selection in table.play(drive)]
     return np.concatenate([v for v, _ in blocks], axis=1), np.concatenate([c for _, c in blocks])
 
 
@@ -106,8 +106,9 @@ def fit_coil(rig: RigSettings, output: Array, coil: Array | None, current: Array
 
     def predicted(values: Array) -> Array:
         resistance, inductance, zero, late = values
+        # late is a part of a sample: between two of them the voltage is a mean of both
         delayed = (1.0 - late) * volts + late * np.concatenate(([volts[0]], volts[:-1]))
-        return zero + _current(resistance, inductance, step, delayed)
+        return zero + _coil_current(resistance, inductance, step, delayed)
 
     start = np.array([supply.resistance, min(max(supply.inductance, 1e-4), 1.0), 0.0, 0.0])
     low = [0.05 * supply.resistance, 1e-6, -1.0, -1.0]
@@ -118,9 +119,11 @@ def fit_coil(rig: RigSettings, output: Array, coil: Array | None, current: Array
     resistance, inductance = float(fitted.x[0]), float(fitted.x[1])
     misfit = math.sqrt(float(np.mean(fitted.fun**2)))
     covariance = np.linalg.pinv(fitted.jac.T @ fitted.jac) * misfit**2
+    # R is fitted as warm as the coil is, and given as of 20 degC.
     warm = 1.0 + COPPER * (temperature - COLD)
-    systematic = math.hypot(supply.reading_uncertainty, _voltage_uncertainty(rig, coil), COPPER * AT_REST)
-    gain = None if coil is None else _slope(output, volts)
+    of_voltage = supply.gain_uncertainty if coil is None else supply.reading_uncertainty
+    systematic = math.hypot(supply.reading_uncertainty, of_voltage, COPPER * AT_REST)
+    gain = None if coil is None else _supply_gain(output, volts)
     return Coil(
         resistance / warm,
         math.hypot(math.sqrt(covariance[0, 0]), systematic * resistance) / warm,
@@ -132,7 +135,7 @@ def fit_coil(rig: RigSettings, output: Array, coil: Array | None, current: Array
     )
 
 
-def _current(resistance: float, inductance: float, step: float, volts: Array) -> Array:
+def _coil_current(resistance: float, inductance: float, step: float, volts: Array) -> Array:
     """The current (n,) [A] of a coil that had none."""
     from scipy.signal import lfilter
 
@@ -140,12 +143,7 @@ def _current(resistance: float, inductance: float, step: float, volts: Array) ->
     return np.asarray(lfilter([0.0, (1.0 - decay) / resistance], [1.0, -decay], volts))
 
 
-def _voltage_uncertainty(rig: RigSettings, coil: Array | None) -> float:
-    """Relative, of the voltage with which the current is compared."""
-    return rig.supply.gain_uncertainty if coil is None else rig.supply.reading_uncertainty
-
-
-def _slope(output: Array, coil: Array) -> float:
+def _supply_gain(output: Array, coil: Array) -> float:
     """Volts at the coil per volt of the board's output, where it was not changed just before."""
     steady = np.concatenate(([False], np.diff(output) == 0.0)) & np.concatenate((np.diff(output) == 0.0, [False]))
     u, v = output[steady], coil[steady]

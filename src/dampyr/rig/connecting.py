@@ -22,7 +22,7 @@ def connect(settings: RigSettings | str | Path) -> Rig:
 
     Raises :class:`~dampyr.errors.InputError` where no wires are named, :class:`~dampyr.errors.RigFault` where nothing answers.
     """
-    rig, folder = _settings(settings)
+    rig, folder = _load(settings)
     if not rig.wires.serial:
         raise InputError(
             "wires.serial is empty, so there is nothing to connect to; name the Uno's port, or simulate the rig"
@@ -64,8 +64,17 @@ def simulated(
         The program that runs the firmware's binary in simavr, and the binary, in place of the firmware's model
         (docs/how-to/firmware.md).
 
-    Raises :class:`~dampyr.errors.InputError` for a wrong argument, :class:`~dampyr.errors.RigFault` where the process that
-    reads it does not start, or the firmware's binary does not run.
+    Returns
+    -------
+    Rig
+        Connected and not armed, its origin simulated; use it in a ``with`` statement, which closes it.
+
+    Raises
+    ------
+    InputError
+        A wrong argument.
+    RigFault
+        The process that reads it does not start, or the firmware's binary does not run.
 
     Examples
     --------
@@ -79,8 +88,8 @@ def simulated(
     >>> samples
     600
     """
-    rig, folder = _settings(settings)
-    fault_specs = tuple(FaultSpec.parse(each) if isinstance(each, str) else each for each in faults)
+    rig, folder = _load(settings)
+    fault_specs = tuple(FaultSpec.parse(fault) if isinstance(fault, str) else fault for fault in faults)
     true = rig if parts is None else replace(parts, wires=rig.wires, board=rig.board, limits=rig.limits)
     simulation = Simulation(true, specimen_of(true, folder), seed, fault_specs, black_box, chip)
     if real_time:
@@ -112,7 +121,7 @@ def open_rig(
     chip: tuple[str | Path, str | Path] | None = None,
 ) -> Rig:
     """The real rig where ``settings`` name its wires, else a simulated one; see `connect` and `simulated`."""
-    rig, _ = _settings(settings)
+    rig, _ = _load(settings)
     if not rig.wires.serial:
         return simulated(settings, seed, faults, real_time=real_time, chip=chip)
     if faults or real_time or chip:
@@ -136,8 +145,8 @@ def _calibrated(rig: RigSettings, folder: Path | None) -> RigSettings:
     return rig if calibration is None else calibration.corrected(rig)
 
 
-def _settings(given: RigSettings | str | Path | None) -> tuple[RigSettings, Path | None]:
+def _load(settings: RigSettings | str | Path | None) -> tuple[RigSettings, Path | None]:
     """The settings, and the folder beside which their card lies."""
-    if given is None or isinstance(given, RigSettings):
-        return given or RigSettings(), None
-    return load_settings(given), Path(given).parent
+    if settings is None or isinstance(settings, RigSettings):
+        return settings or RigSettings(), None
+    return load_settings(settings), Path(settings).parent

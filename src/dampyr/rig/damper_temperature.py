@@ -31,7 +31,7 @@ class SavedTemperature:
 
     @classmethod
     def parse(cls, temperature: object, time: object) -> SavedTemperature:
-        """From two texts or numbers; :class:`ValueError` where they are none."""
+        """From two texts or numbers; :class:`ValueError` where they cannot be read as such."""
         value, at = float(str(temperature)), datetime.fromisoformat(str(time))
         if not math.isfinite(value) or at.tzinfo is None:
             raise ValueError(f"temperature_degC = {temperature}, time = {time}")

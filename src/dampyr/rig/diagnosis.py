@@ -61,21 +61,18 @@ def _settings(rig: RigSettings, path: str | Path | None) -> Iterator[RigCheck]:
         "what a record says of the coil is what was commanded, so that a dead supply or a broken wire is not seen; "
     )
     guards += "wire its voltage and a shunt to free inputs, and name them in wires.coil_voltage and wires.coil_current"
-    words = " and ".join(name.partition("_")[2] for name in read)
-    yield RigCheck("coil's readings", words or "none", None if len(read) == 2 else guards)
+    readings = " and ".join(name.partition("_")[2] for name in read)
+    yield RigCheck("coil's readings", readings or "none", None if len(read) == 2 else guards)
     yield from _switches(rig)
     if rig.wires.serial:
         calibration = load_calibration(Path(path).parent) if path else None
-        words = (
-            "not calibrated: the settings' scale is used"
-            if calibration is None
-            else f"{calibration.scale:.5g} N/V, {calibration.how}"
-        )
-        yield RigCheck(
-            "load cell", words, f"dampyr calibrate --rig {path} writes {NAME}" if calibration is None else None
-        )
-        if calibration is not None and (far := doubt(calibration.scale, rig.load_cell.scale)):
-            yield RigCheck("load cell's scale", far, "calibrate it again, or correct load_cell.scale")
+        if calibration is None:
+            repair = f"dampyr calibrate --rig {path} writes {NAME}"
+            yield RigCheck("load cell", "not calibrated: the settings' scale is used", repair)
+            return
+        yield RigCheck("load cell", f"{calibration.scale:.5g} N/V, {calibration.how}")
+        if deviation := doubt(calibration.scale, rig.load_cell.scale):
+            yield RigCheck("load cell's scale", deviation, "calibrate it again, or correct load_cell.scale")
 
 
 def _named(rig: RigSettings, path: str | Path | None) -> Iterator[RigCheck]:
@@ -112,22 +109,22 @@ def _instruments(path: str | Path | None) -> Iterator[RigCheck]:
         yield RigCheck("connection", "none", str(problem))
         return
     with opened:
-        for look in (_uno, _board):
+        for check in (_uno, _board):
             try:
-                yield from look(opened)
+                yield from check(opened)
             except DampyrError as problem:
-                yield RigCheck(look.__name__.strip("_"), "does not answer", str(problem))
+                yield RigCheck(check.__name__.strip("_"), "does not answer", str(problem))
 
 
 def _uno(rig: Rig) -> Iterator[RigCheck]:
     hello = rig.uno.hello()
     yield RigCheck("Uno", f"firmware {hello.firmware}, protocol {hello.version}, control at {hello.rate} Hz")
     status = rig.uno.heartbeat()
-    words = status.state.name.lower()
+    state = status.state.name.lower()
     if status.state is State.FAULT:
-        words += f": {fault_in_words(status.faults)}"
+        state += f": {fault_in_words(status.faults)}"
     expected = status.state is State.IDLE or status.faults is Fault.RESTARTED
-    yield RigCheck("its state", words, None if expected else "arming clears it, once its cause is gone")
+    yield RigCheck("its state", state, None if expected else "arming clears it, once its cause is gone")
     yield RigCheck("encoder", "homed" if status.homed else "not homed; a campaign homes it first")
     wires = rig.settings.wires
     if wires.end_switches and status.inputs & (LOW_END | HIGH_END):

@@ -65,8 +65,8 @@ class Trip:
 
     def __str__(self) -> str:
         limit = f"its limit of {self.limit:.4g} {self.unit}"
-        words = f"{self.what} {self.value:.4g} {self.unit} passed {limit} at {self.time:.2f} s"
-        return f"{words}; {self.look}" if self.look else words
+        sentence = f"{self.what} {self.value:.4g} {self.unit} passed {limit} at {self.time:.2f} s"
+        return f"{sentence}; {self.look}" if self.look else sentence
 
 
 @dataclass
@@ -98,14 +98,14 @@ class Interlock:
             (speed, fastest, "speed", "m/s", "look at the motor's drive"),
             (waiting, LATE * self.rig.board.block, "age of the samples", "s", "the host is too slow or was stopped"),
             (
-                self._apart(samples, speed, waiting),
+                self._position_difference(samples, speed, waiting),
                 APART,
                 "distance of the board's and the Uno's position",
                 "m",
                 "look at the encoder",
             ),
             (
-                self._apart_at_rest(samples),
+                self._difference_at_rest(samples),
                 REST_APART,
                 "distance of the board's and the Uno's position at rest",
                 "counts",
@@ -123,13 +123,13 @@ class Interlock:
             hot = (samples.temperature.max(), limits.temperature, "temperature", "degC", "let the damper cool")
             readings.append(hot)
         for value, limit, what, unit, look in readings:
-            if not value <= limit and self.trip is None:
+            if not value <= limit and self.trip is None:  # so written, a value that is not a number stops the rig too
                 self.trip = Trip(what, float(value), float(limit), unit, time, look)
         return self.trip
 
     def estimate(self, temperature: float, time: float, doubt: str = "") -> Trip | None:
-        """Check an estimated temperature [degC], measured or not: a thermocouple that is stuck is no guard. ``doubt`` is what
-        seems to be wrong with its reading.
+        """Check an estimated temperature [degC], measured or not: a thermocouple that is stuck does not guard. ``doubt`` is
+        what seems to be wrong with its reading.
         """
         limit = self.rig.limits.temperature
         if not temperature <= limit and self.trip is None:
@@ -153,12 +153,13 @@ class Interlock:
         self._edge = edge if samples.status.outside else None
         return max(self.rig.travel, edge or 0.0)
 
-    def _apart_at_rest(self, samples: Samples) -> float:
+    def _difference_at_rest(self, samples: Samples) -> float:
         """Counts by which board and Uno differ where the table stands for the second block on end; else 0."""
         still = samples.status.speed == 0 and int(np.ptp(samples.counts)) == 0
         before, self._still = self._still, still
         if not (before and still and samples.status.homed):
             return 0.0
+        # A displacement is that of the middle of its count.
         return abs(round(float(samples.displacement[-1]) / self.rig.encoder.count - 0.5) - samples.status.position)
 
     def _index_shift(self, samples: Samples) -> float:
@@ -184,13 +185,13 @@ class Interlock:
         self._before = path[-lag:]
         return float(np.abs(path[lag:] - path[:-lag]).max(initial=0.0)) * self.rig.board.rate / lag
 
-    def _apart(self, samples: Samples, speed: float, waiting: float) -> float:
-        """How far the board's last position is from the Uno's, asked ``waiting`` s later and up to a block more: a late
-        host is no fault of the encoder's, and its lateness has a limit of its own.
+    def _position_difference(self, samples: Samples, speed: float, waiting: float) -> float:
+        """How far the board's last position is from the Uno's, asked ``waiting`` s later and up to a block more, less the way
+        in that time: a late host is not a fault of the encoder, and its lateness has a limit of its own.
         """
         if not samples.status.homed:
             return 0.0
         count = self.rig.encoder.count
-        now = abs(samples.status.speed) * count
-        moved = now * self.rig.board.block + max(now, speed) * waiting
+        speed_now = abs(samples.status.speed) * count
+        moved = speed_now * self.rig.board.block + max(speed_now, speed) * waiting
         return max(0.0, abs(float(samples.displacement[-1]) - samples.status.position * count) - moved)

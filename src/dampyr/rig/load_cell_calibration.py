@@ -52,7 +52,9 @@ class Calibrating:
         """Read the cell under a known load, a mass or a force; the scale in N/V."""
         force = force_of(load)
         zero, (volts, error) = self._require_zero(), self._volts()
-        self._scaled(two_point(zero, volts, force), volts, error, load_uncertainty(load), f"two points, {force:.5g} N")
+        self._set_scale(
+            two_point(zero, volts, force), volts, error, load_uncertainty(load), f"two points, {force:.5g} N"
+        )
         return self.calibration.scale
 
     def shunted(self, resistor: str) -> float:
@@ -60,7 +62,7 @@ class Calibrating:
         ohm = parse(resistor, "ohm")
         zero, (volts, error) = self._require_zero(), self._volts()
         scale = shunt_point(self.rig.settings.load_cell, ohm, zero, volts)
-        self._scaled(scale, volts, error, SHUNT_UNCERTAINTY, f"shunt, {ohm:g} ohm")
+        self._set_scale(scale, volts, error, SHUNT_UNCERTAINTY, f"shunt, {ohm:g} ohm")
         return self.calibration.scale
 
     def amplifier(self, seconds: float = 5.0) -> float:
@@ -69,7 +71,7 @@ class Calibrating:
         Raises :class:`~dampyr.errors.InputError` where no such step is in the reading.
         """
         rate = min(AMPLIFIER_RATE, FASTEST_READING / len(self.rig.settings.inputs))
-        time, volts = self._fast(rate, seconds)
+        time, volts = self._read_fast(rate, seconds)
         bandwidth, uncertainty = step_bandwidth(time, volts, self.rig.settings.step)
         self.calibration = replace(self.calibration, bandwidth=bandwidth, bandwidth_uncertainty=uncertainty)
         return bandwidth
@@ -80,7 +82,7 @@ class Calibrating:
         self.calibration = measured.into(self.calibration)
         return measured
 
-    def _fast(self, rate: float, seconds: float) -> tuple[Array, Array]:
+    def _read_fast(self, rate: float, seconds: float) -> tuple[Array, Array]:
         """Time [s] and the cell's volts (n,) at another rate than the rig's."""
         board, n, block = self.rig.board, round(rate * seconds), round(rate * FAST_BLOCK)
         board.start(rate, np.zeros(n + 2 * block))
@@ -106,11 +108,11 @@ class Calibrating:
             raise InputError("the zero was not read yet; read it first, without load")
         return self.calibration.zero
 
-    def _scaled(self, scale: float, volts: float, error: float, load: float, how: str) -> None:
+    def _set_scale(self, scale: float, volts: float, error: float, load: float, how: str) -> None:
         """Take a scale from ``volts`` with its ``error`` [V], under a load of the relative uncertainty ``load``."""
-        cell, apart = self.rig.settings.load_cell, abs(volts - self.calibration.zero)
-        line = np.sqrt(2.0 / 3.0) * cell.linearity * cell.capacity / abs(scale * apart)
-        read = np.hypot(error, self.calibration.zero_uncertainty or 0.0) / apart
+        cell, change = self.rig.settings.load_cell, abs(volts - self.calibration.zero)
+        line = np.sqrt(2.0 / 3.0) * cell.linearity * cell.capacity / abs(scale * change)
+        read = np.hypot(error, self.calibration.zero_uncertainty or 0.0) / change
         relative = float(np.sqrt(load**2 + read**2 + line**2))
         noise = None if self.calibration.noise is None else self.calibration.noise * abs(scale / self.calibration.scale)
         self.calibration = replace(
@@ -142,7 +144,7 @@ def step_bandwidth(time: Array, volts: Array, resolution: float = 0.0) -> tuple[
     ``resolution`` [V] is the converter's step.
 
     :math:`v = a + b (1 - e^{-(t - t_0)/\tau})` from :math:`t_0` on is fitted by least squares. Where the step takes less than a
-    sample, the bandwidth is no less than :math:`1/(2 \pi \tau)` with the sample's length for :math:`\tau`; that is given, with
+    sample, the bandwidth is at least :math:`1/(2 \pi \tau)` with the sample's length for :math:`\tau`; that is given, with
     half of it. :class:`~dampyr.errors.InputError` where there is no step, or more than one.
     """
     from scipy.optimize import least_squares
@@ -158,17 +160,17 @@ def step_bandwidth(time: Array, volts: Array, resolution: float = 0.0) -> tuple[
     share = (volts - low) / (high - low)
     half = int(np.argmax(share > 0.5))
     late = int(np.argmax(share[half:] > 0.9)) + 1
-    some = slice(max(0, half - 20 * late), min(len(volts), half + 40 * late))
-    t, v = time[some] - time[half], volts[some]
+    near = slice(max(0, half - 20 * late), min(len(volts), half + 40 * late))
+    t, v = time[near] - time[half], volts[near]
 
-    def apart(values: Array) -> Array:
+    def residuals(values: Array) -> Array:
         a, b, start, tau = values
-        gone = np.clip((t - start) / tau, 0.0, 700.0)
-        return np.asarray(a + b * (1.0 - np.exp(-gone)) - v)
+        elapsed = np.clip((t - start) / tau, 0.0, 700.0)  # exp(-700) is still a number
+        return np.asarray(a + b * (1.0 - np.exp(-elapsed)) - v)
 
     tau0 = max(late * dt / 1.6, 0.3 * dt)  # from a half to nine tenths it takes 1.6 time constants
     fitted = least_squares(
-        apart,
+        residuals,
         [low, high - low, -0.7 * tau0, tau0],
         x_scale=[noise, abs(high - low), tau0, tau0],
         bounds=([-np.inf, -np.inf, -np.inf, 0.05 * dt], np.inf),

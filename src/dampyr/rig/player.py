@@ -45,35 +45,35 @@ class Player:
     def voltage(self, first: int, n: int) -> Array:
         """The coil's voltage for n samples from ``first`` on; 0 V after the last set point."""
         time = (np.arange(first, first + n) - self.start) / self.rig.board.rate
-        at = np.clip(np.floor(time / self.drive.period + 1e-9).astype(int), 0, self.drive.n - 1)
-        return np.where(time > self.drive.duration + 1e-9, 0.0, self.drive.voltage[at])
+        point = np.clip(np.floor(time / self.drive.period + 1e-9).astype(int), 0, self.drive.n - 1)
+        return np.where(time > self.drive.duration + 1e-9, 0.0, self.drive.voltage[point])
 
     def feed(self, samples: Samples) -> None:
         """Start at its time, keep the queue filled, detect the end, after a block of samples was read."""
         now, status = samples.first + samples.n, samples.status
         if not self.running and now >= self.start:
-            self._begin()
+            self._start_drive()
         elif self.running and not self.finished:
             if self.drive.standing:
                 self.finished = now >= self.end
             elif status.state is State.ARMED:
                 self.finished = True
             elif self.drive.reversals is None:
-                self._send(status.free)
+                self._send_points(status.free)
 
-    def _begin(self) -> None:
+    def _start_drive(self) -> None:
         self.running = True
         if self.drive.standing:
             return
         if self.drive.reversals is None:
-            self._send(AHEAD)
+            self._send_points(AHEAD)
             self.uno.follow(round(self.drive.period * 1000), self.drive.n)
             return
-        how = self.drive.reversals
-        half, pause = round(how.half_period * 1000), round(how.pause * 1000)
-        self.uno.reverse(round(how.duty * 255), half, pause, how.count)
+        reversals = self.drive.reversals
+        half, pause = round(reversals.half_period * 1000), round(reversals.pause * 1000)
+        self.uno.reverse(round(reversals.duty * 255), half, pause, reversals.count)
 
-    def _send(self, free: int) -> None:
+    def _send_points(self, free: int) -> None:
         """Fill the queue up to `AHEAD`, or as far as there are places."""
         count = self.rig.encoder.count
         while self.sent < self.drive.n and free > 0:
@@ -85,5 +85,5 @@ class Player:
 
 def player_of(drive: Drive, rig: RigSettings, uno: TableDrive, start: int) -> Player:
     """The player of a drive: its own where its set points follow from what is measured, such as in a hybrid test."""
-    own: type[Player] = getattr(drive, "player", Player)
-    return own(drive, rig, uno, start)
+    player: type[Player] = getattr(drive, "player", Player)
+    return player(drive, rig, uno, start)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from contextlib import suppress
 
-ROUND_ROBIN = 10  # of 99: above all that is no real-time process, below the kernel's own threads
+ROUND_ROBIN = 10  # of 99: above all ordinary processes, below the kernel's own threads
 NICE = -10
 CONSOLE_NICE = -5
 

@@ -93,7 +93,7 @@ class Rig(Shown):
     """Whether this host homed it by hand: where its index is passed is not certain then until it has been."""
     _taken_over: bool = field(init=False, default=False)
     _energised: bool = field(init=False, default=False)
-    """Whether those who want to know were told that it is armed."""
+    """Whether those in ``on_energy`` know it as armed."""
     _read_until: float | None = field(init=False, default=None)
     """When it was last read, s of the clock."""
 
@@ -122,14 +122,14 @@ class Rig(Shown):
         """
         if self.threaded:
             freeze_objects()
-        self._cool_meanwhile()
+        self._cool_since_last_read()
         self._take_over()
         self.uno.configure(self.settings)
         table = ArmedRig(self)
         self.was_armed = True
         try:
             table.begin()
-            self._tell_energy(True)
+            self._announce_energy(True)
             yield table
         except BaseException as problem:
             _leave(table, problem)
@@ -138,12 +138,12 @@ class Rig(Shown):
             _leave(table, None)
         finally:
             self._read_until = self.clock()
-            self._tell_energy(False)
+            self._announce_energy(False)
             self.save_temperature()
 
-    def _tell_energy(self, armed: bool) -> None:
-        for tell in self.on_energy if armed or self._energised else ():
-            tell(armed)
+    def _announce_energy(self, armed: bool) -> None:
+        for listener in self.on_energy if armed or self._energised else ():
+            listener(armed)
         self._energised = armed
 
     def save_temperature(self) -> None:
@@ -154,7 +154,7 @@ class Rig(Shown):
             except FileError as problem:
                 warnings.warn(f"the damper's temperature was not saved: {problem}", DampyrWarning, stacklevel=2)
 
-    def _cool_meanwhile(self) -> None:
+    def _cool_since_last_read(self) -> None:
         """Let the estimate cool for the time in which nothing was read; that of a rig whose time stands does not pass."""
         if self._read_until is not None and self.time_passes:
             self.warmth.cool(max(0.0, self.clock() - self._read_until))
@@ -164,14 +164,14 @@ class Rig(Shown):
         self.uno.hello()
         status = self.uno.heartbeat()
         if status.state not in (State.IDLE, State.FAULT):
-            words = f"the Uno was left in state {status.state.name} by another host, or by one that was killed; it is disarmed"
-            warnings.warn(words, DampyrWarning, stacklevel=4)
+            left = f"the Uno was left in state {status.state.name} by another host, or by one that was killed; it is disarmed"
+            warnings.warn(left, DampyrWarning, stacklevel=4)
             self.uno.disarm()
             status = self.uno.heartbeat()
         if status.state is State.FAULT:
             if not self._taken_over and status.faults & ~(Fault.RESTARTED | Fault.ABORTED):
-                words = f"the Uno had stopped by itself before this host came: {fault_in_words(status.faults)}"
-                warnings.warn(words, DampyrWarning, stacklevel=4)
+                stopped = f"the Uno had stopped by itself before this host came: {fault_in_words(status.faults)}"
+                warnings.warn(stopped, DampyrWarning, stacklevel=4)
             self.uno.clear()
         self._taken_over = True
 
@@ -192,7 +192,7 @@ class Rig(Shown):
         """
         calibration, n = self.calibration, max(2, round(block * self.settings.board.rate))
         assert calibration is not None
-        self._cool_meanwhile()
+        self._cool_since_last_read()
         self.warmth.restart()
         self.board.start(self.settings.board.rate, np.zeros(n))
         try:
@@ -288,12 +288,12 @@ def _leave(table: ArmedRig, problem: BaseException | None) -> None:
 def _report(failed: Sequence[Exception], problem: BaseException | None) -> None:
     """Note failures on ``problem``, the first reason; without one, raise the first of them."""
     if failed and problem is None:
-        for each in failed[1:]:
-            failed[0].add_note(str(each))
+        for failure in failed[1:]:
+            failed[0].add_note(str(failure))
         raise failed[0]
     if problem is not None:
-        for each in failed:
-            problem.add_note(str(each))
+        for failure in failed:
+            problem.add_note(str(failure))
 
 
 def acquisition(rig: Rig) -> Acquisition:
@@ -324,7 +324,7 @@ class ArmedRig(Shown):
         """Start sampling and arm; the board and the Uno are aligned where the table rests."""
         self.loop.begin()
         self.ask_uno(self.rig.uno.heartbeat, self.rig.uno.arm)
-        for samples in self._for(SETTLED):  # without the lock: the thread that reads needs it for a block
+        for samples in self._blocks_for(SETTLED):  # without the lock: the thread that reads needs it for a block
             if samples.status.speed == 0:
                 break
         self._align()
@@ -391,7 +391,7 @@ class ArmedRig(Shown):
             self.come_back()
         self.ask_uno(partial(self.loop.home, here))
         self.rig.homed_by_hand = here
-        for samples in self._for(HOMING):
+        for samples in self._blocks_for(HOMING):
             if samples.status.state is State.ARMED:
                 if samples.status.homed:
                     self._align()
@@ -467,8 +467,10 @@ class ArmedRig(Shown):
         self.go(place + ZERO_SIDE)
         means = []
         for way in (-1.0, 1.0):
-            samples = list(self._on_the_way(place + way * ZERO_SIDE))
-            x, force = (np.concatenate([getattr(each, name) for each in samples]) for name in ("displacement", "force"))
+            samples = list(self._move_slowly(place + way * ZERO_SIDE))
+            x = np.concatenate([block.displacement for block in samples])
+            force = np.concatenate([block.force for block in samples])
+            # Only the middle half of the way: there the hysteresis has saturated, and the table moves at its full speed.
             means.append(float(np.mean(force[np.abs(x - place) < 0.5 * ZERO_SIDE])))
         if self.loop.status.index_passes == passes:
             raise RigFault(INDEX_GONE, "check")
@@ -489,7 +491,7 @@ class ArmedRig(Shown):
 
     def signal(self, seconds: float = 1.0) -> float:
         """The load cell's mean signal [V]."""
-        return float(np.mean(np.concatenate([samples.volts[0] for samples in self._for(seconds)])))
+        return float(np.mean(np.concatenate([samples.volts[0] for samples in self._blocks_for(seconds)])))
 
     def calibrate(self, calibration: Calibration) -> None:
         """Use ``calibration`` from the next block on."""
@@ -498,7 +500,7 @@ class ArmedRig(Shown):
 
     def rest(self, seconds: float) -> None:
         """Keep reading for ``seconds``."""
-        for _ in self._for(seconds):
+        for _ in self._blocks_for(seconds):
             pass
 
     def meanwhile(self, work: Callable[[], object]) -> None:
@@ -526,7 +528,7 @@ class ArmedRig(Shown):
                 f"speed = {speed * 1e3:g} mm/s is not allowed; a jog has at most {fastest * 1e3:g} mm/s (limits.speed)"
             )
         self.ask_uno(partial(self.rig.uno.jog, round(speed / self.rig.settings.encoder.count), round(seconds * 1000)))
-        for samples in self._for(seconds + 0.2) if wait else ():
+        for samples in self._blocks_for(seconds + 0.2) if wait else ():
             if samples.status.state is State.ARMED:
                 return
 
@@ -536,7 +538,7 @@ class ArmedRig(Shown):
         Raises :class:`InputError`, before anything moves, for a place outside of the travel or a table that is not homed.
         """
         self.check_place(displacement)
-        for _ in self._on_the_way(displacement):
+        for _ in self._move_slowly(displacement):
             pass
 
     def check_place(self, place: float, name: str = "displacement") -> None:
@@ -554,7 +556,7 @@ class ArmedRig(Shown):
         if not self.homed:
             raise InputError("the table is not homed, so its middle is not known; home the table first")
 
-    def _on_the_way(self, displacement: float) -> Iterator[Samples]:
+    def _move_slowly(self, displacement: float) -> Iterator[Samples]:
         """The blocks of a slow move."""
         if self.loop.status.outside:
             self.come_back()
@@ -562,7 +564,7 @@ class ArmedRig(Shown):
         seconds = max(1.875 * abs(path) / GENTLE, 0.1)  # a minimum-jerk path's peak speed is 15/8 of its mean
         n = math.ceil(seconds / 0.01) + 1
         s = np.linspace(0.0, 1.0, n)
-        smooth = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
+        smooth = s**3 * (10.0 - 15.0 * s + 6.0 * s**2)  # speed and acceleration are 0 at both ends
         for samples, _ in self.play(Drive(0.01, self.position + path * smooth, np.zeros(n))):
             yield samples
         short = max(STANDING, min(ARRIVED, 0.5 * abs(path)))  # a motor that stands is seen in a short move, too
@@ -586,19 +588,19 @@ class ArmedRig(Shown):
             )
         if self.rig.command_delay and np.ptp(drive.voltage) > 0.0:
             late = f"{1e3 * self.rig.command_delay:.0f} ms"
-            words = f"the supply has no sample clock: steps of its voltage come up to {late} late"
-            warnings.warn(words, DampyrWarning, stacklevel=2)
+            no_clock = f"the supply has no sample clock: steps of its voltage come up to {late} late"
+            warnings.warn(no_clock, DampyrWarning, stacklevel=2)
         player = self.loop.play(drive)
         try:
-            yield from self._played(player, drive)
+            yield from self._play_blocks(player, drive)
         finally:
             self.loop.end_drive()
 
-    def _played(self, player: Player, drive: Drive) -> Iterator[tuple[Samples, slice]]:
+    def _play_blocks(self, player: Player, drive: Drive) -> Iterator[tuple[Samples, slice]]:
         for samples in self.loop.blocks():
             yield samples, player.recorded_slice(samples.first, samples.n)
             self.check()
-            if self._early(drive):
+            if drive.until_temperature is not None and self.temperature >= drive.until_temperature:
                 self.stop()
                 return
             if samples.first + samples.n >= player.end and player.finished:
@@ -610,22 +612,16 @@ class ArmedRig(Shown):
     def _stand(self) -> None:
         """Read on until the table stands, so that what the interlock compares at rest has been compared."""
         still = 0
-        for samples in self._for(SETTLED):
+        for samples in self._blocks_for(SETTLED):
             still = still + 1 if samples.status.speed == 0 and np.ptp(samples.counts) == 0 else 0
             if still == 2:
                 return
-
-    def _early(self, drive: Drive) -> bool:
-        """Whether the drive has reached its temperature."""
-        if drive.until_temperature is None:
-            return False
-        return self.temperature >= drive.until_temperature
 
     def stop(self) -> None:
         """Decelerate to rest, and stay armed."""
         self.loop.end_drive()
         self.ask_uno(self.rig.uno.stop)
-        for samples in self._for(SETTLED):
+        for samples in self._blocks_for(SETTLED):
             if samples.status.state is State.ARMED:
                 return
 
@@ -642,8 +638,8 @@ class ArmedRig(Shown):
         """Cut the coil and brake, now; from any thread. Whoever waits for blocks gets a :class:`RigFault`."""
         self.loop.halt(RigFault(f"aborted: {why}", "operator"))
 
-    def _for(self, seconds: float) -> Iterator[Samples]:
-        """Blocks read from now on; those that wait already are older."""
+    def _blocks_for(self, seconds: float) -> Iterator[Samples]:
+        """Blocks of ``seconds`` read from now on; those that wait already are older."""
         begin = self.loop.next
         last = begin + round(seconds * self.rig.settings.board.rate)
         for samples in self.loop.blocks():

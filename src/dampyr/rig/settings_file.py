@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import fields
 from pathlib import Path
 from typing import Any, get_type_hints
 
@@ -25,24 +24,14 @@ def write_settings(settings: RigSettings, path: str | Path) -> Path:
         if isinstance(value, str):
             lines.append(f"{name} = {_toml(value)}\n")
         else:
-            words = (cls.__doc__ or "").strip().split("\n")[0]
-            lines.append(f"\n[{name}] # {words}\n" + "".join(_lines(value)))
+            summary = (cls.__doc__ or "").strip().split("\n")[0]
+            lines.append(f"\n[{name}] # {summary}\n")
+            for key, hint in get_type_hints(cls, include_extras=True).items():
+                quantity = split(hint)[1]
+                remark = "; ".join(filter(None, (quantity.unit if quantity else "", origin(hint))))
+                lines.append(f"{key} = {_toml(getattr(value, key))}{f'  # {remark}' if remark else ''}\n")
     write_whole(path, HEAD + "".join(lines))
     return path
-
-
-def _lines(table: Any) -> list[str]:
-    """The lines of one table."""
-    hints = get_type_hints(type(table), include_extras=True)
-    return [f"{f.name} = {_toml(getattr(table, f.name))}{_remark(hints[f.name])}\n" for f in fields(table)]
-
-
-def _remark(hint: Any) -> str:
-    """Unit and origin of a value."""
-    _, quantity = split(hint)
-    said = [quantity.unit if quantity else "", origin(hint)]
-    words = "; ".join(part for part in said if part)
-    return f"  # {words}" if words else ""
 
 
 def _toml(value: Any) -> str:

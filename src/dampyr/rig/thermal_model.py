@@ -74,7 +74,7 @@ class Warmth:
         """What is wrong with the thermocouple, in words; empty where nothing is."""
         if self.reading is None or not (self.dead or abs(self.parted) > PARTED):
             return ""
-        words = (
+        readings = (
             f"the thermocouple reads {self.reading:.0f} degC, and the damper is at {self.estimate:.0f} degC by the heat that "
             "it took and lost"
         )
@@ -82,11 +82,11 @@ class Warmth:
             heat = self.rig.specimen.heat_capacity * abs(self.estimate - self._moved[1]) / 1e3
             way = "went in" if self.estimate > self._moved[1] else "were lost"
             return (
-                f"{words}: the reading has not moved while {heat:.2g} kJ {way}, so the estimate is used; look at the "
+                f"{readings}: the reading has not moved while {heat:.2g} kJ {way}, so the estimate is used; look at the "
                 "thermocouple, its amplifier and its wires"
             )
         return (
-            f"{words}, {abs(self.parted):.0f} K apart, {PARTED:g} K at most: look at the thermocouple, or at "
+            f"{readings}, {abs(self.parted):.0f} K apart, {PARTED:g} K at most: look at the thermocouple, or at "
             "specimen.heat_capacity, cooling and room; the guard takes the hotter"
         )
 
@@ -106,11 +106,11 @@ class Warmth:
 
     def take(self, samples: Samples) -> float:
         """The temperature after a block."""
-        body, dt = self.rig.specimen, 1.0 / self.rig.board.rate
+        damper, dt = self.rig.specimen, 1.0 / self.rig.board.rate
         path = np.diff(samples.displacement, prepend=samples.displacement[0] if math.isnan(self._last) else self._last)
         self._last = float(samples.displacement[-1])
         heat = float(samples.force @ path) + float(np.sum(samples.voltage**2)) / self.rig.supply.resistance * dt
-        self.estimate += heat / body.heat_capacity
+        self.estimate += heat / damper.heat_capacity
         self.cool(samples.n * dt)
         if samples.temperature is not None:
             self._read(float(np.mean(samples.temperature)))
@@ -134,5 +134,6 @@ class Warmth:
 
     def cool(self, seconds: float) -> None:
         """Cool for a time."""
-        body = self.rig.specimen
-        self.estimate = body.room + (self.estimate - body.room) * math.exp(-body.cooling / body.heat_capacity * seconds)
+        damper = self.rig.specimen
+        decay = math.exp(-damper.cooling / damper.heat_capacity * seconds)
+        self.estimate = damper.room + (self.estimate - damper.room) * decay

@@ -244,9 +244,9 @@ def _identified(demo: Demo) -> Section:
 
 
 def _validated(demo: Demo) -> Section:
-    shown = max(demo.held_out, key=lambda r: demo.scores[r.name].l1)
-    model = demo.predictions[shown.name] + demo.scores[shown.name].offset
-    window = demo.scores[shown.name].window.slice
+    worst = max(demo.held_out, key=lambda r: demo.scores[r.name].l1)
+    model = demo.predictions[worst.name] + demo.scores[worst.name].offset
+    window = demo.scores[worst.name].window.slice
     groups = {
         "fitted tests": [s.l1 for s in demo.fit.scores.values()],
         "held-out tests": [s.l1 for s in demo.scores.values()],
@@ -262,19 +262,19 @@ def _validated(demo: Demo) -> Section:
             FigureBlock(scores(groups), "L1 ratio of each record, fitted and held out."),
             FigureBlock(
                 loops(
-                    shown.displacement[window],
-                    velocity_of(shown)[window],
-                    shown.force[window],
+                    worst.displacement[window],
+                    velocity_of(worst)[window],
+                    worst.force[window],
                     {"card": model[window]},
-                    record_origin=shown.origin,
+                    record_origin=worst.origin,
                 ),
-                f"The worst of them, {shown.name}: simulated and predicted loops.",
+                f"The worst of them, {worst.name}: simulated and predicted loops.",
             ),
             FigureBlock(
                 history(
-                    shown.time[window], shown.force[window], model[window], name="card", record_origin=shown.origin
+                    worst.time[window], worst.force[window], model[window], name="card", record_origin=worst.origin
                 ),
-                f"{shown.name}: simulated and predicted force, and the residual.",
+                f"{worst.name}: simulated and predicted force, and the residual.",
             ),
         ],
     )

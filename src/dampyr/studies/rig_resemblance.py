@@ -53,7 +53,7 @@ def _pair(records: Sequence[Record], settings: RigSettings, voltage: float, top:
     if not matches:
         raise InputError(f"the folder has no record at {voltage:g} V; give the folder of the original campaign")
     period = 2 * (drive.half_period + drive.pause)
-    record, theirs = min(matches, key=lambda each: abs(each[1].period - period))
+    record, theirs = min(matches, key=lambda match: abs(match[1].period - period))
     return Pair(voltage, top, record, ours, theirs, characteristics(ours))
 
 

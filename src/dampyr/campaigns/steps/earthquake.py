@@ -32,13 +32,13 @@ BUILT_IN = "el_centro"
 class Earthquake:
     """A ground motion as a path."""
 
-    motion: Annotated[str, "el_centro, or a ground motion file beside the campaign"] = BUILT_IN
-    scale: Annotated[float, Quantity("", low=0.0, open_low=True), "of the record"] = 1.0
+    motion: Annotated[str, "ground motion: el_centro, or a file beside the campaign"] = BUILT_IN
+    scale: Annotated[float, Quantity("", low=0.0, open_low=True), "factor on the record"] = 1.0
     fit_limits: Annotated[bool, "lower the scale to what the rig can do"] = True
-    highpass: Annotated[float, Quantity("Hz", low=0.01, high=5.0), "corner of the filter"] = 0.2
-    voltage: Annotated[float, Volts, "at the coil"] = 0.0
-    rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 2.0
-    period: Annotated[float, Period, "from set point to set point"] = 0.01
+    highpass: Annotated[float, Quantity("Hz", low=0.01, high=5.0), "corner frequency of the high-pass filter"] = 0.2
+    voltage: Annotated[float, Volts, "voltage at the coil"] = 0.0
+    rest_before: Annotated[float, Rest, "rest before the motion, recorded so that offsets can be read"] = 2.0
+    period: Annotated[float, Period, "time from set point to set point"] = 0.01
 
     lowers: ClassVar[tuple[str, ...]] = ("scale", "voltage")
     named: ClassVar[tuple[str, ...]] = ("title", "scale", "voltage")

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from dampyr.campaigns.paths import around, driven, moves, top_speed
-from dampyr.campaigns.step import Length, Peaks, Period, Rest, Seconds, Speed, Volts, at_least, check_ranges
+from dampyr.campaigns.step import Count, Length, Peaks, Period, Rest, Seconds, Speed, Volts, check_ranges
 from dampyr.rig import Drive, RigSettings
 
 
@@ -20,13 +20,13 @@ from dampyr.rig import Drive, RigSettings
 class Friction:
     """Strokes with pauses."""
 
-    amplitude: Annotated[float, Length, "half of the peak to peak"]
-    speed: Annotated[float, Speed, "of the strokes"] = 0.005
-    pause: Annotated[float, Seconds, "at each end"] = 1.0
-    voltage: Annotated[float, Volts, "at the coil"] = 0.0
-    cycles: Annotated[int, "there and back"] = 3
-    rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 2.0
-    period: Annotated[float, Period, "from set point to set point"] = 0.01
+    amplitude: Annotated[float, Length, "amplitude of the motion, half of the peak to peak"]
+    speed: Annotated[float, Speed, "speed of the strokes"] = 0.005
+    pause: Annotated[float, Seconds, "pause at each end of a stroke"] = 1.0
+    voltage: Annotated[float, Volts, "voltage at the coil"] = 0.0
+    cycles: Annotated[int, Count, "number of strokes there and back"] = 3
+    rest_before: Annotated[float, Rest, "rest before the motion, recorded so that offsets can be read"] = 2.0
+    period: Annotated[float, Period, "time from set point to set point"] = 0.01
 
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "speed", "voltage")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "speed", "voltage")
@@ -35,7 +35,6 @@ class Friction:
 
     def __post_init__(self) -> None:
         check_ranges(self)
-        at_least(self, "cycles", 1)
 
     def drive(self, rig: RigSettings) -> Drive:
         """The set points of table and coil."""

@@ -14,21 +14,22 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from dampyr.campaigns.paths import around, driven, moves, top_speed
-from dampyr.campaigns.step import Length, Peaks, Period, Rest, Speed, Time, Volts, at_least, check_ranges
+from dampyr.campaigns.step import Length, Peaks, Period, Rest, Speed, Time, Volts, check_ranges
 from dampyr.rig import Drive, RigSettings
+from dampyr.units import Quantity
 
 
 @dataclass(frozen=True)
 class GasForce:
     """A staircase of places."""
 
-    amplitude: Annotated[float, Length, "from the middle to the outermost place"]
-    places: Annotated[int, "from -A to A"] = 7
-    speed: Annotated[float, Speed, "between the places"] = 0.005
-    hold: Annotated[float, Time, "at each place"] = 2.0
-    voltage: Annotated[float, Volts, "at the coil"] = 0.0
-    rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 2.0
-    period: Annotated[float, Period, "from set point to set point"] = 0.01
+    amplitude: Annotated[float, Length, "distance from the middle to the outermost place"]
+    places: Annotated[int, Quantity("", low=2.0), "number of places from -A to A"] = 7
+    speed: Annotated[float, Speed, "speed between the places"] = 0.005
+    hold: Annotated[float, Time, "time at each place"] = 2.0
+    voltage: Annotated[float, Volts, "voltage at the coil"] = 0.0
+    rest_before: Annotated[float, Rest, "rest before the motion, recorded so that offsets can be read"] = 2.0
+    period: Annotated[float, Period, "time from set point to set point"] = 0.01
 
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "speed", "voltage")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "places", "voltage")
@@ -38,7 +39,6 @@ class GasForce:
 
     def __post_init__(self) -> None:
         check_ranges(self)
-        at_least(self, "places", 2)
 
     def drive(self, rig: RigSettings) -> Drive:
         """The set points of table and coil."""

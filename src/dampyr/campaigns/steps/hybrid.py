@@ -6,7 +6,7 @@ At each step the building's displacement at the damper goes to the table, and th
 back into the building. Before, whole cycles of a small sine show the table's lag and gain, and the static force. A table as
 small and slow as this one cannot move as a building does under most records: with ``fit_limits`` the plan lowers the scale s to
 what the rig can do, and says so. A ``clock`` of 5 lets the building's time pass 5 times slower instead; a force that depends on
-the velocity is wrong then, and by how much is said.
+the velocity is wrong then, and the plan says by how much.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from typing import Annotated, Any, ClassVar, Self
 import numpy as np
 
 from dampyr.campaigns.paths import AFTER, Array, PathPiece, hold, raised, sampled
-from dampyr.campaigns.step import Length, Peaks, Period, Rest, Time, Volts, at_least, check_ranges
+from dampyr.campaigns.step import Count, Length, Peaks, Period, Rest, Time, Volts, check_ranges
 from dampyr.errors import DampyrWarning, FileError, MissingData
 from dampyr.ground_motions import GroundMotion, el_centro, read
 from dampyr.hybrid.delayed_actuator import run_delayed
@@ -47,21 +47,29 @@ RATE_ERROR = 0.02  # of the greatest force that a slower clock may change
 class Hybrid:
     """A building of which the damper is on the rig, in an earthquake."""
 
-    structure: Annotated[str, "heavy_two_storey, two_storey, or a TOML file beside the campaign"] = "heavy_two_storey"
-    motion: Annotated[str, "el_centro, or a ground motion file beside the campaign"] = BUILT_IN
-    scale: Annotated[float, Quantity("", low=0.0, open_low=True), "of the record"] = 1.0
+    structure: Annotated[str, "building: heavy_two_storey, two_storey, or a TOML file beside the campaign"] = (
+        "heavy_two_storey"
+    )
+    motion: Annotated[str, "ground motion: el_centro, or a file beside the campaign"] = BUILT_IN
+    scale: Annotated[float, Quantity("", low=0.0, open_low=True), "factor on the record"] = 1.0
     fit_limits: Annotated[bool, "lower the scale to what the rig can do"] = True
-    clock: Annotated[float, Quantity("", low=1.0, high=100.0), "how much slower the building's time passes"] = 1.0
-    storey: Annotated[int, "that the damper stands in"] = 1
-    voltage: Annotated[float, Volts, "at the coil"] = 0.0
-    duration: Annotated[float, Quantity("s", low=0.0), "of the record from its begin; 0: all of it"] = 0.0
-    model: Annotated[str, "card that predicts the force ahead; empty: the rig's specimen"] = ""
+    clock: Annotated[float, Quantity("", low=1.0, high=100.0), "factor by which the building's time passes slower"] = (
+        1.0
+    )
+    storey: Annotated[int, Count, "storey in which the damper stands"] = 1
+    voltage: Annotated[float, Volts, "voltage at the coil"] = 0.0
+    duration: Annotated[
+        float, Quantity("s", low=0.0), "part of the record that is used, from its begin; 0: all of it"
+    ] = 0.0
+    model: Annotated[str, "card of the damper that predicts the force ahead; empty: the rig's specimen"] = ""
     adaptive: Annotated[bool, "follow the table's lag during the test"] = True
-    lead_amplitude: Annotated[float, Length, "of the sine before the test"] = 0.002
+    lead_amplitude: Annotated[float, Length, "amplitude of the sine before the test"] = 0.002
     energy_limit: Annotated[float, Quantity("", low=0.001, high=1.0), "error of energy at which the test stops"] = 0.1
-    reserve: Annotated[float, Time, "of set points sent beyond the next block, for a late host"] = 0.004
-    rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 1.0
-    period: Annotated[float, Period, "from set point to set point"] = 0.002
+    reserve: Annotated[float, Time, "time of the set points that are sent beyond the next block, for a late host"] = (
+        0.004
+    )
+    rest_before: Annotated[float, Rest, "rest before the motion, recorded so that offsets can be read"] = 1.0
+    period: Annotated[float, Period, "time from set point to set point"] = 0.002
 
     lowers: ClassVar[tuple[str, ...]] = ("scale", "voltage")
     named: ClassVar[tuple[str, ...]] = ("title", "scale", "voltage")
@@ -70,7 +78,6 @@ class Hybrid:
 
     def __post_init__(self) -> None:
         check_ranges(self)
-        at_least(self, "storey", 1)
 
     @property
     def title(self) -> str:
@@ -84,27 +91,26 @@ class Hybrid:
 
     def located_in(self, folder: Path) -> Self:
         """The same step with its files looked for in ``folder``."""
-        own = {"structure": tuple(BUILDINGS), "motion": (BUILT_IN,), "model": ("",)}
-        files = {name: getattr(self, name) for name, built_in in own.items() if getattr(self, name) not in built_in}
-        if files.get("model") in published.available_sets():
-            del files["model"]
-        located: dict[str, Any] = {name: str(folder / file) for name, file in files.items()}
+        located: dict[str, Any] = {name: str(folder / file) for name, file in self._files.items()}
         return replace(self, **located)
+
+    @property
+    def _files(self) -> dict[str, str]:
+        """The files that it names, by field."""
+        built_in = {"structure": (*BUILDINGS,), "motion": (BUILT_IN,), "model": ("", *published.available_sets())}
+        return {name: getattr(self, name) for name, names in built_in.items() if getattr(self, name) not in names}
 
     @property
     def contents(self) -> dict[str, str]:
         """A hash of what is in each file: where it lies does not change a campaign, what is in it does."""
         hashes = {}
-        for name in ("structure", "motion", "model"):
-            path = Path(getattr(self, name))
-            if getattr(self, name) in (*BUILDINGS, BUILT_IN, "", *published.available_sets()):
-                continue
+        for name, file in self._files.items():
             try:
-                hashes[name] = hashlib.sha256(path.read_bytes()).hexdigest()
+                hashes[name] = hashlib.sha256(Path(file).read_bytes()).hexdigest()
             except FileNotFoundError:
-                raise MissingData(f"{path}: there is no such file; check {name} in the campaign") from None
+                raise MissingData(f"{file}: there is no such file; check {name} in the campaign") from None
             except OSError as problem:
-                raise FileError(path, f"cannot be read ({problem.strerror}); check the file") from problem
+                raise FileError(file, f"cannot be read ({problem.strerror}); check the file") from problem
         return hashes
 
     def damper(self, rig: RigSettings) -> Damper:
@@ -114,12 +120,13 @@ class Hybrid:
 
     def computed(self, rig: RigSettings) -> Response:
         """The response of the building with the damper's model: all of it computed."""
-        return _computed(self, rig, tuple(sorted(self.contents.items())))
+        damper = self.damper(rig)
+        return _compute(self, damper, input_of(damper, self.voltage, rig), tuple(sorted(self.contents.items())))
 
     def substructure(self, rig: RigSettings) -> Substructure:
         """The computed part."""
         damper = self.damper(rig)
-        about = substructure_of(
+        part = substructure_of(
             building_of(self.structure),
             self.storey,
             self.computed(rig),
@@ -128,12 +135,12 @@ class Hybrid:
             input_of(damper, self.voltage, rig),
         )
         return replace(
-            about, adaptive=self.adaptive, size=max(self.lead_amplitude, about.size), energy_limit=self.energy_limit
+            part, adaptive=self.adaptive, size=max(self.lead_amplitude, part.size), energy_limit=self.energy_limit
         )
 
     def drive(self, rig: RigSettings) -> HybridDrive:
         """The set points of table and coil as they are expected; during the test they follow from the measured force."""
-        about, response = self.substructure(rig), self.computed(rig)
+        part, response = self.substructure(rig), self.computed(rig)
         frequency = self._lead_frequency(rig)
         grown, faded = GROWING / frequency, FADING / frequency
         total = grown + STEADY / frequency + faded
@@ -143,16 +150,16 @@ class Hybrid:
             return np.asarray(self.lead_amplitude * shape * np.sin(2 * math.pi * frequency * t))
 
         before = sampled([hold(0.0, self.rest_before), PathPiece(total, sine), hold(0.0, REST)], self.period)
-        inside = np.arange(1, about.steps + 1) * self.h
-        stroke, rate = response.stroke[0], response.velocity.T @ about.row
+        inside = np.arange(1, part.steps + 1) * self.h
+        stroke, rate = response.stroke[0], response.velocity.T @ part.row
         during = hermite(response.time, stroke, rate, inside)
         t = np.arange(1, math.ceil((STOPPING + AFTER) / self.period) + 1) * self.period
         after = way_back(float(during[-1]), float(rate[-1]) / self.clock, t)
         x = np.concatenate([before, during, after])
         begin = self.rest_before + grown
-        whole = round(begin / self.period), round((begin + STEADY / frequency) / self.period)
+        steady_cycles = round(begin / self.period), round((begin + STEADY / frequency) / self.period)
         return HybridDrive(
-            self.period, x, np.full(x.size, self.voltage), substructure=about, lead_in=len(before) - 1, cycles=whole,
+            self.period, x, np.full(x.size, self.voltage), substructure=part, lead_in=len(before) - 1, cycles=steady_cycles,
             clock=self.clock, reserve=self.reserve,
         )  # fmt: skip
 
@@ -183,18 +190,18 @@ class Hybrid:
         It is computed with the model as the specimen, on an actuator as late as the rig's, whose lag is known with an error of
         `LAG_ERROR` either way.
         """
-        if words := self._range_words(rig) or self._rate_words(rig):
-            return words
+        if reason := self._describe_range(rig) or self._describe_clock_error(rig):
+            return reason
         steps = round((rig.board.block + self.reserve + 2 * self.period + TABLE_LAG) / self.period)
-        for wrong in (0.0, LAG_ERROR, -LAG_ERROR):
-            about = replace(self.substructure(rig), lag=steps * self.h, adaptive=False)
-            run = run_delayed(about, self.damper(rig), steps * self.h + wrong / self.clock, 0.0)
+        for lag_error in (0.0, LAG_ERROR, -LAG_ERROR):
+            part = replace(self.substructure(rig), lag=steps * self.h, adaptive=False)
+            run = run_delayed(part, self.damper(rig), steps * self.h + lag_error / self.clock, 0.0)
             if not run.over:
-                return self._unstable(run, 1e3 * steps * self.period, wrong, rig)
+                return self._describe_instability(run, 1e3 * steps * self.period, lag_error, rig)
         return ""
 
-    def _unstable(self, run: SubstructureRun, late: float, wrong: float, rig: RigSettings) -> str:
-        error = f" and {1e3 * wrong:+g} ms that are not known" if wrong else ""
+    def _describe_instability(self, run: SubstructureRun, late: float, lag_error: float, rig: RigSettings) -> str:
+        error = f" and {1e3 * lag_error:+g} ms that are not known" if lag_error else ""
         return (
             f"the hybrid test would be unstable: with set points that leave {late:.3g} ms ahead{error}, the error of energy "
             f"passes {100 * self.energy_limit:g} % after {run.now * self.h:.2f} s of the building's time. The damper is too "
@@ -202,12 +209,12 @@ class Hybrid:
             f"{1e3 * rig.board.block:g} ms"
         )
 
-    def _range_words(self, rig: RigSettings) -> str:
+    def _describe_range(self, rig: RigSettings) -> str:
         """Why the model cannot predict the force at this voltage."""
         damper, factor = self.damper(rig), 1.0
         if damper.input != "V":
             factor = rig.supply.resistance
-        low, high = (each * factor for each in damper.range)
+        low, high = (value * factor for value in damper.range)
         if low * (1 - 1e-9) <= self.voltage <= high * (1 + 1e-9):
             return ""
         return (
@@ -215,7 +222,7 @@ class Hybrid:
             "take a voltage inside, or another model"
         )
 
-    def _rate_words(self, rig: RigSettings) -> str:
+    def _describe_clock_error(self, rig: RigSettings) -> str:
         """Why a slower clock would not do for this damper."""
         if self.clock == 1.0:
             return ""
@@ -233,18 +240,19 @@ class Hybrid:
         t, x = response.time, response.stroke[0]
         rate = response.velocity.T @ building_of(self.structure).connection(self.storey)
         value = input_of(damper, self.voltage, rig)
-        how: dict[str, Any] = {"voltage" if damper.input == "V" else "current": value}
+        inputs: dict[str, Any] = {"voltage" if damper.input == "V" else "current": value}
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DampyrWarning)  # as above
-            fast = damper.force_of_motion(t, x, velocity=rate, **how)
-            slow = damper.force_of_motion(t * self.clock, x, velocity=rate / self.clock, **how)
+            warnings.simplefilter("ignore", DampyrWarning)  # as for the computed response
+            fast = damper.force_of_motion(t, x, velocity=rate, **inputs)
+            slow = damper.force_of_motion(t * self.clock, x, velocity=rate / self.clock, **inputs)
+        # over half of the peak to peak, which is the peak of a force without offset
         return float(np.abs(slow - fast).max() / np.ptp(fast) * 2.0)
 
 
 def heavy_two_storey() -> Building:
     """The building of chapter 5 with ten times its masses, dashpots and springs: without a damper it moves as that does."""
     light = two_storey()
-    M, C, K = (HEAVIER * each for each in (light.M, light.C, light.K))
+    M, C, K = (HEAVIER * matrix for matrix in (light.M, light.C, light.K))
     return Building(M, C, K, name="heavy two-storey building")
 
 
@@ -275,18 +283,12 @@ def input_of(damper: Damper, voltage: float, rig: RigSettings) -> float:
 
 
 @lru_cache(maxsize=64)
-def _computed_of(step: Hybrid, damper: Any, value: float, contents: tuple[tuple[str, str], ...]) -> Response:
-    how: dict[str, Any] = {"voltage" if damper.input == "V" else "current": value}
+def _compute(step: Hybrid, damper: Damper, value: float, contents: tuple[tuple[str, str], ...]) -> Response:
+    """The response of a step's building; ``contents`` tells files of one name apart."""
+    inputs: dict[str, Any] = {"voltage" if damper.input == "V" else "current": value}
     with warnings.catch_warnings():
-        warnings.simplefilter(
-            "ignore", DampyrWarning
-        )  # what it leaves is in the response, and said of the test that runs
-        return respond(building_of(step.structure), motion_of(step), {step.storey: damper}, **how)
-
-
-def _computed(step: Hybrid, rig: RigSettings, contents: tuple[tuple[str, str], ...]) -> Response:
-    damper = step.damper(rig)
-    return _computed_of(step, damper, input_of(damper, step.voltage, rig), contents)
+        warnings.simplefilter("ignore", DampyrWarning)  # the response has them as findings, and the plan as remarks
+        return respond(building_of(step.structure), motion_of(step), {step.storey: damper}, **inputs)
 
 
 def hermite(t: Array, x: Array, v: Array, at: Any) -> Array:

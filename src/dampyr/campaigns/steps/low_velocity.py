@@ -22,11 +22,16 @@ from dampyr.rig import Drive, RigSettings
 class LowVelocity:
     """Cycles at low constant speeds."""
 
-    amplitude: Annotated[float, Length, "half of the peak to peak"] = 0.002
-    speeds: Annotated[tuple[float, ...], Speed, "one cycle at each, in this order"] = (0.0005, 0.001, 0.002, 0.005)
-    voltage: Annotated[float, Volts, "at the coil"] = 0.0
-    rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 2.0
-    period: Annotated[float, Period, "from set point to set point"] = 0.01
+    amplitude: Annotated[float, Length, "amplitude of the motion, half of the peak to peak"] = 0.002
+    speeds: Annotated[tuple[float, ...], Speed, "speeds, one cycle at each in this order"] = (
+        0.0005,
+        0.001,
+        0.002,
+        0.005,
+    )
+    voltage: Annotated[float, Volts, "voltage at the coil"] = 0.0
+    rest_before: Annotated[float, Rest, "rest before the motion, recorded so that offsets can be read"] = 2.0
+    period: Annotated[float, Period, "time from set point to set point"] = 0.01
 
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "voltage")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "speeds", "voltage")

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from dampyr.campaigns.paths import GLIDE, around, driven, moves, top_speed
-from dampyr.campaigns.step import Length, Peaks, Period, Place, Rest, Speed, Volts, at_least, check_ranges
+from dampyr.campaigns.step import Count, Length, Peaks, Period, Place, Rest, Speed, Volts, check_ranges
 from dampyr.rig import Drive, RigSettings
 
 
@@ -19,13 +19,13 @@ from dampyr.rig import Drive, RigSettings
 class QuasiStatic:
     """Slow cycles at a constant speed."""
 
-    amplitude: Annotated[float, Length, "half of the peak to peak"]
-    speed: Annotated[float, Speed, "between the turns"] = 0.002
-    voltage: Annotated[float, Volts, "at the coil"] = 0.0
-    cycles: Annotated[int, "from turn to turn and back"] = 2
-    centre: Annotated[float, Place, "from the middle of the stroke"] = 0.0
-    rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 2.0
-    period: Annotated[float, Period, "from set point to set point"] = 0.01
+    amplitude: Annotated[float, Length, "amplitude of the motion, half of the peak to peak"]
+    speed: Annotated[float, Speed, "speed between the turns"] = 0.002
+    voltage: Annotated[float, Volts, "voltage at the coil"] = 0.0
+    cycles: Annotated[int, Count, "number of cycles, from turn to turn and back"] = 2
+    centre: Annotated[float, Place, "centre of the motion, from the middle of the stroke"] = 0.0
+    rest_before: Annotated[float, Rest, "rest before the motion, recorded so that offsets can be read"] = 2.0
+    period: Annotated[float, Period, "time from set point to set point"] = 0.01
 
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "speed", "voltage")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "speed", "voltage")
@@ -34,7 +34,6 @@ class QuasiStatic:
 
     def __post_init__(self) -> None:
         check_ranges(self)
-        at_least(self, "cycles", 1)
 
     def drive(self, rig: RigSettings) -> Drive:
         """The set points of table and coil."""

@@ -24,7 +24,6 @@ from dampyr.campaigns.step import (
     Rest,
     Time,
     Volts,
-    at_least,
     check_ranges,
     enough_points,
 )
@@ -38,15 +37,15 @@ FINE = 0.001  # s, the grid on which the path is made
 class Random:
     """A random displacement of a band of frequencies."""
 
-    amplitude: Annotated[float, Length, "the farthest position"]
-    low: Annotated[float, Frequency, "the lowest frequency"] = 0.1
-    high: Annotated[float, Frequency, "the highest frequency"] = 2.0
-    duration: Annotated[float, Time, "of the motion"] = 30.0
-    voltage: Annotated[float, Volts, "at the coil"] = 0.0
-    seed: Annotated[int, "of the phases"] = 0
-    taper: Annotated[float, Time, "in which it grows, and fades"] = 2.0
-    rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 2.0
-    period: Annotated[float, Period, "from set point to set point"] = 0.01
+    amplitude: Annotated[float, Length, "farthest position from the middle"]
+    low: Annotated[float, Frequency, "lowest frequency of the band"] = 0.1
+    high: Annotated[float, Frequency, "highest frequency of the band"] = 2.0
+    duration: Annotated[float, Time, "duration of the motion"] = 30.0
+    voltage: Annotated[float, Volts, "voltage at the coil"] = 0.0
+    seed: Annotated[int, "seed of the phases"] = 0
+    taper: Annotated[float, Time, "time in which the motion grows, and fades"] = 2.0
+    rest_before: Annotated[float, Rest, "rest before the motion, recorded so that offsets can be read"] = 2.0
+    period: Annotated[float, Period, "time from set point to set point"] = 0.01
 
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "voltage")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "low", "high", "voltage", "seed")
@@ -55,7 +54,8 @@ class Random:
 
     def __post_init__(self) -> None:
         check_ranges(self)
-        at_least(self, "seed", 0)
+        if self.seed < 0:
+            raise InputError(f"seed = {self.seed} is not allowed; it must be at least 0")
         enough_points(self.period, self.high)
         if floor(self.high * self.duration + 1e-9) <= ceil(self.low * self.duration - 1e-9):
             raise InputError(

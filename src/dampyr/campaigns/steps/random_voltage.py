@@ -16,6 +16,7 @@ import numpy as np
 
 from dampyr.campaigns.paths import around, stepwise, swing
 from dampyr.campaigns.step import (
+    Count,
     Frequency,
     Length,
     Peaks,
@@ -23,7 +24,6 @@ from dampyr.campaigns.step import (
     Rest,
     Time,
     Volts,
-    at_least,
     check_ranges,
     enough_points,
 )
@@ -35,15 +35,15 @@ from dampyr.rig import Drive, RigSettings
 class RandomVoltage:
     """A sine with random levels of voltage."""
 
-    amplitude: Annotated[float, Length, "half of the peak to peak"]
+    amplitude: Annotated[float, Length, "amplitude of the motion, half of the peak to peak"]
     frequency: Annotated[float, Frequency, "cycles per second"]
-    high: Annotated[float, Volts, "the highest level at the coil"]
-    low: Annotated[float, Volts, "the lowest level at the coil"] = 0.0
-    hold: Annotated[float, Time, "at each level"] = 0.25
-    cycles: Annotated[int, "steady cycles"] = 20
-    seed: Annotated[int, "of the levels"] = 0
-    rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 2.0
-    period: Annotated[float, Period, "from set point to set point"] = 0.01
+    high: Annotated[float, Volts, "highest voltage at the coil"]
+    low: Annotated[float, Volts, "lowest voltage at the coil"] = 0.0
+    hold: Annotated[float, Time, "time at each level of the voltage"] = 0.25
+    cycles: Annotated[int, Count, "number of steady cycles"] = 20
+    seed: Annotated[int, "seed of the levels"] = 0
+    rest_before: Annotated[float, Rest, "rest before the motion, recorded so that offsets can be read"] = 2.0
+    period: Annotated[float, Period, "time from set point to set point"] = 0.01
 
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "frequency", "high")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "frequency", "low", "high", "seed")
@@ -52,8 +52,8 @@ class RandomVoltage:
 
     def __post_init__(self) -> None:
         check_ranges(self)
-        at_least(self, "cycles", 1)
-        at_least(self, "seed", 0)
+        if self.seed < 0:
+            raise InputError(f"seed = {self.seed} is not allowed; it must be at least 0")
         enough_points(self.period, self.frequency)
         if self.low > self.high:
             raise InputError(f"low = {self.low:g} V is above high = {self.high:g} V; exchange them")

@@ -19,9 +19,9 @@ from dampyr.rig import Drive, RigSettings
 class Rest:
     """No motion."""
 
-    duration: Annotated[float, Time, "of the rest"]
-    voltage: Annotated[float, Volts, "at the coil"] = 0.0
-    period: Annotated[float, Period, "from set point to set point"] = 0.01
+    duration: Annotated[float, Time, "duration of the rest"]
+    voltage: Annotated[float, Volts, "voltage at the coil"] = 0.0
+    period: Annotated[float, Period, "time from set point to set point"] = 0.01
 
     lowers: ClassVar[tuple[str, ...]] = ("duration", "voltage")
     named: ClassVar[tuple[str, ...]] = ("duration", "voltage")

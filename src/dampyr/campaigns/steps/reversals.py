@@ -15,7 +15,7 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from dampyr.campaigns.paths import AFTER, MAX_DURATION
-from dampyr.campaigns.step import Peaks, Period, Rest, Volts, at_least, check_ranges
+from dampyr.campaigns.step import Peaks, Period, Rest, Volts, check_ranges
 from dampyr.errors import InputError
 from dampyr.rig import Drive, RigSettings
 from dampyr.rig import DutyReversals as Timed
@@ -26,13 +26,15 @@ from dampyr.units import Quantity
 class Reversals:
     """Timed reversals of the motor."""
 
-    half_period: Annotated[float, Quantity("s", low=0.02, high=60.0), "of rise and fall together"]
-    duty: Annotated[float, Quantity("", low=0.0, high=1.0, open_low=True), "at the top, of the full voltage"] = 1.0
-    pause: Annotated[float, Quantity("s", low=0.0, high=5.0), "for which it stays at the top"] = 0.05
-    count: Annotated[int, "strokes, one way each"] = 20
-    voltage: Annotated[float, Volts, "at the coil"] = 0.0
-    rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 2.0
-    period: Annotated[float, Period, "from set point to set point"] = 0.01
+    half_period: Annotated[float, Quantity("s", low=0.02, high=60.0), "duration of rise and fall together"]
+    duty: Annotated[
+        float, Quantity("", low=0.0, high=1.0, open_low=True), "duty at the top, as a part of the full voltage"
+    ] = 1.0
+    pause: Annotated[float, Quantity("s", low=0.0, high=5.0), "time for which the duty stays at the top"] = 0.05
+    count: Annotated[int, Quantity("", low=2.0), "number of strokes, one way each"] = 20
+    voltage: Annotated[float, Volts, "voltage at the coil"] = 0.0
+    rest_before: Annotated[float, Rest, "rest before the motion, recorded so that offsets can be read"] = 2.0
+    period: Annotated[float, Period, "time from set point to set point"] = 0.01
 
     lowers: ClassVar[tuple[str, ...]] = ("half_period", "duty", "voltage")
     named: ClassVar[tuple[str, ...]] = ("half_period", "duty", "voltage")
@@ -41,7 +43,6 @@ class Reversals:
 
     def __post_init__(self) -> None:
         check_ranges(self)
-        at_least(self, "count", 2)
 
     def drive(self, rig: RigSettings) -> Drive:
         """How long it takes, the voltage, and the reversals; its set points of the table are all 0."""

@@ -15,6 +15,7 @@ from typing import Annotated, ClassVar
 
 from dampyr.campaigns.paths import GLIDE, around, driven, swing, top_speed
 from dampyr.campaigns.step import (
+    Count,
     Frequency,
     Length,
     Peaks,
@@ -22,7 +23,6 @@ from dampyr.campaigns.step import (
     Place,
     Rest,
     Volts,
-    at_least,
     check_ranges,
     enough_points,
 )
@@ -33,14 +33,14 @@ from dampyr.rig import Drive, RigSettings
 class Sine:
     """A tapered sine."""
 
-    amplitude: Annotated[float, Length, "half of the peak to peak"]
+    amplitude: Annotated[float, Length, "amplitude of the motion, half of the peak to peak"]
     frequency: Annotated[float, Frequency, "cycles per second"]
-    voltage: Annotated[float, Volts, "at the coil"] = 0.0
-    cycles: Annotated[int, "steady cycles"] = 20
-    taper: Annotated[int, "cycles that grow, and that fade"] = 1
-    centre: Annotated[float, Place, "from the middle of the stroke"] = 0.0
-    rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 2.0
-    period: Annotated[float, Period, "from set point to set point"] = 0.01
+    voltage: Annotated[float, Volts, "voltage at the coil"] = 0.0
+    cycles: Annotated[int, Count, "number of steady cycles"] = 20
+    taper: Annotated[int, Count, "number of cycles in which the motion grows, and fades"] = 1
+    centre: Annotated[float, Place, "centre of the motion, from the middle of the stroke"] = 0.0
+    rest_before: Annotated[float, Rest, "rest before the motion, recorded so that offsets can be read"] = 2.0
+    period: Annotated[float, Period, "time from set point to set point"] = 0.01
 
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "frequency", "voltage")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "frequency", "voltage")
@@ -49,8 +49,6 @@ class Sine:
 
     def __post_init__(self) -> None:
         check_ranges(self)
-        at_least(self, "cycles", 1)
-        at_least(self, "taper", 1)
         enough_points(self.period, self.frequency)
 
     def drive(self, rig: RigSettings) -> Drive:

@@ -38,13 +38,13 @@ SWEPT = 2  # cycles that the sweep has at least
 class Sweep:
     """A sine whose frequency changes, as many octaves in every second."""
 
-    amplitude: Annotated[float, Length, "half of the peak to peak"]
-    start: Annotated[float, Frequency, "the first frequency"]
-    stop: Annotated[float, Frequency, "the last frequency"]
-    duration: Annotated[float, Time, "of the sweep between them"] = 60.0
-    voltage: Annotated[float, Volts, "at the coil"] = 0.0
-    rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 2.0
-    period: Annotated[float, Period, "from set point to set point"] = 0.01
+    amplitude: Annotated[float, Length, "amplitude of the motion, half of the peak to peak"]
+    start: Annotated[float, Frequency, "frequency at the begin"]
+    stop: Annotated[float, Frequency, "frequency at the end"]
+    duration: Annotated[float, Time, "duration of the sweep between them"] = 60.0
+    voltage: Annotated[float, Volts, "voltage at the coil"] = 0.0
+    rest_before: Annotated[float, Rest, "rest before the motion, recorded so that offsets can be read"] = 2.0
+    period: Annotated[float, Period, "time from set point to set point"] = 0.01
     fit_limits: Annotated[bool, "lower the amplitude to what the rig can do"] = field(default=False, repr=False)
 
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "stop", "start", "voltage")

@@ -32,12 +32,12 @@ from dampyr.rig import Drive, RigSettings
 class VoltageSteps:
     """A sine with a staircase of voltages."""
 
-    amplitude: Annotated[float, Length, "half of the peak to peak"]
+    amplitude: Annotated[float, Length, "amplitude of the motion, half of the peak to peak"]
     frequency: Annotated[float, Frequency, "cycles per second"]
-    voltages: Annotated[tuple[float, ...], Volts, "the levels at the coil, in this order"]
-    hold: Annotated[float, Time, "at each level"] = 5.0
-    rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 2.0
-    period: Annotated[float, Period, "from set point to set point"] = 0.01
+    voltages: Annotated[tuple[float, ...], Volts, "voltages at the coil, in this order"]
+    hold: Annotated[float, Time, "time at each level of the voltage"] = 5.0
+    rest_before: Annotated[float, Rest, "rest before the motion, recorded so that offsets can be read"] = 2.0
+    period: Annotated[float, Period, "time from set point to set point"] = 0.01
 
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "frequency")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "frequency", "voltages")

@@ -14,13 +14,13 @@ from typing import Annotated, ClassVar
 
 from dampyr.campaigns.paths import around, sampled, swing
 from dampyr.campaigns.step import (
+    Count,
     Frequency,
     Length,
     Peaks,
     Period,
     Rest,
     Volts,
-    at_least,
     check_ranges,
     enough_points,
 )
@@ -32,13 +32,15 @@ from dampyr.units import Quantity
 class WarmUp:
     """Cycles until a temperature is reached, at most ``cycles`` of them."""
 
-    amplitude: Annotated[float, Length, "half of the peak to peak"]
+    amplitude: Annotated[float, Length, "amplitude of the motion, half of the peak to peak"]
     frequency: Annotated[float, Frequency, "cycles per second"]
-    voltage: Annotated[float, Volts, "at the coil"] = 0.0
-    cycles: Annotated[int, "steady cycles at most"] = 50
-    temperature: Annotated[float | None, Quantity("degC"), "where it ends early; none: after its cycles"] = None
-    rest_before: Annotated[float, Rest, "recorded, so that offsets can be read"] = 2.0
-    period: Annotated[float, Period, "from set point to set point"] = 0.01
+    voltage: Annotated[float, Volts, "voltage at the coil"] = 0.0
+    cycles: Annotated[int, Count, "number of steady cycles at most"] = 50
+    temperature: Annotated[
+        float | None, Quantity("degC"), "temperature at which the test ends early; none: it ends after its cycles"
+    ] = None
+    rest_before: Annotated[float, Rest, "rest before the motion, recorded so that offsets can be read"] = 2.0
+    period: Annotated[float, Period, "time from set point to set point"] = 0.01
 
     lowers: ClassVar[tuple[str, ...]] = ("amplitude", "frequency", "voltage")
     named: ClassVar[tuple[str, ...]] = ("amplitude", "frequency", "voltage", "temperature")
@@ -48,7 +50,6 @@ class WarmUp:
 
     def __post_init__(self) -> None:
         check_ranges(self)
-        at_least(self, "cycles", 1)
         enough_points(self.period, self.frequency)
 
     def drive(self, rig: RigSettings) -> Drive:

@@ -175,7 +175,7 @@ def encode(frame: SerialFrame) -> bytes:
 
 
 def decode(block: bytes) -> SerialFrame | None:
-    """The frame in the bytes before a 0; None where they are none."""
+    """The frame in the bytes before a 0; None where they do not make one."""
     raw = unstuffed(block)
     if raw is None or not 4 <= len(raw) <= MAX_BODY + 4 or crc(raw[:-2]) != int.from_bytes(raw[-2:], "little"):
         return None
@@ -190,7 +190,7 @@ def _frame(kind: int, number: int, body: bytes) -> SerialFrame | None:
         return SerialFrame(
             Request.SETPOINTS, number, (int.from_bytes(body[:4], "little"), *struct.unpack(f"<{count}i", body[5:]))
         )
-    frame_kind = next((each for each in BODIES if each == kind), None)
+    frame_kind = next((request for request in BODIES if request == kind), None)
     if frame_kind is None or len(body) != BODIES[frame_kind].size:
         return None
     return SerialFrame(frame_kind, number, BODIES[frame_kind].unpack(body))
@@ -205,8 +205,8 @@ class Reader:
 
     def feed(self, data: bytes) -> list[SerialFrame]:
         """The frames that are whole with these bytes."""
-        *blocks, rest = (bytes(self._waiting) + data).split(b"\0")
-        self._waiting = bytearray(rest[-2 * MAX_BODY :])
+        *blocks, unfinished = (bytes(self._waiting) + data).split(b"\0")
+        self._waiting = bytearray(unfinished[-2 * MAX_BODY :])
         frames = [decode(block) for block in blocks if block]
         self.bad += frames.count(None)
         return [frame for frame in frames if frame is not None]

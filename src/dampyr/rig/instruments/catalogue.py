@@ -23,7 +23,7 @@ FUNCTIONS = {"driver": ("connect",), "simulated": ("in_process",)}
 
 def available(role: str) -> list[str]:
     """The instruments of this package for a role, as ``rig.toml`` names them."""
-    folders = sorted(each.name for each in iter_modules([str(Path(__file__).parent)]) if each.ispkg)
+    folders = sorted(module.name for module in iter_modules([str(Path(__file__).parent)]) if module.ispkg)
     listed = [name.replace("_", "-") for name in folders if role == import_module(f"{PACKAGE}.{name}").ROLE]
     return [OUTPUT, *listed] if role == "supply" else listed
 
@@ -45,20 +45,21 @@ def with_absolute_folders(rig: RigSettings, folder: Path | None) -> RigSettings:
 def part(rig: RigSettings, role: str, name: str) -> ModuleType:
     """The module ``name`` ("driver" or "simulated") of the instrument that ``rig`` names for ``role``.
 
-    Raises :class:`InputError` for a name that is not in the catalogue, :class:`FileError` for a folder that is no instrument.
+    Raises :class:`InputError` for a name that is not in the catalogue, :class:`FileError` for a folder that does not hold an
+    instrument.
     """
     chosen = getattr(rig.wires, role)
     if is_folder(chosen):
-        module = _own(Path(chosen).resolve(), role, name)
+        module = _import_from_folder(Path(chosen).resolve(), role, name)
     elif chosen in available(role):
         module = import_module(f"{PACKAGE}.{chosen.replace('-', '_')}.{name}")
     else:
         raise InputError(
             f"{unknown(f'wires.{role} = {chosen!r}', chosen, available(role))}, or give the path of a folder"
         )
-    if not any(callable(getattr(module, each, None)) for each in FUNCTIONS[name]):
+    if not any(callable(getattr(module, function, None)) for function in FUNCTIONS[name]):
         raise FileError(
-            place(rig, role), f"{name}.py has no {' and no '.join(f'{each}()' for each in FUNCTIONS[name])}"
+            place(rig, role), f"{name}.py has no {' and no '.join(f'{function}()' for function in FUNCTIONS[name])}"
         )
     return module
 
@@ -69,7 +70,7 @@ def place(rig: RigSettings, role: str) -> str:
     return str(Path(chosen).resolve()) if is_folder(chosen) else chosen
 
 
-def _own(folder: Path, role: str, name: str) -> ModuleType:
+def _import_from_folder(folder: Path, role: str, name: str) -> ModuleType:
     """A module of a folder that is not of this package."""
     if not folder.is_dir():
         raise FileError(folder, f"wires.{role} names this folder, and there is none; correct the path")

@@ -34,7 +34,7 @@ def roles_of(rig: RigSettings) -> list[str]:
 def open_instruments(rig: RigSettings) -> tuple[TableDrive, Board]:
     """The drive and the board at the wires of ``rig``, in this process.
 
-    Raises :class:`~dampyr.errors.InputError` for an instrument that is none, before any is opened.
+    Raises :class:`~dampyr.errors.InputError` for a name that is not that of an instrument, before any is opened.
     """
     drivers = {role: part(rig, role, "driver") for role in roles_of(rig)}
     return assembled(rig, {role: partial(driver.connect, rig) for role, driver in drivers.items()})
@@ -42,17 +42,17 @@ def open_instruments(rig: RigSettings) -> tuple[TableDrive, Board]:
 
 def assembled(rig: RigSettings, makers: Mapping[str, Callable[[], Any]]) -> tuple[TableDrive, Board]:
     """The drive and the board of what ``makers`` make, by role; where one fails, those before it are closed."""
-    made: dict[str, Any] = {}
+    instruments: dict[str, Any] = {}
     with ExitStack() as opened:
         for role, contracts in CONTRACTS.items():
             if role not in makers:
                 continue
-            made[role] = makers[role]()
-            if hasattr(made[role], "close"):
-                opened.callback(made[role].close)
+            instruments[role] = makers[role]()
+            if hasattr(instruments[role], "close"):
+                opened.callback(instruments[role].close)
             output = (AnalogueOutput,) if role == "acquisition" and "supply" not in makers else ()
-            check_offers(made[role], (*contracts, *output), role, place(rig, role))
+            check_offers(instruments[role], (*contracts, *output), role, place(rig, role))
         opened.pop_all()
-    if "supply" not in made:
-        return made["drive"], made["acquisition"]
-    return made["drive"], SeparatelySupplied(made["acquisition"], made["supply"], rig.board.block)
+    if "supply" not in instruments:
+        return instruments["drive"], instruments["acquisition"]
+    return instruments["drive"], SeparatelySupplied(instruments["acquisition"], instruments["supply"], rig.board.block)

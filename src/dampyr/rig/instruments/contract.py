@@ -149,9 +149,9 @@ def check_offers(instrument: Any, contracts: tuple[type, ...], role: str, where:
     names = [name for contract in contracts for name in [*vars(contract), *getattr(contract, "__annotations__", {})]]
     missing = [name for name in names if not name.startswith("_") and not hasattr(instrument, name)]
     if missing:
-        words = " and ".join(f"no {name}{'' if name == 'latency' else '()'}" for name in dict.fromkeys(missing))
+        lacks = " and ".join(f"no {name}{'' if name == 'latency' else '()'}" for name in dict.fromkeys(missing))
         raise FileError(
             where,
-            f"its driver has {words}, which is needed of {'an' if role[0] in 'aeiou' else 'a'} {role}; "
+            f"its driver has {lacks}, which is needed of {'an' if role[0] in 'aeiou' else 'a'} {role}; "
             "docs/how-to/add-an-instrument.md lists what one has to offer",
         )

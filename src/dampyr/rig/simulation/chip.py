@@ -41,7 +41,7 @@ class Pins:
 
     @property
     def duty(self) -> int:
-        """The duty, -255 to 255; where D10 is no PWM it is the direction (built with DIRECTION_PIN=1)."""
+        """The duty, -255 to 255; where D10 has no PWM it is the direction (built with DIRECTION_PIN=1)."""
         return -self.extend if self.port_b & 4 else self.extend - self.retract
 
     @property

@@ -18,7 +18,7 @@ def constants_of(settings: RigSettings, specimen: Damper, dt: float) -> Constant
     per_tick = round(1e-3 / dt)
     if per_tick < 1 or abs(per_tick * dt - 1e-3) > 1e-12:
         raise InputError(f"step = {dt:g} s is not allowed; a millisecond must be a whole number of steps")
-    actuator, supply, body = settings.actuator, settings.supply, settings.specimen
+    actuator, supply, damper = settings.actuator, settings.supply, settings.specimen
     low, high = specimen.range
     return Constants(
         dt=dt,
@@ -39,14 +39,14 @@ def constants_of(settings: RigSettings, specimen: Damper, dt: float) -> Constant
         high=float(high),
         input_lag=input_lag(specimen),
         delay=delay_index(specimen, dt, DELAYED),
-        heat_capacity=body.heat_capacity,
-        cooling=body.cooling,
-        softening=body.softening,
-        ambient_temperature=body.room,
+        heat_capacity=damper.heat_capacity,
+        cooling=damper.cooling,
+        softening=damper.softening,
+        ambient_temperature=damper.room,
         pulse=settings.encoder.count,
         mark=floor(settings.encoder.index / settings.encoder.count),
         bandwidth=2.0 * pi * settings.load_cell.bandwidth,
-        end=0.5 * (body.stroke or settings.limits.stroke),
+        end=0.5 * (damper.stroke or settings.limits.stroke),
         switch=settings.table.end_switch,
         ends_wired=settings.wires.end_switches,
         emergency_wired=settings.wires.emergency_stop,

@@ -52,18 +52,18 @@ class TruthLog:
     event in them.
     """
 
-    def __init__(self, on_event: Callable[[float, str], None] | None = None, capacity: int = MAX_ROWS) -> None:
-        self.on_event, self.capacity = on_event, capacity
+    def __init__(self, on_event: Callable[[float, str], None] | None = None) -> None:
+        self.on_event, self.capacity = on_event, MAX_ROWS
         self.chunks: deque[Array] = deque()
         self.count = 0
         self.at_rest_since = self.coil_dead_since = 0.0
         self._reported = {"rest": True, "dead": True}
         self.previous = (0, int(State.FAULT), int(Fault.RESTARTED), 0)
 
-    def report(self, time: float, words: str) -> None:
+    def report(self, time: float, event: str) -> None:
         """Report an event."""
         if self.on_event is not None:
-            self.on_event(time, words)
+            self.on_event(time, event)
 
     def add(self, rows: Array) -> None:
         """Append rows, oldest first, and report the changes in them."""
@@ -77,23 +77,17 @@ class TruthLog:
         alive = (rows[:, U] != 0.0) | (np.abs(rows[:, AMPERE]) >= DEAD)
         self.coil_dead_since = _since(rows, ~alive, self.coil_dead_since)
         if self.on_event is not None:
-            self._changes(rows)
-            self._reported["rest"] = self._report_lasting(
-                "rest", ("at rest", "moving"), self.at_rest_since, float(rows[-1, T])
-            )
-            self._reported["dead"] = self._report_lasting(
-                "dead", ("coil dead", "coil live"), self.coil_dead_since, float(rows[-1, T])
-            )
+            columns = rows[:, [ENABLE, STATE, FAULTS, HELD]].astype(int)
+            changed = np.any(np.diff(columns, axis=0, prepend=[self.previous]) != 0, axis=1)
+            for k in np.flatnonzero(changed):
+                self._note(float(rows[k, T]), *map(int, columns[k]))
+            now = float(rows[-1, T])
+            self._report_lasting("rest", ("at rest", "moving"), self.at_rest_since, now)
+            self._report_lasting("dead", ("coil dead", "coil live"), self.coil_dead_since, now)
 
     def record_state(self, time: float, twin: Twin | ChipFirmware) -> None:
         """Report what a request changed immediately, between two rows."""
         self._note(time, int(twin.enabled), int(twin.state), int(twin.faults), self.previous[3])
-
-    def _changes(self, rows: Array) -> None:
-        columns = rows[:, [ENABLE, STATE, FAULTS, HELD]].astype(int)
-        changed = np.any(np.diff(columns, axis=0, prepend=[self.previous]) != 0, axis=1)
-        for k in np.flatnonzero(changed):
-            self._note(float(rows[k, T]), *map(int, columns[k]))
 
     def _note(self, time: float, enable: int, state: int, faults: int, held: int) -> None:
         was = self.previous
@@ -107,17 +101,16 @@ class TruthLog:
         if held and not was[3]:
             self.report(time, "input outside the specimen's calibrated range; its laws hold the value at the end")
 
-    def _report_lasting(self, name: str, words: tuple[str, str], since: float, now: float) -> bool:
+    def _report_lasting(self, name: str, events: tuple[str, str], since: float, now: float) -> None:
         """Report when a condition has held for `LASTING`, and when it has ended."""
-        reported = self._reported[name]
-        if np.isnan(since) or now - since < LASTING:
-            if reported and np.isnan(since):
-                self.report(now, words[1])
-                return False
-            return reported
-        if not reported:
-            self.report(since, words[0])
-        return True
+        if np.isnan(since):
+            if self._reported[name]:
+                self.report(now, events[1])
+            self._reported[name] = False
+        elif now - since >= LASTING:
+            if not self._reported[name]:
+                self.report(since, events[0])
+            self._reported[name] = True
 
     def truth(self) -> Truth:
         """The stored rows, as arrays."""

@@ -39,26 +39,26 @@ class Simulation:
 
     def in_lockstep(self) -> Simulator:
         """The rig whose time passes while it is read."""
-        return self._made(Simulator)
+        return self._build(Simulator)
 
     def in_real_time(self) -> RealTimeSimulator:
         """The rig that follows the wall clock; its kernels are compiled before, so that the first samples are not late."""
-        other = Simulator(self.settings, specimen=self.specimen)
-        other.start(self.settings.board.rate)
-        other.advance_to(0.05)
-        return self._made(RealTimeSimulator)
+        trial = Simulator(self.settings, specimen=self.specimen)
+        trial.start(self.settings.board.rate)
+        trial.advance_to(0.05)
+        return self._build(RealTimeSimulator)
 
-    def _made(self, cls: type[S]) -> S:
+    def _build(self, cls: type[S]) -> S:
         log = None if self.black_box is None else EventFile(self.black_box)
         return cls(self.settings, self.seed, self.faults, self.specimen, on_event=log, chip=self.chip)
 
 
 def simulate_instruments(rig: RigSettings, simulator: Simulator) -> tuple[TableDrive, Board]:
     """The drive and the board of a simulated rig; ``rig`` is what it is taken to be."""
-    return assembled(rig, {role: partial(_end(rig, role), simulator) for role in roles_of(rig)})
+    return assembled(rig, {role: partial(_simulated_end(rig, role), simulator) for role in roles_of(rig)})
 
 
-def _end(rig: RigSettings, role: str) -> Callable[[Simulator], Any]:
+def _simulated_end(rig: RigSettings, role: str) -> Callable[[Simulator], Any]:
     """What gives an instrument's simulated end."""
     function: Callable[[Simulator], Any] | None = getattr(part(rig, role, "simulated"), "in_process", None)
     if not callable(function):

@@ -1,7 +1,7 @@
 """The simulated rig in real time: it follows the wall clock, in the process that reads it.
 
 Such a rig stands for hardware, which waits for nobody; but where the machine is too busy for the process that simulates and
-reads it, its clock is held back, and what is late is no fault of the rig's. Time is measured by that clock.
+reads it, its clock is held back, and what is late is not a fault of the rig. Time is measured by that clock.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ class RealTimeSimulator(Simulator):
     back is in ``held`` [s]. It reports events, and stores no rows of the ground truth.
     """
 
-    def __init__(self, *given: Any, **named: Any) -> None:
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
         self._lock, self._depth = RLock(), 1  # no request before it is there
-        super().__init__(*given, **named)
+        super().__init__(*args, **kwargs)
         self._depth = 0
         self.heartbeat_interval = 0.0
         self.truth_log.capacity = 0  # nobody in this process looks at it, and it may run for days
@@ -54,13 +54,13 @@ class RealTimeSimulator(Simulator):
     def close(self) -> None:
         """Wait until the table is at rest and the coil dead, by the firmware's watchdog at the latest; then time stands."""
         until = time.monotonic() + REST
-        while not self._rests() and time.monotonic() < until and self._thread.is_alive():
+        while not self._is_at_rest() and time.monotonic() < until and self._thread.is_alive():
             time.sleep(STRIDE)
         self._over.set()
         self._thread.join()
         super().close()
 
-    def _rests(self) -> bool:
+    def _is_at_rest(self) -> bool:
         """Whether table and coil have been at rest for longer than `LASTING`, after which the log reports it."""
         with self._lock:
             return not self.twin.enabled and self.time - max(self.at_rest_since, self.coil_dead_since) > LASTING

@@ -140,8 +140,8 @@ class Simulator:
 
     def _use_chip(self, program: str | Path, elf: str | Path) -> None:
         """Put the firmware's binary in the place of its model."""
-        if strange := sorted({fault.kind for fault in self.faults} & OF_THE_MODEL):
-            raise InputError(f"only the firmware's model knows the fault {', '.join(strange)}; leave the binary out")
+        if foreign := sorted({fault.kind for fault in self.faults} & OF_THE_MODEL):
+            raise InputError(f"only the firmware's model knows the fault {', '.join(foreign)}; leave the binary out")
         mark = self.constants.mark + int(self.counters[plant.N_UNO])
         self.twin = ChipFirmware(Chip(program, elf, mark))
         try:
@@ -301,14 +301,10 @@ class Simulator:
                 self._advance(until)
             else:
                 self._advance_with_chip(self.twin, until)
-            self._output_command()
+            value = None if self.timed is None else self.timed.due(self.time)
+            if value is not None and value != self._commanded:
+                self.write(value)
         self._apply_faults()
-
-    def _output_command(self) -> None:
-        """Output the value of the timed command that is due."""
-        value = None if self.timed is None else self.timed.due(self.time)
-        if value is not None and value != self._commanded:
-            self.write(value)
 
     def _advance_with_chip(self, firmware: ChipFirmware, until: int) -> None:
         """Steps to the end of the chip's millisecond at most; the model, which is compiled with the plant, does not count."""
@@ -322,21 +318,21 @@ class Simulator:
 
     def _advance(self, until: int) -> None:
         """Steps during which no fault begins or ends."""
-        here, task = int(self.counters[plant.N_STEP]), self._task
-        start, period, wanted = (0.0, 1.0, 0) if task is None else (task.start, task.period, self._due(task, until))
+        begin, task = int(self.counters[plant.N_STEP]), self._task
+        start, period, due = (0.0, 1.0, 0) if task is None else (task.start, task.period, self._due(task, until))
         start += 0.0 if task is None else task.taken * task.period
-        readings, counts = np.empty((3, wanted)), np.empty(wanted, np.int64)
-        rows = np.empty(((until // self.constants.per_tick) - (here // self.constants.per_tick), len(plant.TRUTH)))
+        readings, counts = np.empty((3, due)), np.empty(due, np.int64)
+        rows = np.empty(((until // self.constants.per_tick) - (begin // self.constants.per_tick), len(plant.TRUTH)))
         self.counters[plant.N_TAKEN] = 0
         cell_faults, duty = self._cell_faults(), float(self.twin.registers[R_DUTY])
-        given = (self.states, self.parameters, self.table, self.static, self.past, self.twin.registers)
+        arrays = (self.states, self.parameters, self.table, self.static, self.past, self.twin.registers)
         self._kernel(
             until,
             self.constants,
             self.plant,
             self.counters,
             self.fault_flags,
-            *given,
+            *arrays,
             start,
             period,
             readings,
@@ -346,20 +342,17 @@ class Simulator:
         if isinstance(self.twin, ChipFirmware):  # the model has written its own
             rows[:, plant.TRUTH.index("duty")] = duty
         self.truth_log.add(rows)
-        if task is not None and wanted:
+        if task is not None and due:
             taken = self.counters[plant.N_TAKEN]
-            self._buffer(task, self._volts(task, readings[:, :taken], *cell_faults), counts[:taken])
+            volts = self._volts(task, readings[:, :taken], *cell_faults)
+            task.taken += int(taken)
+            task.volts = volts if task.volts is None else np.concatenate((task.volts, volts), axis=1)
+            task.counts = counts[:taken] if task.counts is None else np.concatenate((task.counts, counts[:taken]))
 
     def _due(self, task: SampledTask, until: int) -> int:
         """The number of samples of ``task`` in the steps up to ``until``, or one more."""
         last = (until * self.constants.dt - task.start) / task.period
         return max(0, int(np.floor(last + 1e-6)) - task.taken)
-
-    def _buffer(self, task: SampledTask, volts: Array, counts: NDArray[np.int64]) -> None:
-        """Append samples to those not read yet."""
-        task.taken += counts.size
-        task.volts = volts if task.volts is None else np.concatenate((task.volts, volts), axis=1)
-        task.counts = counts if task.counts is None else np.concatenate((task.counts, counts))
 
     def _cell_faults(self) -> tuple[FaultSpec | None, ...]:
         """The active faults of the load cell, as `_volts` takes them."""

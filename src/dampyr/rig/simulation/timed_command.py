@@ -16,7 +16,7 @@ class TimedCommand:
     def __init__(self, start: float, rate: float, ahead: Array) -> None:
         self.start, self.period = start, 1.0 / rate
         self.values: Array = np.array(ahead, float)
-        self.gone = 0  # values that were output and dropped
+        self.dropped = 0  # values that were output and dropped
 
     def queue(self, volts: Array) -> None:
         """Append."""
@@ -24,7 +24,7 @@ class TimedCommand:
 
     def _count(self, time: float) -> int:
         """The number of values of the buffer that are output by ``time``."""
-        return max(0, math.floor((time - self.start) / self.period + 1e-6) - self.gone)
+        return max(0, math.floor((time - self.start) / self.period + 1e-6) - self.dropped)
 
     def empty(self, time: float) -> bool:
         """Whether the generation has run out of values."""
@@ -40,11 +40,11 @@ class TimedCommand:
         if count == 0:
             return None
         value = float(self.values[count - 1])
-        self.values, self.gone = self.values[count - 1 :], self.gone + count - 1
+        self.values, self.dropped = self.values[count - 1 :], self.dropped + count - 1
         return value
 
     def next_change(self, time: float, held: float) -> float:
         """The time at which the next value that differs from ``held`` is output; infinity where there is none."""
         count = self._count(time)
         differing = np.flatnonzero(self.values[count:] != held)
-        return self.start + (self.gone + count + int(differing[0]) + 1) * self.period if differing.size else math.inf
+        return self.start + (self.dropped + count + int(differing[0]) + 1) * self.period if differing.size else math.inf

@@ -26,6 +26,8 @@ Array = NDArray[np.float64]
 HARMONICS = 7  # the second to the seventh are compared
 MOVED = 1e-4  # m from where the table rested
 SETTLING = 1.0  # s after the motion starts: about the first cycle, left out
+RATE = 100.0  # samples/s, as the original rig's
+DURATION = 15.0  # s of a record
 BLOCK = 0.04  # s between heartbeats: the default block of a rig
 
 
@@ -55,12 +57,12 @@ def characteristics(record: Record) -> Characteristics:
     t, x, force = record.time, record.displacement, record.force
     start = int(np.argmax(np.abs(x - x[0]) > MOVED))
     settled = t >= t[start] + SETTLING
-    rises = _rises(t[settled], x[settled])
+    rises = _rise_times(t[settled], x[settled])
     if rises.size < 4:
         raise InputError(f"{record.name}: {max(0, rises.size - 1)} whole cycles after the start; at least 3 are needed")
     cycles = settled & (t >= rises[0]) & (t < rises[-1])
     period = float(np.diff(rises).mean())
-    drift = _drift(t, x, rises)
+    drift = _drift_of_means(t, x, rises)
     sizes = _harmonics(t[cycles], x[cycles] - drift * t[cycles], period)
     relative = sizes / sizes[0]
     return Characteristics(
@@ -77,14 +79,14 @@ def characteristics(record: Record) -> Characteristics:
     )
 
 
-def _rises(t: Array, x: Array) -> Array:
+def _rise_times(t: Array, x: Array) -> Array:
     """The times at which the displacement rises through its mean line."""
     level = x - np.polynomial.polynomial.polyval(t, np.polynomial.polynomial.polyfit(t, x, 1))
     k = np.flatnonzero((level[:-1] < 0) & (level[1:] >= 0))
     return np.asarray(t[k] - level[k] * (t[k + 1] - t[k]) / (level[k + 1] - level[k]))
 
 
-def _drift(t: Array, x: Array, rises: Array) -> float:
+def _drift_of_means(t: Array, x: Array, rises: Array) -> float:
     """The drift of a cycle's mean, m/s; a line through the samples themselves would be biased by the sine's phase."""
     ends = list(pairwise(rises))
     means = [x[(t >= a) & (t < b)].mean() for a, b in ends]
@@ -105,47 +107,38 @@ def _peak_speed(t: Array, x: Array, rises: Array) -> float:
 
 
 def _step(values: Array) -> float:
-    """The smallest step between two values that occur; rounding is none."""
+    """The smallest step between two values that occur; one of rounding does not count."""
     steps = np.diff(np.unique(values))
     steps = steps[steps > 1e-6 * np.ptp(values)]
     return float(np.median(steps[steps < 1.5 * steps.min()]))
 
 
-def open_loop(
-    settings: RigSettings,
-    drive: DutyReversals,
-    voltage: float,
-    seconds: float = 15.0,
-    rate: float = 100.0,
-    seed: int = 0,
-) -> Record:
-    """A record of the simulated rig as the original took them: at rest for a second, then reversals, ``rate`` samples a second.
+def open_loop(settings: RigSettings, drive: DutyReversals, voltage: float) -> Record:
+    """A record of the simulated rig as the original took them: at rest for a second, then reversals, 100 samples a second.
 
     ``voltage`` at the coil. The table starts where its strokes are centred; a first run determines that position. The
     force is volts times the load cell's scale: its zero is not taken out.
     """
-    first = _record_from(settings, drive, voltage, -0.008, min(seconds, 4.0), rate, seed).displacement
+    first = _record_from(settings, drive, voltage, -0.008, 4.0).displacement
     half = first[first.size // 2 :]
     start = -0.008 - 0.5 * float(half.min() + half.max())
-    return _record_from(settings, drive, voltage, start, seconds, rate, seed)
+    return _record_from(settings, drive, voltage, start, DURATION)
 
 
-def _record_from(
-    settings: RigSettings, drive: DutyReversals, voltage: float, start: float, seconds: float, rate: float, seed: int
-) -> Record:
+def _record_from(settings: RigSettings, drive: DutyReversals, voltage: float, start: float, seconds: float) -> Record:
     """A record that begins ``start`` m from the middle."""
-    rig = Simulator(settings, seed, position=start)
-    ask, here = _request_sender(rig), int(np.floor(start / settings.encoder.count))
-    _arm(settings, ask, here)
+    rig = Simulator(settings, position=start)
+    ask, start_count = _request_sender(rig), int(np.floor(start / settings.encoder.count))
+    _arm(settings, ask, start_count)
     rig.write(voltage / settings.supply.gain)
-    rig.start(rate)
-    blocks = [_block(rig, ask, rate) for _ in range(round(1.0 / BLOCK))]
+    rig.start(RATE)
+    blocks = [_read_block(rig, ask) for _ in range(round(1.0 / BLOCK))]
     ask(Request.REVERSE, round(255 * drive.duty), round(drive.half_period * 1e3), round(drive.pause * 1e3), 65535)
-    blocks += [_block(rig, ask, rate) for _ in range(round((seconds - 1.0) / BLOCK))]
-    volts, turned = np.concatenate([v[0] for v, _ in blocks]), np.concatenate([c for _, c in blocks])
+    blocks += [_read_block(rig, ask) for _ in range(round((seconds - 1.0) / BLOCK))]
+    volts, counts = np.concatenate([v[0] for v, _ in blocks]), np.concatenate([c for _, c in blocks])
     return Record(
-        time=np.arange(volts.size) / rate,
-        displacement=(turned + here) * settings.encoder.count,
+        time=np.arange(volts.size) / RATE,
+        displacement=(counts + start_count) * settings.encoder.count,
         force=volts * settings.load_cell.scale,
         voltage=voltage,
         name=f"simulated, {voltage:g} V, top {round(255 * drive.duty)}",
@@ -153,14 +146,14 @@ def _record_from(
     )
 
 
-def _arm(settings: RigSettings, ask: Callable[..., None], here: int) -> None:
-    """Arm a table that stands at ``here``, within half of its encoder: the open loop keeps to no stroke by itself."""
+def _arm(settings: RigSettings, ask: Callable[..., None], position: int) -> None:
+    """Arm a table that stands at ``position`` [counts], within half of its encoder: the open loop itself keeps to no stroke."""
     count = settings.encoder.count
     half, fastest = round(0.5 * settings.encoder.range / count), round(settings.limits.speed / count)
     ask(Request.HELLO, VERSION)
     ask(Request.CLEAR)
     ask(Request.LIMITS, -half, half, fastest, 200, 255, 1000, 0)
-    ask(Request.HOME, 0, here)
+    ask(Request.HOME, 0, position)
     ask(Request.HEARTBEAT)
     ask(Request.ARM)
 
@@ -177,8 +170,8 @@ def _request_sender(rig: Simulator) -> Callable[..., None]:
     return ask
 
 
-def _block(rig: Simulator, ask: Callable[..., None], rate: float) -> tuple[Array, NDArray[np.int64]]:
+def _read_block(rig: Simulator, ask: Callable[..., None]) -> tuple[Array, NDArray[np.int64]]:
     """A block of samples, and a heartbeat."""
-    samples = rig.read(max(1, round(BLOCK * rate)))
+    samples = rig.read(max(1, round(BLOCK * RATE)))
     ask(Request.HEARTBEAT)
     return samples

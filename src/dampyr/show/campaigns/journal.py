@@ -14,7 +14,7 @@ def describe_journal(journal: Journal) -> Description:
     """Folder, origin, how many tests are in which state, and how many events; the tests in a table."""
     states = Counter(entry.state for entry in journal.tests())
     return Description(
-        f"Journal of {journal.said('name')!r}",
+        f"Journal of {journal.get_metadata('name')!r}",
         [
             ("folder", journal.path.parent.name),
             ("origin", journal.origin.kind),

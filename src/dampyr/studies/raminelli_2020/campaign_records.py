@@ -64,10 +64,10 @@ class PublishedCampaign:
 def load(folder: Path, progress: Progress) -> PublishedCampaign:
     """Read and identify; raises FileError where a file is not what its table says."""
     rows = campaign_rows(folder)
-    there = [row for row in rows if row.file is not None]
+    present = [row for row in rows if row.file is not None]
     tests = []
-    for k, row in enumerate(there):
-        progress("identifying each record", k / len(there))
+    for k, row in enumerate(present):
+        progress("identifying each record", k / len(present))
         tests.append(_test(row))
     progress("identifying each record", 1.0)
     absent = tuple(row for row in rows if row.file is None)
@@ -78,8 +78,8 @@ def _test(row: CampaignRow) -> PublishedTest:
     record = read_row(row)
     plastic = plastic_region(record)
     alone = fit(record, "dahl") if row.role == "fit" else None
-    said = tuple(disagreements(record))
-    return PublishedTest(row, record, measure(record), plastic, alone, crossing_slopes(record, plastic), said)
+    slopes = crossing_slopes(record, plastic)
+    return PublishedTest(row, record, measure(record), plastic, alone, slopes, tuple(disagreements(record)))
 
 
 def _joint(tests: list[PublishedTest], progress: Progress) -> Fit | None:

@@ -39,10 +39,10 @@ def chapter_2(published: Published) -> StudyPart:
     figure_values, erratum, block = figure_2_2(published.bouc_wen, loop)
     sampled = Branch.of(published.example, 0.0)
     exact = limit_cycle(sampled.x, sampled.force, sampled.velocity)
-    compared = [*figure_values, *step_2(published.example, sampled), *example(published.example, exact)]
-    compared += [unchecked(f"Figure {k}", "the curve", None, "", PICTURE) for k in ("2.2", "2.3", "2.4")]
-    blocks = [block, *_example_figures(published.example, sampled, exact), compared_table(compared)]
-    return StudyPart("Chapter 2: the method on numbers", compared, blocks, [erratum, _zero_by_zero(sampled)])
+    judged = [*figure_values, *step_2(published.example, sampled), *example(published.example, exact)]
+    judged += [unchecked(f"Figure {k}", "the curve", None, "", PICTURE) for k in ("2.2", "2.3", "2.4")]
+    blocks = [block, *_example_figures(published.example, sampled, exact), compared_table(judged)]
+    return StudyPart("Chapter 2: the method on numbers", judged, blocks, [erratum, _zero_by_zero(sampled)])
 
 
 @dataclass(frozen=True)
@@ -88,8 +88,8 @@ def figure_2_2(letters: BoucWenLetters, loop: BoucWenLoop) -> tuple[list[Compare
     figure = phase_portrait(
         Axis("displacement x", "unit of x"), z, {"(2.2)": (loop.x, loop.z)}, {"(A/(β+γ))^(1/n)": limit}
     )
-    said = ", ".join(f"{name} = {getattr(letters, key).text}" for key, name in GREEK.items())
-    return [value], erratum, FigureBlock(figure, f"Figure 2.2 again: {said}.")
+    letters_text = ", ".join(f"{name} = {getattr(letters, key).text}" for key, name in GREEK.items())
+    return [value], erratum, FigureBlock(figure, f"Figure 2.2 again: {letters_text}.")
 
 
 @dataclass(frozen=True)
@@ -145,10 +145,10 @@ def step_2(example: Example, branch: Branch) -> list[ComparedValue]:
 
 def example(example: Example, exact: LimitCycle) -> list[ComparedValue]:
     """Steps 3 to 5: as the method should give them, and as the nearest sample gives them."""
-    steps, own = "Section 2.4, steps 3 to 5", float(example.kw) * float(example.rho)
+    steps, a = "Section 2.4, steps 3 to 5", float(example.kw) * float(example.rho)
     return [
         judge("Figure 2.4", "x* where θ = 0", example.x_star, 100 * exact.x_star, "cm"),
-        judge(steps, "a = kw ρ of Step 1, recovered", own, exact.a / 100, "N/cm", MILLIONTH),
+        judge(steps, "a = kw ρ of Step 1, recovered", a, exact.a / 100, "N/cm", MILLIONTH),
         judge(steps, "ρ of Step 1, recovered", example.rho, exact.rho / 100, "1/cm", MILLIONTH),
         judge(steps, "kw of Step 1, recovered", example.kw, exact.kw, "N", MILLIONTH),
         *as_published(steps, example, exact),
@@ -158,9 +158,9 @@ def example(example: Example, exact: LimitCycle) -> list[ComparedValue]:
 def as_published(steps: str, example: Example, exact: LimitCycle) -> list[ComparedValue]:
     """The printed a, rho and kw: exact, and from the nearest sample with its phase chosen to meet the printed rho alone."""
     phases = np.arange(50) / 50
-    trials = [_nearest(example, phase) for phase in phases]
-    phase = _meeting(example, phases, trials)
-    tuned = _nearest(example, phase)
+    trials = [_cycle_of_nearest_samples(example, phase) for phase in phases]
+    phase = _phase_of_printed_rho(example, phases, trials)
+    tuned = _cycle_of_nearest_samples(example, phase)
     slopes = [trial.a / 100 for trial in trials]
     low, high = min(slopes), max(slopes)
     side = "inside" if low <= example.a <= high else "outside"
@@ -173,7 +173,7 @@ def as_published(steps: str, example: Example, exact: LimitCycle) -> list[Compar
     ]
     at_rho = [AlternativeValue(tuned.rho / 100, f"that of the sample nearest to θ = 0, {shift} (chosen for it)")]
     none = f"no phase of the sampling gives it; {band}"
-    comparisons = (
+    judged = (
         ("a of Step 4", example.a, exact.a, tuned.a, "N/cm", at_a),
         ("ρ of Step 5", example.rho_identified, exact.rho, tuned.rho, "1/cm", at_rho),
     )
@@ -181,7 +181,7 @@ def as_published(steps: str, example: Example, exact: LimitCycle) -> list[Compar
     return [
         *(
             judge(steps, f"{name}, exact", p, e / 100, unit, candidates=c, otherwise=none)
-            for name, p, e, _, unit, c in comparisons
+            for name, p, e, _, unit, c in judged
         ),
         judge(
             steps, f"a of Step 4, {by_sample}, phase chosen to meet ρ", example.a, tuned.a / 100, "N/cm", otherwise=none
@@ -190,7 +190,7 @@ def as_published(steps: str, example: Example, exact: LimitCycle) -> list[Compar
     ]
 
 
-def _nearest(example: Example, phase: float) -> LimitCycle:
+def _cycle_of_nearest_samples(example: Example, phase: float) -> LimitCycle:
     """The published way: the nearest samples; kx as known from Step 2."""
     branch = Branch.of(example, phase)
     near = slice(0, int(np.searchsorted(branch.x, 1e-2 * float(example.x_star1))) + 8)
@@ -199,11 +199,11 @@ def _nearest(example: Example, phase: float) -> LimitCycle:
     return limit_cycle(branch.x[near], branch.force[near], branch.velocity[near], kx=kx, x_star1=at, nearest=True)
 
 
-def _meeting(example: Example, phases: Array, trials: list[LimitCycle]) -> float:
+def _phase_of_printed_rho(example: Example, phases: Array, trials: list[LimitCycle]) -> float:
     """The phase at which the nearest sample gives the rho nearest to the printed one."""
 
     def gap(phase: float, cycle: LimitCycle | None = None) -> float:
-        return (cycle or _nearest(example, phase)).rho / 100 - float(example.rho_identified)
+        return (cycle or _cycle_of_nearest_samples(example, phase)).rho / 100 - float(example.rho_identified)
 
     gaps = np.array([gap(phase, trial) for phase, trial in zip(phases, trials, strict=True)])
     best = float(phases[np.argmin(np.abs(gaps))])

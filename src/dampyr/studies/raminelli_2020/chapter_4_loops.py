@@ -12,7 +12,7 @@ from dampyr.show.figures.loops import loops as loops_figure
 from dampyr.show.pages.blocks import Block, FigureBlock, Text
 from dampyr.studies.raminelli_2020.campaign_records import PublishedCampaign, PublishedTest
 from dampyr.studies.raminelli_2020.chapter_2 import PICTURE
-from dampyr.studies.raminelli_2020.chapter_4_tables import FETCH, MOTION
+from dampyr.studies.raminelli_2020.chapter_4_tables import MOTION, NO_FILES
 from dampyr.studies.raminelli_2020.compared_value import (
     ComparedValue,
     ComparisonTolerance,
@@ -33,11 +33,10 @@ SHOWN_CYCLES = 3  # from the middle of the record: the loops lie over one anothe
 
 def figures_4(published: Published, campaign: PublishedCampaign | None) -> StudyPart:
     """The loops at 0 and 0.88 V, and the validation run."""
-    compared = [unchecked(f"Figure {k}", "the curves", None, "", PICTURE) for k in ("4.1", "4.2", "4.3", "4.4")]
+    judged = [unchecked(f"Figure {k}", "the curves", None, "", PICTURE) for k in ("4.1", "4.2", "4.3", "4.4")]
     if campaign is None or not campaign.tests:
-        missing = f"the campaign's files are not on this machine; get them with {FETCH}"
-        compared += [unchecked("Figure 4.3", "the record it shows", published.fig_4_3_displacement, "mm", missing)]
-        return StudyPart(TITLE, compared, [compared_table(compared)])
+        judged += [unchecked("Figure 4.3", "the record it shows", published.fig_4_3_displacement, "mm", NO_FILES)]
+        return StudyPart(TITLE, judged, [compared_table(judged)])
     blocks: list[Block] = [
         Text(
             "The text does not say which tests Figures 4.1 and 4.2 show; ours are the middle rows of Tables "
@@ -49,16 +48,16 @@ def figures_4(published: Published, campaign: PublishedCampaign | None) -> Study
         test = campaign.test(table, SHOWN_ROW)
         if test is not None:
             blocks.append(_loops(published, f"Figure {figure} again", test))
-    compared += rising_force(campaign)
+    judged += rising_force(campaign)
     errata: list[Erratum] = []
     for test in campaign.validation[:1]:
         figure_values, erratum = figure_4_3(published, test)
-        compared += figure_values
+        judged += figure_values
         errata.append(erratum)
         blocks += [_history(published, test), _loops(published, "Figure 4.4 again", test)]
     if not campaign.validation:
-        compared.append(unchecked("Figure 4.3", "the record it shows", None, "", "no validation run is in the folder"))
-    return StudyPart(TITLE, compared, [*blocks, compared_table(compared)], errata)
+        judged.append(unchecked("Figure 4.3", "the record it shows", None, "", "no validation run is in the folder"))
+    return StudyPart(TITLE, judged, [*blocks, compared_table(judged)], errata)
 
 
 def rising_force(campaign: PublishedCampaign) -> list[ComparedValue]:
@@ -88,7 +87,7 @@ def figure_4_3(published: Published, test: PublishedTest) -> tuple[list[Compared
         else "so neither rate nor interval is printed"
     )
     volts = "the campaign's table has the voltage that was applied; the same difference as in Table 4.3"
-    compared = [
+    judged = [
         judge(where, f"frequency of {record.name}", published.fig_4_3_frequency, m.frequency_hz, "Hz", MOTION),
         judge(
             where,
@@ -118,7 +117,7 @@ def figure_4_3(published: Published, test: PublishedTest) -> tuple[list[Compared
         ),
     ]
     printed, ours = f"{published.fig_4_3_rate.text} Sa/s", f"{1 / dt:g} Sa/s"
-    return compared, Erratum(where, printed, ours, f"samples are {dt:g} s apart in the file")
+    return judged, Erratum(where, printed, ours, f"samples are {dt:g} s apart in the file")
 
 
 def _span(test: PublishedTest) -> slice:
@@ -128,28 +127,28 @@ def _span(test: PublishedTest) -> slice:
 
 
 def _loops(published: Published, title: str, test: PublishedTest) -> FigureBlock:
-    record, here = test.record, _span(test)
+    record, shown = test.record, _span(test)
     models = {"cubics (4.6)-(4.8)": prediction(published_damper(published), record)}
     rows = [row for row in published.table(test.row.table) if row.row == test.row.row]
     if rows:
         models["its printed row"] = prediction(row_damper(rows[0]), record)
     scored = {name: compare(record, force, centre="midrange") for name, force in models.items()}
     offset = next(iter(scored.values())).offset
-    velocity = None if record.velocity is None else record.velocity[here]
-    drawn = {name: force[here] for name, force in models.items()}
-    figure = loops_figure(record.displacement[here], velocity, record.force[here] - offset, drawn)
-    said = "; ".join(
+    velocity = None if record.velocity is None else record.velocity[shown]
+    drawn = {name: force[shown] for name, force in models.items()}
+    figure = loops_figure(record.displacement[shown], velocity, record.force[shown] - offset, drawn)
+    scores = "; ".join(
         f"{name}: L1 {100 * s.l1:.3g} %, energy per cycle {100 * s.energy:+.2g} %" for name, s in scored.items()
     )
-    return FigureBlock(figure, f"{title}: {record.name}, {test.row.voltage:g} V, {SHOWN_CYCLES} cycles. {said}.")
+    return FigureBlock(figure, f"{title}: {record.name}, {test.row.voltage:g} V, {SHOWN_CYCLES} cycles. {scores}.")
 
 
 def _history(published: Published, test: PublishedTest) -> FigureBlock:
-    record, here = test.record, _span(test)
+    record, shown = test.record, _span(test)
     force = prediction(published_damper(published), record)
     scored = compare(record, force, centre="midrange")
     figure = history_figure(
-        record.time[here], record.force[here] - scored.offset, force[here], name="cubics (4.6)-(4.8)"
+        record.time[shown], record.force[shown] - scored.offset, force[shown], name="cubics (4.6)-(4.8)"
     )
     caption = f"Figure 4.3 again: {record.name}, {test.row.voltage:g} V, offset of {scored.offset:.4g} N removed."
     return FigureBlock(figure, f"{caption} L1 {100 * scored.l1:.3g} %.")

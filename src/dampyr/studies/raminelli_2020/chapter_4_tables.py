@@ -28,23 +28,24 @@ MOTION = ComparisonTolerance(relative=0.05)
 COEFFICIENT = ComparisonTolerance(relative=0.10)
 LETTER = {"kx": "kx", "kw": "kw", "rho": "ρ"}
 FETCH = "`dampyr datasets fetch labcontrol`"
+NO_FILES = f"the campaign's files are not on this machine; get them with {FETCH}"
 
 
 def table_4_1(published: Published) -> StudyPart:
     """Mean and standard deviation of Table 4.2's rows."""
-    compared = []
+    judged = []
     for name in PARAMETERS:
         values = np.array([getattr(row, name) for row in published.table("4.2")])
         mean, spread = published.table_4_1[name]
         unit = UNITS[name]
         none = f"the {values.size} printed rows give another value, and leaving out any one of them does not give it either"
         ours = float(values.mean()), float(values.std(ddof=1))
-        compared.append(
+        judged.append(
             judge(
                 "Table 4.1", f"mean of {LETTER[name]}", mean, ours[0], unit, candidates=_means(values), otherwise=none
             )
         )
-        compared.append(
+        judged.append(
             judge(
                 "Table 4.1",
                 f"s.d. of {LETTER[name]}",
@@ -58,7 +59,7 @@ def table_4_1(published: Published) -> StudyPart:
     text = Text(
         "The means and standard deviations (n − 1) follow from the rows that Table 4.2 prints; no data are needed."
     )
-    return StudyPart("Table 4.1", compared, [text, compared_table(compared)])
+    return StudyPart("Table 4.1", judged, [text, compared_table(judged)])
 
 
 def _means(values: Array) -> list[AlternativeValue]:
@@ -73,31 +74,31 @@ def _spreads(values: Array) -> list[AlternativeValue]:
     """The deviations without one row, and with one row counted as zero."""
     candidates = []
     for k in range(values.size):
-        rest = np.delete(values, k)
-        candidates.append(AlternativeValue(float(rest.std(ddof=1)), f"the deviation of the rows without row {k + 1}"))
-        zeroed = float(np.append(rest, 0.0).std(ddof=1))
+        others = np.delete(values, k)
+        candidates.append(AlternativeValue(float(others.std(ddof=1)), f"the deviation of the rows without row {k + 1}"))
+        zeroed = float(np.append(others, 0.0).std(ddof=1))
         candidates.append(AlternativeValue(zeroed, f"the deviation with row {k + 1} counted as 0"))
     return candidates
 
 
 def tables(published: Published, campaign: PublishedCampaign | None) -> list[StudyPart]:
     """Tables 4.2 to 4.5, each row from its own file; without the data, what can be said of the printed rows alone."""
-    return [_table(published, table, campaign) for table in TABLES]
+    return [_table_part(published, table, campaign) for table in TABLES]
 
 
-def _table(published: Published, table: str, campaign: PublishedCampaign | None) -> StudyPart:
+def _table_part(published: Published, table: str, campaign: PublishedCampaign | None) -> StudyPart:
     rows = published.table(table)
     by_row: list[tuple[PublishedRow, PublishedTest | None, list[ComparedValue]]] = []
     for row in rows:
         test = campaign.test(table, row.row) if campaign else None
-        by_row.append((row, test, _row(published, row, test, campaign)))
-    compared = [value for _, _, row_values in by_row for value in row_values]
+        by_row.append((row, test, _compare_row(published, row, test, campaign)))
+    judged = [value for _, _, row_values in by_row for value in row_values]
     means = group_means(table, [(row, test) for row, test, _ in by_row if test is not None])
     title = f"Table {table}: {published.printed_voltages[table].text} V"
     errata = _repeated(table, rows)
-    text = Text(_about(rows, published, table))
+    text = Text(_introduce(rows, published, table))
     if campaign is None:
-        return StudyPart(title, compared, [text, Verdict("cannot be checked", _without())], errata)
+        return StudyPart(title, judged, [text, Verdict("cannot be checked", NO_FILES)], errata)
     blocks: list[Block] = [
         text,
         _motion_table(by_row),
@@ -105,14 +106,10 @@ def _table(published: Published, table: str, campaign: PublishedCampaign | None)
         _reasons(by_row),
         compared_table(means, "Means over the rows with a file."),
     ]
-    return StudyPart(title, [*compared, *means], blocks, errata)
+    return StudyPart(title, [*judged, *means], blocks, errata)
 
 
-def _without() -> str:
-    return f"the campaign's files are not on this machine; get them with {FETCH}"
-
-
-def _about(rows: Sequence[PublishedRow], published: Published, table: str) -> str:
+def _introduce(rows: Sequence[PublishedRow], published: Published, table: str) -> str:
     strokes, frequencies = ([getattr(row, name) for row in rows] for name in ("displacement", "frequency"))
     r = float(np.corrcoef(strokes, frequencies)[0, 1])
     return (
@@ -127,50 +124,51 @@ def _about(rows: Sequence[PublishedRow], published: Published, table: str) -> st
     )
 
 
-def _row(
+def _compare_row(
     published: Published, row: PublishedRow, test: PublishedTest | None, campaign: PublishedCampaign | None
 ) -> list[ComparedValue]:
     where = f"Table {row.table}"
     names = {"displacement": "mm", "frequency": "Hz"} | UNITS
     if test is None:
-        missing = "the row has no file in the folder" if campaign else _without()
+        missing = "the row has no file in the folder" if campaign else NO_FILES
         return [
             unchecked(where, f"row {row.row}: {LETTER.get(k, k)}", getattr(row, k), unit, missing)
             for k, unit in names.items()
         ]
-    return [*_motion(where, row, test, published, campaign), *_coefficients(where, row, test)]
+    return [*_compare_motion(where, row, test, published, campaign), *_compare_coefficients(where, row, test)]
 
 
-def _motion(
+def _compare_motion(
     where: str, row: PublishedRow, test: PublishedTest, published: Published, campaign: PublishedCampaign | None
 ) -> list[ComparedValue]:
     """Printed against measured displacement and frequency; a printed value that another test has is named."""
     ours = {"displacement": 1e3 * test.measured.peak_to_peak_m, "frequency": test.measured.frequency_hz}
     assert campaign is not None
-    compared = []
+    judged = []
     for name, unit in (("displacement", "mm"), ("frequency", "Hz")):
         theirs = float(getattr(row, name))
-        other = [
+        of_that_label = [
             t.record.name for t in campaign.validation if unit == "Hz" and abs(t.row.label.frequency_hz - theirs) < 1e-9
         ]
-        said = next((s for s in test.disagreements if (" Hz" in s) == (unit == "Hz")), "")
-        why = said + (f"; {theirs:g} Hz is the label of {', '.join(other)}" if other else "")
-        if name == "displacement":
-            whole = 1e3 * float(np.ptp(test.record.displacement))
-            why += f"; over the whole record, which drifts, {whole:.4g} mm" if said else ""
-        compared.append(judge(where, f"row {row.row}: {name}", theirs, ours[name], unit, MOTION, (), why))
-    return compared
+        why = next((s for s in test.disagreements if (" Hz" in s) == (unit == "Hz")), "")
+        if name == "displacement" and why:
+            peak_to_peak = 1e3 * float(np.ptp(test.record.displacement))
+            why += f"; over the whole record, which drifts, {peak_to_peak:.4g} mm"
+        if of_that_label:
+            why += f"; {theirs:g} Hz is the label of {', '.join(of_that_label)}"
+        judged.append(judge(where, f"row {row.row}: {name}", theirs, ours[name], unit, MOTION, (), why))
+    return judged
 
 
-def _coefficients(where: str, row: PublishedRow, test: PublishedTest) -> list[ComparedValue]:
+def _compare_coefficients(where: str, row: PublishedRow, test: PublishedTest) -> list[ComparedValue]:
     """kx, kw and rho of the modified method against the printed ones."""
-    compared = []
+    judged = []
     for name in PARAMETERS:
         ours = getattr(test.plastic, name) / TO_SI[name]
         why = _why_rho(row, test) if name == "rho" else _why_force(row, test)
         quantity = f"row {row.row}: {LETTER[name]}"
-        compared.append(judge(where, quantity, getattr(row, name), ours, UNITS[name], COEFFICIENT, (), why))
-    return compared
+        judged.append(judge(where, quantity, getattr(row, name), ours, UNITS[name], COEFFICIENT, (), why))
+    return judged
 
 
 def _why_force(row: PublishedRow, test: PublishedTest) -> str:
@@ -178,13 +176,13 @@ def _why_force(row: PublishedRow, test: PublishedTest) -> str:
     speed = 1e3 * test.measured.peak_speed
     theirs = row.kx * speed + row.kw
     ours = test.plastic.kx / TO_SI["kx"] * speed + test.plastic.kw
-    off = ours / theirs - 1
-    same = abs(off) <= COEFFICIENT.relative
-    words = (
+    deviation = ours / theirs - 1
+    same = abs(deviation) <= COEFFICIENT.relative
+    explanation = (
         "kx and kw trade against each other on a near-sine" if same else "the text does not say which samples were used"
     )
-    forces = f"the printed pair gives {theirs:.4g} N, ours {ours:.4g} N ({100 * off:+.2g} %)"
-    return f"{words}: at the peak speed of {speed:.3g} mm/s {forces}"
+    forces = f"the printed pair gives {theirs:.4g} N, ours {ours:.4g} N ({100 * deviation:+.2g} %)"
+    return f"{explanation}: at the peak speed of {speed:.3g} mm/s {forces}"
 
 
 def _why_rho(row: PublishedRow, test: PublishedTest) -> str:
@@ -200,7 +198,7 @@ def _why_rho(row: PublishedRow, test: PublishedTest) -> str:
 
 def group_means(table: str, pairs: Sequence[tuple[PublishedRow, PublishedTest]]) -> list[ComparedValue]:
     """The means over the rows that have a file: printed, modified, with least squares in the reason."""
-    compared = []
+    judged = []
     for name in PARAMETERS:
         if not pairs:
             break
@@ -212,8 +210,8 @@ def group_means(table: str, pairs: Sequence[tuple[PublishedRow, PublishedTest]])
         if name == "rho":
             why += f", two samples around θ = 0 (median over turning points) {float(np.mean(spans)):.4g}"
         quantity = f"mean of {LETTER[name]} over {len(pairs)} rows"
-        compared.append(judge(f"Table {table}", quantity, theirs, ours, UNITS[name], COEFFICIENT, (), why))
-    return compared
+        judged.append(judge(f"Table {table}", quantity, theirs, ours, UNITS[name], COEFFICIENT, (), why))
+    return judged
 
 
 def _motion_table(by_row: Sequence[tuple[PublishedRow, PublishedTest | None, list[ComparedValue]]]) -> Table:
@@ -247,22 +245,22 @@ def _parameter_table(by_row: Sequence[tuple[PublishedRow, PublishedTest | None, 
     return Table(columns, rows, units, caption=caption, digits=4)
 
 
-def _verdict(compared: Sequence[ComparedValue]) -> Verdict:
+def _verdict(judged: Sequence[ComparedValue]) -> Verdict:
     """One verdict for a row, naming what differs; `_reasons` says why."""
-    kind = overall(compared)
+    kind = overall(judged)
     if kind == "cannot be checked":
         return Verdict(kind, "no file")
-    return Verdict(kind, ", ".join(_name(f) for f in compared if f.verdict == "differs"))
+    return Verdict(kind, ", ".join(_number(f) for f in judged if f.verdict == "differs"))
 
 
-def _name(value: ComparedValue) -> str:
+def _number(value: ComparedValue) -> str:
     return value.quantity.partition(": ")[2]
 
 
 def _reasons(by_row: Sequence[tuple[PublishedRow, PublishedTest | None, list[ComparedValue]]]) -> Table:
     """Why rows differ, one line for each number that does."""
     rows: list[list[Cell]] = [
-        [row.row, _name(f), f.reason] for row, _, row_values in by_row for f in row_values if f.verdict == "differs"
+        [row.row, _number(f), f.reason] for row, _, row_values in by_row for f in row_values if f.verdict == "differs"
     ]
     return Table(("row", "number", "what differs, and why"), rows)
 

@@ -45,7 +45,7 @@ def chapter_5(published: Published, data: Path | None = None) -> StudyPart:
     names = list(cases)
     ours = [1e3 * float(cases[name].peak_displacement[0]) for name in names[:3]]
     slip = unit_slip(published, motion, damper, ours[0])
-    compared = [
+    judged = [
         *laboratory_motion(motion, data),
         unchecked("Figure 5.4", "the curves", None, "", PICTURE),
         *peaks(published, names, ours, slip),
@@ -55,8 +55,8 @@ def chapter_5(published: Published, data: Path | None = None) -> StudyPart:
     errata = [_ground(), _output_sign(cases[names[1]])]
     return StudyPart(
         "Chapter 5: the building in the earthquake",
-        compared,
-        _blocks(published, motion, cases, slip, notes, compared),
+        judged,
+        _blocks(published, motion, cases, slip, notes, judged),
         errata,
     )
 
@@ -78,9 +78,9 @@ def laboratory_motion(motion: GroundMotion, data: Path | None) -> list[ComparedV
     peaks = [float(np.abs(values).max()) for values in (theirs, ours)]
     if same:
         reason += f"; they differ by {float(np.max(np.abs(theirs - ours))):.1g} m/s² at most"
-    judged = judge("Figure 5.1", f"peak acceleration (published: {MOTION_FILE})", peaks[0], peaks[1], "m/s²", MILLIONTH)
+    peak = judge("Figure 5.1", f"peak acceleration (published: {MOTION_FILE})", peaks[0], peaks[1], "m/s²", MILLIONTH)
     alike = same and bool(np.allclose(theirs, ours, rtol=1e-6, atol=1e-6))
-    return [curve, judged, claim("Figure 5.1", "the motion's samples", MOTION_FILE, motion.name, alike, reason)]
+    return [curve, peak, claim("Figure 5.1", "the motion's samples", MOTION_FILE, motion.name, alike, reason)]
 
 
 def run_cases(published: Published, motion: GroundMotion, damper: Damper) -> tuple[dict[str, Response], list[str]]:
@@ -90,8 +90,8 @@ def run_cases(published: Published, motion: GroundMotion, damper: Damper) -> tup
     voltages |= {f"{v:g} V": v for v in ALSO}
     responses, notes = {}, []
     for name, voltage in voltages.items():
-        responses[name], said = _shake(motion, damper, voltage)
-        notes += [f"{name}: {each}" for each in said]
+        responses[name], warned = _shake(motion, damper, voltage)
+        notes += [f"{name}: {warning}" for warning in warned]
     return responses, notes
 
 
@@ -118,9 +118,9 @@ def slipped(damper: Damper) -> Damper:
 def unit_slip(published: Published, motion: GroundMotion, damper: Damper, bare: float) -> Mapping[str, float]:
     """The hypothesis: the motion scaled to give the printed peak without damper, and the damper fed m/s; peaks in mm."""
     scale = float(published.peaks[0]) / bare
-    wrong = slipped(damper)
+    with_slip = slipped(damper)
     high = float(published.highest_voltage)
-    two, three = (1e3 * float(_shake(motion.scaled(scale), wrong, v)[0].peak_displacement[0]) for v in (0.0, high))
+    two, three = (1e3 * float(_shake(motion.scaled(scale), with_slip, v)[0].peak_displacement[0]) for v in (0.0, high))
     return {"scale": scale, "case 2": two, "case 3": three}
 
 
@@ -130,51 +130,51 @@ def peaks(published: Published, names: list[str], ours: list[float], slip: Mappi
         f"the printed peak is {slip['scale']:.4f} times what (5.1)-(5.2) give under El Centro; the building "
         "alone is linear, so a motion "
         "scaled by as much would give it, and the text names no scale",
-        *(_slip_words(slip, published.peaks[k], f"case {k + 1}") for k in (1, 2)),
+        *(_describe_slip(slip, published.peaks[k], f"case {k + 1}") for k in (1, 2)),
     ]
-    compared = []
+    judged = []
     for name, theirs, value, why in zip(names, published.peaks, ours, reasons):
-        compared.append(
+        judged.append(
             judge("Figure 5.4", f"peak of the first floor, {name}", theirs, value, "mm", PERCENT, otherwise=why)
         )
-    return [*compared, _slip_verdict(published, slip)]
+    return [*judged, _slip_verdict(published, slip)]
 
 
-def _slip_words(slip: Mapping[str, float], printed: float, case: str) -> str:
-    off = slip[case] / printed - 1
+def _describe_slip(slip: Mapping[str, float], printed: float, case: str) -> str:
+    deviation = slip[case] / printed - 1
     near = "close to" if PERCENT.allows(printed, slip[case]) else "not"
     return (
         f"with the motion scaled {slip['scale']:.4f} times and the damper fed m/s for mm/s it would be {slip[case]:.4f} mm, "
-        f"{near} the printed value ({100 * off:+.2g} %)"
+        f"{near} the printed value ({100 * deviation:+.2g} %)"
     )
 
 
 def _slip_verdict(published: Published, slip: Mapping[str, float]) -> ComparedValue:
     """How far the hypothesis of a unit slip goes."""
     fits = [PERCENT.allows(published.peaks[k], slip[f"case {k + 1}"]) for k in (1, 2)]
-    words = {2: "explains both", 1: "likely, not proven", 0: "not supported"}[sum(fits)]
+    outcome = {2: "explains both", 1: "likely, not proven", 0: "not supported"}[sum(fits)]
     which = " and ".join(f"case {k + 2}" for k, fit in enumerate(fits) if fit) or "neither case"
     reason = f"a hypothesis with one free number, the scale {slip['scale']:.4f}, taken from case 1; it meets {which} within 1 %"
     ours = f"{slip['case 2']:.4f} and {slip['case 3']:.4f} mm"
     theirs = f"{published.peaks[1].text} and {published.peaks[2].text} mm"
     return claim(
-        "Figure 5.4", f"a unit slip (m/s for mm/s) and a scaled motion: {words}", theirs, ours, all(fits), reason
+        "Figure 5.4", f"a unit slip (m/s for mm/s) and a scaled motion: {outcome}", theirs, ours, all(fits), reason
     )
 
 
 def reductions(published: Published, ours: list[float]) -> list[ComparedValue]:
     """The two printed percentages, from the printed peaks; and from our peaks in the reason."""
-    bare, compared = float(published.peaks[0]), []
+    bare, judged = float(published.peaks[0]), []
     for k, printed in enumerate(published.reductions, start=1):
         theirs = 100 * (bare - float(published.peaks[k])) / bare
-        here = 100 * (ours[0] - ours[k]) / ours[0]
+        of_ours = 100 * (ours[0] - ours[k]) / ours[0]
         why = (
             f"({published.peaks[0]:.4f} − {published.peaks[k]:.4f})/{published.peaks[0]:.4f} is {theirs:.4g} %; a reduction by "
-            f"{printed:g} % would be a peak of {bare * (1 - printed / 100):.4f} mm; our own peaks give {here:.3g} %"
+            f"{printed:g} % would be a peak of {bare * (1 - printed / 100):.4f} mm; our own peaks give {of_ours:.3g} %"
         )
         quantity = f"reduction in case {k + 1}, from the printed peaks"
-        compared.append(judge("Section 5.2", quantity, printed, theirs, "%", otherwise=why))
-    return compared
+        judged.append(judge("Section 5.2", quantity, printed, theirs, "%", otherwise=why))
+    return judged
 
 
 def ranking(ours: list[float]) -> ComparedValue:
@@ -198,18 +198,18 @@ def _output_sign(response: Response) -> Erratum:
     space = state_space(two_storey(), 1)
     state = np.vstack((response.displacement, response.velocity))
     size = float(np.max(np.abs(response.acceleration)))
-    off = {
+    errors = {
         sign: float(np.max(np.abs(space.C @ state + sign * space.D @ response.force - response.acceleration))) / size
         for sign in (1.0, -1.0)
     }
-    better = "+" if off[1.0] < off[-1.0] else "−"
+    better = "+" if errors[1.0] < errors[-1.0] else "−"
     return Erratum(
         "(5.6)",
         "D_y = −M⁻¹Λ",
         f"D_y = {better}M⁻¹Λ",
-        f"given (5.1) and B_s of (5.5); in case 2 the output with + is {100 * off[1.0]:.2g} % of the peak from "
+        f"given (5.1) and B_s of (5.5); in case 2 the output with + is {100 * errors[1.0]:.2g} % of the peak from "
         "the floors' absolute "
-        f"accelerations, with the printed − {100 * off[-1.0]:.3g} %",
+        f"accelerations, with the printed − {100 * errors[-1.0]:.3g} %",
     )
 
 
@@ -224,10 +224,17 @@ def _blocks(
     cases: Mapping[str, Response],
     slip: Mapping[str, float],
     notes: list[str],
-    compared: list[ComparedValue],
+    judged: list[ComparedValue],
 ) -> list[Block]:
     rows: list[list[Cell]] = [
-        [name, *(1e3 * r.peak_displacement), 1e3 * float(r.peak_drift[1]), *r.peak_acceleration, _largest(r), r.scheme]
+        [
+            name,
+            *(1e3 * r.peak_displacement),
+            1e3 * float(r.peak_drift[1]),
+            *r.peak_acceleration,
+            _max_force(r),
+            r.scheme,
+        ]
         for name, r in cases.items()
     ]
     heads = ("case", "floor 1", "floor 2", "drift 2", "acceleration 1", "acceleration 2", "force", "scheme")
@@ -254,9 +261,9 @@ def _blocks(
         ),
         Table(heads, rows, units, caption="Peaks, inside the step too; accelerations are absolute.", digits=6),
         Text("\n\n".join(text)),
-        compared_table(compared, digits=7),
+        compared_table(judged, digits=7),
     ]
 
 
-def _largest(response: Response) -> float | None:
+def _max_force(response: Response) -> float | None:
     return float(response.peak_force.max()) if response.peak_force.size else None

@@ -18,9 +18,9 @@ class PrintedNumber(float):
     text: str
 
     def __new__(cls, text: str) -> PrintedNumber:
-        made = super().__new__(cls, text)
-        made.text = text
-        return made
+        number = super().__new__(cls, text)
+        number.text = text
+        return number
 
     @property
     def last_digit(self) -> float:
@@ -91,28 +91,27 @@ def judge(
     otherwise: str = "",
 ) -> ComparedValue:
     """Compare; where the two differ, the first candidate that gives the published value is the reason, else ``otherwise``."""
-    gap = ours - published
-    off = _off(gap, published, unit)
+    deviation = _describe_deviation(ours - published, published, unit)
     if not math.isfinite(ours):
         return ComparedValue(
             artefact, quantity, published, None, unit, "cannot be checked", f"nothing finite came out; {otherwise}"
         )
     if tolerance.allows(published, ours):
-        reason = f"{off}; allowed: {tolerance.words(unit)}"
+        reason = f"{deviation}; allowed: {tolerance.words(unit)}"
         return ComparedValue(artefact, quantity, published, ours, unit, "agrees", reason)
     matches = [c for c in candidates if tolerance.allows(published, c.value)]
     why = f"the printed value is {matches[0].words} ({matches[0].value:.8g})" if matches else otherwise
-    reason = f"{off}; allowed: {tolerance.words(unit)}" + (f". Because: {why}" if why else "")
+    reason = f"{deviation}; allowed: {tolerance.words(unit)}" + (f". Because: {why}" if why else "")
     return ComparedValue(artefact, quantity, published, ours, unit, "differs", reason)
 
 
-def _off(gap: float, published: float, unit: str) -> str:
+def _describe_deviation(gap: float, published: float, unit: str) -> str:
     """How far off, in the unit and relative to the published value."""
-    said = f"off by {gap:+.3g} {'points' if unit == '%' else unit}".rstrip()
+    absolute = f"off by {gap:+.3g} {'points' if unit == '%' else unit}".rstrip()
     if not published or unit == "%":
-        return said
+        return absolute
     ratio = gap / abs(published)
-    return said + (f" ({100 * ratio:+.2g} %)" if abs(ratio) < 10 else f" ({ratio + 1:.3g} times)")
+    return absolute + (f" ({100 * ratio:+.2g} %)" if abs(ratio) < 10 else f" ({ratio + 1:.3g} times)")
 
 
 def claim(artefact: str, quantity: str, published: str, ours: str, holds: bool, reason: str) -> ComparedValue:
@@ -125,9 +124,9 @@ def unchecked(artefact: str, quantity: str, published: Value, unit: str, missing
     return ComparedValue(artefact, quantity, published, None, unit, "cannot be checked", missing)
 
 
-def overall(compared: Sequence[ComparedValue]) -> Outcome:
+def overall(judged: Sequence[ComparedValue]) -> Outcome:
     """The verdict on an artefact: it differs where anything differs, and agrees where anything was checked and all agrees."""
-    verdicts = {f.verdict for f in compared}
+    verdicts = {f.verdict for f in judged}
     if "differs" in verdicts:
         return "differs"
     return "agrees" if "agrees" in verdicts else "cannot be checked"

@@ -90,11 +90,11 @@ def equations(published: Published) -> StudyPart:
     applied = [published.voltage(table) for table in TABLES]
     printed = [float(published.printed_voltages[table]) for table in TABLES]
     rho_0 = float(published.table_4_1["rho"][0])
-    compared = recovered(published, applied, rho_0)
+    judged = recovered(published, applied, rho_0)
     passing = at_printed_voltages(published, applied, printed, rho_0)
     ten_rows = all_ten_rows(published, applied)
     reach = extrapolation(published, applied)
-    everything = [*compared, *passing, *ten_rows, *reach]
+    everything = [*judged, *passing, *ten_rows, *reach]
     blocks: list[Block] = [
         Text(
             "Four coefficients pass through four table means, so the fit leaves no residual to judge it by. The nodes are the "
@@ -114,13 +114,13 @@ def equations(published: Published) -> StudyPart:
 
 def recovered(published: Published, applied: Sequence[float], rho_0: float) -> list[ComparedValue]:
     """Each printed coefficient against the one through the means at the applied voltages."""
-    compared = []
+    judged = []
     for name in PARAMETERS:
         ours = through(applied, table_means(published, name, rho_0))
         for power, (theirs, value) in enumerate(zip(published.cubics[name], ours, strict=True)):
             quantity = f"{LETTER[name]}: coefficient of v{POWERS[power]}"
-            compared.append(judge(EQUATION[name], quantity, theirs, float(value), _per_volt(name, power), RECOVERED))
-    return compared
+            judged.append(judge(EQUATION[name], quantity, theirs, float(value), _per_volt(name, power), RECOVERED))
+    return judged
 
 
 def _per_volt(name: str, power: int) -> str:
@@ -131,19 +131,19 @@ def at_printed_voltages(
     published: Published, applied: Sequence[float], printed: Sequence[float], rho_0: float
 ) -> list[ComparedValue]:
     """The cubic at the voltage that the table prints, against that table's mean."""
-    compared = []
+    judged = []
     for name in PARAMETERS:
         means = table_means(published, name, rho_0)
-        for table, true, shown, mean in zip(TABLES, applied, printed, means, strict=True):
+        for table, true, as_printed, mean in zip(TABLES, applied, printed, means, strict=True):
             at_true = law(published, name, true)
-            off = 100 * abs(at_true / mean - 1)
-            otherwise = f"at the applied {true:g} V the cubic gives {at_true:.6g}, {off:.1g} % from the mean"
-            quantity = f"{LETTER[name]} at the printed {shown:g} V, against Table {table}"
-            compared.append(
+            deviation = 100 * abs(at_true / mean - 1)
+            otherwise = f"at the applied {true:g} V the cubic gives {at_true:.6g}, {deviation:.1g} % from the mean"
+            quantity = f"{LETTER[name]} at the printed {as_printed:g} V, against Table {table}"
+            judged.append(
                 judge(
                     "Printed voltages",
                     quantity,
-                    law(published, name, shown),
+                    law(published, name, as_printed),
                     float(mean),
                     UNITS[name],
                     RECOVERED,
@@ -151,7 +151,7 @@ def at_printed_voltages(
                     otherwise,
                 )
             )
-    return compared
+    return judged
 
 
 def all_ten_rows(published: Published, applied: Sequence[float]) -> list[ComparedValue]:
@@ -184,10 +184,8 @@ def extrapolation(published: Published, applied: Sequence[float]) -> list[Compar
     end = "ρ(v) has no root above 0 V"
     if real:
         end = f"ρ(v) has its root at {min(real):.4g} V, above which the Dahl state is unstable"
-    there = law(published, "rho", used)
-    why = (
-        f"chapter 5 uses the cubics at {used:g} V, outside of their range; ρ({used:g} V) = {there:.4g} 1/mm, and {end}"
-    )
+    rho = law(published, "rho", used)
+    why = f"chapter 5 uses the cubics at {used:g} V, outside of their range; ρ({used:g} V) = {rho:.4g} 1/mm, and {end}"
     quantity = "the highest voltage (published: used in case 3; ours: tested)"
     return [
         judge(

@@ -16,7 +16,7 @@ from dampyr.show.figures.scores import scores
 from dampyr.show.pages.blocks import Block, FigureBlock, Text
 from dampyr.show.table import Cell, Table
 from dampyr.studies.raminelli_2020.campaign_records import PublishedCampaign, PublishedTest
-from dampyr.studies.raminelli_2020.chapter_4_tables import FETCH
+from dampyr.studies.raminelli_2020.chapter_4_tables import NO_FILES
 from dampyr.studies.raminelli_2020.compared_value import ComparedValue, ComparisonTolerance, judge, unchecked
 from dampyr.studies.raminelli_2020.cubics import published_damper
 from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, Published, PublishedRow
@@ -40,15 +40,15 @@ DEFINITIONS = (
 def percent(damper: Damper, record: Record) -> Array:
     """The errors of one record under one damper by `DEFINITIONS`, (definitions,), %."""
     model = prediction(damper, record)
-    late = compare(record, model, centre="midrange")
-    whole = compare(record, model, window=(float(record.time[0]), float(record.time[-1])), centre="midrange")
-    here = late.window.slice
+    settled = compare(record, model, centre="midrange")
+    entire = compare(record, model, window=(float(record.time[0]), float(record.time[-1])), centre="midrange")
+    window = settled.window.slice
     ratios = (
-        late.l1,
-        whole.l1,
+        settled.l1,
+        entire.l1,
         float(np.sum(np.abs(model - record.force)) / np.sum(np.abs(record.force))),
-        late.pointwise,
-        _pointwise(record.force[here], model[here]),
+        settled.pointwise,
+        _pointwise(record.force[window], model[window]),
         _pointwise(record.force, model),
         _relative(record.force, model - record.force),
     )
@@ -62,17 +62,16 @@ def _pointwise(measured: Array, model: Array) -> float:
 
 
 def _relative(force: Array, error: Array) -> float:
-    seen = force != 0.0
-    return float(np.mean(np.abs(error[seen] / force[seen])))
+    nonzero = force != 0.0
+    return float(np.mean(np.abs(error[nonzero] / force[nonzero])))
 
 
 def errors(published: Published, campaign: PublishedCampaign | None) -> StudyPart:
     """Both errors; without the data nothing can be said."""
     if campaign is None or not campaign.tests:
-        missing = f"the campaign's files are not on this machine; get them with {FETCH}"
         unchecked_values = [
-            unchecked("14.81 %", "mean error at 0 V, section 4.2", published.error_at_0, "%", missing),
-            unchecked("21.71 %", "error of (4.6)-(4.8), section 4.4", published.error_validation, "%", missing),
+            unchecked("14.81 %", "mean error at 0 V, section 4.2", published.error_at_0, "%", NO_FILES),
+            unchecked("21.71 %", "error of (4.6)-(4.8), section 4.4", published.error_validation, "%", NO_FILES),
         ]
         return StudyPart(TITLE, unchecked_values, [compared_table(unchecked_values)])
     text = Text(
@@ -84,9 +83,9 @@ def errors(published: Published, campaign: PublishedCampaign | None) -> StudyPar
     )
     at_0, block_0 = error_at_0(published, campaign)
     at_validation, block_validation = error_of_validation(published, campaign)
-    compared = [*at_0, *at_validation]
-    blocks = [text, *block_0, *block_validation, compared_table(compared, digits=4), *joint_model(published, campaign)]
-    return StudyPart(TITLE, compared, blocks)
+    judged = [*at_0, *at_validation]
+    blocks = [text, *block_0, *block_validation, compared_table(judged, digits=4), *joint_model(published, campaign)]
+    return StudyPart(TITLE, judged, blocks)
 
 
 def constant_damper(values: Mapping[str, float], voltage: float) -> Damper:
@@ -119,14 +118,14 @@ def error_at_0(published: Published, campaign: PublishedCampaign) -> tuple[list[
         "%",
         HALF_A_POINT,
         otherwise="the text names neither the runs nor how the offset was treated; "
-        + near(published.error_at_0, readings)
-        + _three_runs(single),
+        + describe_near(published.error_at_0, readings)
+        + _describe_three_runs(single),
     )
     caption = f"The error at 0 V, mean over {len(pairs)} files; printed: {published.error_at_0.text} %."
-    return [value], [_definitions(readings, caption)]
+    return [value], [_readings_table(readings, caption)]
 
 
-def near(printed: float, readings: Readings) -> str:
+def describe_near(printed: float, readings: Readings) -> str:
     """Which of the readings come within half a point of the printed value, and over what they range."""
     means = {(name, k): float(block[:, k].mean()) for name, block in readings.items() for k in range(len(DEFINITIONS))}
     low, high = min(means.values()), max(means.values())
@@ -135,11 +134,11 @@ def near(printed: float, readings: Readings) -> str:
         for (name, k), v in means.items()
         if HALF_A_POINT.allows(printed, v)
     ]
-    said = f"{len(hits)} within half a point of the printed value" + (": " + ", ".join(hits) if hits else "")
-    return f"{len(means)} readings run from {low:.1f} to {high:.0f} %, {said}"
+    near_ones = f"{len(hits)} within half a point of the printed value" + (": " + ", ".join(hits) if hits else "")
+    return f"{len(means)} readings run from {low:.1f} to {high:.0f} %, {near_ones}"
 
 
-def _three_runs(single: Array) -> str:
+def _describe_three_runs(single: Array) -> str:
     """What a mean over three runs could be, as laboratories often repeat thrice."""
     if single.size < 3:
         return ""
@@ -151,31 +150,29 @@ def error_of_validation(published: Published, campaign: PublishedCampaign) -> tu
     """21.71 %: the cubics on the validation run and on the files of Table 4.3."""
     damper, printed = published_damper(published), published.error_validation
     runs = {"the validation run": [test.record for test in campaign.validation]}
-    runs["the validation run, velocity smoothed"] = [_smoothed(record) for record in runs["the validation run"]]
+    runs["the validation run, velocity smoothed"] = [
+        with_velocity(record, default_bandwidth(record)) for record in runs["the validation run"]
+    ]
     runs["the files of Table 4.3"] = [test.record for test in campaign.table("4.3")]
     readings = {name: np.array([percent(damper, r) for r in listed]) for name, listed in runs.items() if listed}
     names = ", ".join(test.record.name for test in campaign.validation) or "none"
     missing = f"the text does not say which runs, and the folder holds {names} only; the other validation runs would be needed"
-    compared = [unchecked("21.71 %", "mean error over the validation runs", printed, "%", missing)]
+    judged = [unchecked("21.71 %", "mean error over the validation runs", printed, "%", missing)]
     for name, block in readings.items():
         if "smoothed" in name:
             continue
         ours = float(block[:, 0].mean())
-        words = near(printed, readings)
-        compared.append(
-            judge("21.71 %", f"L1 (3.1) of the cubics, {name}", printed, ours, "%", HALF_A_POINT, otherwise=words)
+        why = describe_near(printed, readings)
+        judged.append(
+            judge("21.71 %", f"L1 (3.1) of the cubics, {name}", printed, ours, "%", HALF_A_POINT, otherwise=why)
         )
     caption = f"The error of (4.6)-(4.8); printed: {printed.text} %."
-    return compared, [_definitions(readings, caption)] if readings else []
+    return judged, [_readings_table(readings, caption)] if readings else []
 
 
-def _smoothed(record: Record) -> Record:
-    return with_velocity(record, default_bandwidth(record))
-
-
-def _definitions(readings: Readings, caption: str) -> Table:
+def _readings_table(readings: Readings, caption: str) -> Table:
     rows: list[list[Cell]] = [
-        [words, *(float(block[:, k].mean()) for block in readings.values())] for k, words in enumerate(DEFINITIONS)
+        [title, *(float(block[:, k].mean()) for block in readings.values())] for k, title in enumerate(DEFINITIONS)
     ]
     return Table(["reading", *readings], rows, ["", *["%"] * len(readings)], caption=caption, digits=4)
 
@@ -189,7 +186,7 @@ def joint_model(published: Published, campaign: PublishedCampaign) -> list[Block
         ]
     groups = {f"{published.voltage(t):g} V": campaign.table(t) for t in TABLES if campaign.table(t)}
     groups |= {"validation run": campaign.validation} if campaign.validation else {}
-    single = {name: [l1 for test in tests if (l1 := _own(test)) is not None] for name, tests in groups.items()}
+    single = {name: [l1 for test in tests if (l1 := _l1_alone(test)) is not None] for name, tests in groups.items()}
     by_cubics = {name: [score(cubics, t.record, centre="midrange").l1 for t in tests] for name, tests in groups.items()}
     by_joint = {
         name: [score(joint.damper, t.record, centre="midrange").l1 for t in tests] for name, tests in groups.items()
@@ -221,6 +218,6 @@ def _mean_percent(values: Sequence[float]) -> float | None:
     return 100 * float(np.mean(values)) if values else None
 
 
-def _own(test: PublishedTest) -> float | None:
+def _l1_alone(test: PublishedTest) -> float | None:
     fit = test.least_squares
     return None if fit is None or fit.damper is None else score(fit.damper, test.record, centre="midrange").l1

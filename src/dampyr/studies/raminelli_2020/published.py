@@ -73,11 +73,11 @@ class PublishedRow:
 def _rows() -> tuple[PublishedRow, ...]:
     """The rows as the table of the campaign has them, which comes with dampyr."""
     rows = []
-    for each in campaign_rows():
-        if each.row is not None:
-            values = [each.published[name] / TO_SI[name] for name in PARAMETERS]
-            moved = (round(1e3 * each.label.peak_to_peak_m, 9), each.label.frequency_hz)
-            rows.append(PublishedRow(each.table, each.row, each.voltage, *moved, *values))
+    for row in campaign_rows():
+        if row.row is not None:
+            values = [row.published[name] / TO_SI[name] for name in PARAMETERS]
+            motion = (round(1e3 * row.label.peak_to_peak_m, 9), row.label.frequency_hz)
+            rows.append(PublishedRow(row.table, row.row, row.voltage, *motion, *values))
     return tuple(rows)
 
 
@@ -135,7 +135,7 @@ def describe_published(published: Published) -> Description:
             ("tests", ", ".join(f"{count} in table {name}" for name, count in sorted(tables.items()))),
             ("table 4.1", ", ".join(published.table_4_1)),
             ("cubics", ", ".join(published.cubics) + " over the voltage, (4.6) to (4.8)"),
-            ("peaks", f"{listing([each.text for each in published.peaks])} mm, of chapter 5"),
+            ("peaks", f"{listing([peak.text for peak in published.peaks])} mm, of chapter 5"),
             ("errors", f"{published.error_at_0.text} % at 0 V, {published.error_validation.text} % of the validation"),
         ],
     )

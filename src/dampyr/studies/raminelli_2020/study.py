@@ -16,7 +16,7 @@ from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.table import Cell, Table
 from dampyr.shown import Shown
 from dampyr.studies.raminelli_2020.appendix_a import rig
-from dampyr.studies.raminelli_2020.campaign_records import Progress, PublishedCampaign, load
+from dampyr.studies.raminelli_2020.campaign_records import Progress, load
 from dampyr.studies.raminelli_2020.chapter_2 import chapter_2
 from dampyr.studies.raminelli_2020.chapter_4_loops import figures_4
 from dampyr.studies.raminelli_2020.chapter_4_tables import table_4_1, tables
@@ -51,11 +51,11 @@ class Study(Shown):
 
     @property
     def artefacts(self) -> dict[str, list[ComparedValue]]:
-        """The compared of each table, equation, error and figure."""
-        compared: dict[str, list[ComparedValue]] = {}
+        """The comparisons of each table, equation, error and figure."""
+        judged: dict[str, list[ComparedValue]] = {}
         for value in self.compared:
-            compared.setdefault(value.artefact, []).append(value)
-        return compared
+            judged.setdefault(value.artefact, []).append(value)
+        return judged
 
 
 @describe.register
@@ -63,7 +63,7 @@ def describe_study(study: Study) -> Description:
     """How many numbers have which verdict, errata and what was left out; the artefacts in a table."""
     verdicts = Counter(value.verdict for value in study.compared)
     rows = [
-        ("compared", ", ".join(f"{verdicts[each]} {each}" for each in OUTCOMES if verdicts[each])),
+        ("compared", ", ".join(f"{verdicts[outcome]} {outcome}" for outcome in OUTCOMES if verdicts[outcome])),
         ("errata", str(len(study.errata))),
         ("left out", "; ".join(study.left_out) or "nothing"),
         ("page", "" if study.page is None else study.page.name),
@@ -71,7 +71,7 @@ def describe_study(study: Study) -> Description:
     return Description(
         "Study of Raminelli (2020)",
         [row for row in rows if row[1]],
-        verdict=[sentence(f"left out: {each}") for each in study.left_out],
+        verdict=[sentence(f"left out: {omission}") for omission in study.left_out],
         tables=[lambda: artefacts_table(study)],
         data=lambda: _numbers(study),
         frame=lambda: _columns(study),
@@ -80,7 +80,7 @@ def describe_study(study: Study) -> Description:
 
 def artefacts_table(study: Study) -> Table:
     """Each table, equation, error and figure: how many of its numbers have which verdict, and its own."""
-    summaries = {name: artefact_summary(compared) for name, compared in study.artefacts.items()}
+    summaries = {name: artefact_summary(judged) for name, judged in study.artefacts.items()}
     rows: list[list[Cell]] = [
         [name, len(study.artefacts[name]), *(summary[kind] for kind in OUTCOMES), summary["verdict"]]
         for name, summary in summaries.items()
@@ -89,7 +89,7 @@ def artefacts_table(study: Study) -> Table:
 
 
 def _columns(study: Study) -> DataFrameColumns:
-    """The compared: published and own values in the printed units, and the verdict."""
+    """The comparisons: published values and ours in the printed units, and the verdict."""
     names = ("artefact", "quantity", "published", "ours", "unit", "verdict", "reason")
     return DataFrameColumns({name: [getattr(value, name) for value in study.compared] for name in names})
 
@@ -100,23 +100,23 @@ def _numbers(study: Study) -> dict[str, Any]:
         "study": "Raminelli (2020)",
         "data": None if study.data is None else str(study.data),
         "left_out": list(study.left_out),
-        "artefacts": {name: artefact_summary(compared) for name, compared in study.artefacts.items()},
+        "artefacts": {name: artefact_summary(judged) for name, judged in study.artefacts.items()},
         "compared": [asdict(value) for value in study.compared],
         "errata": [asdict(erratum) for erratum in study.errata],
         "page": None if study.page is None else str(study.page),
     }
 
 
-def artefact_summary(compared: Sequence[ComparedValue]) -> dict[str, Any]:
+def artefact_summary(judged: Sequence[ComparedValue]) -> dict[str, Any]:
     """The verdict on an artefact, and how many of its numbers have which."""
-    return {"verdict": overall(compared), **{kind: sum(f.verdict == kind for f in compared) for kind in OUTCOMES}}
+    return {"verdict": overall(judged), **{kind: sum(f.verdict == kind for f in judged) for kind in OUTCOMES}}
 
 
 def run(data: str | Path | None, published: Published, progress: Progress | None) -> Study:
     """See `dampyr.studies.raminelli_2020.reproduce`."""
-    say = progress or (lambda stage, done: None)
+    report = progress or (lambda stage, done: None)
     folder, left_out = find_data(data)
-    campaign = load(folder, say) if folder else None
+    campaign = load(folder, report) if folder else None
     steps: list[tuple[str, Callable[[], StudyPart | list[StudyPart]]]] = [
         ("chapter 2", partial(chapter_2, published)),
         ("table 4.1", partial(table_4_1, published)),
@@ -129,10 +129,12 @@ def run(data: str | Path | None, published: Published, progress: Progress | None
     ]
     parts: list[StudyPart] = []
     for k, (stage, make) in enumerate(steps):
-        say(f"comparing: {stage}", k / len(steps))
-        made = make()
-        parts += made if isinstance(made, list) else [made]
-    return Study(tuple(parts), folder, (*left_out, *_absent(campaign)))
+        report(f"comparing: {stage}", k / len(steps))
+        result = make()
+        parts += result if isinstance(result, list) else [result]
+    absent = campaign.absent if campaign else ()
+    left_out = (*left_out, *(f"table {row.table}, row {row.row}: no file in the folder" for row in absent))
+    return Study(tuple(parts), folder, left_out)
 
 
 def find_data(data: str | Path | None) -> tuple[Path | None, tuple[str, ...]]:
@@ -142,12 +144,7 @@ def find_data(data: str | Path | None) -> tuple[Path | None, tuple[str, ...]]:
     try:
         return locate("labcontrol"), ()
     except MissingData as problem:
-        what = (
+        omission = (
             "everything that needs the measured files (Tables 4.2 to 4.5, both errors, Figures 4.1 to 4.4, Table A.2)"
         )
-        return None, (f"{what}: {problem}",)
-
-
-def _absent(campaign: PublishedCampaign | None) -> list[str]:
-    rows = campaign.absent if campaign else ()
-    return [f"table {row.table}, row {row.row}: no file in the folder" for row in rows]
+        return None, (f"{omission}: {problem}",)

@@ -23,10 +23,10 @@ DATA = "Labcontrol (UTFPR), A. N. Vargas: data of the shaking table with MR-damp
 
 def write(study: Study, out: Path) -> Study:
     """``reproduce.html`` and ``reproduce.json`` in ``out``; returns the study with its page."""
-    done = replace(study, page=write_html(out / "reproduce.html", html(study)))
-    text = json.dumps(done.as_dict(), indent=2, ensure_ascii=False, allow_nan=False)
+    with_page = replace(study, page=write_html(out / "reproduce.html", html(study)))
+    text = json.dumps(with_page.as_dict(), indent=2, ensure_ascii=False, allow_nan=False)
     (out / "reproduce.json").write_text(text + "\n", encoding="utf-8")
-    return done
+    return with_page
 
 
 def html(study: Study) -> str:
@@ -46,7 +46,7 @@ def html(study: Study) -> str:
 
 def summary(study: Study) -> list[Block]:
     """One line for each table, equation, error and figure."""
-    verdicts = [Verdict(overall(compared), _why(compared)) for compared in study.artefacts.values()]
+    verdicts = [Verdict(overall(judged), _count_and_reason(judged)) for judged in study.artefacts.values()]
     table = artefacts_table(study)
     rows = [[*row[:-1], verdict] for row, verdict in zip(table.rows, verdicts, strict=True)]
     text = (
@@ -60,11 +60,11 @@ def summary(study: Study) -> list[Block]:
     return blocks
 
 
-def _why(compared: Sequence[ComparedValue]) -> str:
+def _count_and_reason(judged: Sequence[ComparedValue]) -> str:
     """Counts, and the first reason of the verdict."""
-    kind = overall(compared)
-    of = [f for f in compared if f.verdict == kind]
-    count = f"{len(of)} of {len(compared)}: " if len(compared) > 1 else ""
+    kind = overall(judged)
+    of = [f for f in judged if f.verdict == kind]
+    count = f"{len(of)} of {len(judged)}: " if len(judged) > 1 else ""
     return f"{count}{of[0].quantity}, {of[0].reason}"
 
 

@@ -21,11 +21,11 @@ class StudyPart:
     errata: Sequence[Erratum] = ()
 
 
-def compared_table(compared: Sequence[ComparedValue], caption: str = "", digits: int = 6) -> Table:
+def compared_table(judged: Sequence[ComparedValue], caption: str = "", digits: int = 6) -> Table:
     """Published beside ours, with the verdict and its reason."""
     rows: list[list[Cell]] = [
         [f.artefact, f.quantity, _shown(f.published), _shown(f.ours), f.unit, Verdict(f.verdict, f.reason)]
-        for f in compared
+        for f in judged
     ]
     columns = ("artefact", "quantity", "published", "ours", "unit", "verdict")
     align = ("left", "left", "right", "right", "left", "left")

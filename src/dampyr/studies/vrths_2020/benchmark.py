@@ -26,7 +26,7 @@ INTENSITY = 0.4
 def structure(case: int) -> Building:
     """The building of a case, 1 to 4, from its file; :class:`~dampyr.errors.InputError` for another."""
     if case not in CASES or isinstance(case, bool):
-        raise InputError(f"case {case!r} is none of the benchmark's; choose from 1 to 4")
+        raise InputError(f"case {case!r} is not one of the benchmark's; choose from 1 to 4")
     return load(Path(__file__).parent / f"case_{case}.toml")
 
 
@@ -39,7 +39,7 @@ def motion(name: str = "El Centro", data: str | Path | None = None, intensity: f
     from scipy.io import loadmat
 
     if name not in MOTIONS:
-        raise InputError(f"{name!r} is no motion of the benchmark; choose from {', '.join(MOTIONS)}")
+        raise InputError(f"{name!r} is not a motion of the benchmark; choose from {', '.join(MOTIONS)}")
     file, variable = MOTIONS[name]
     folder = data_root() / "vrths_2020" if data is None else Path(data)
     if not (folder / file).is_file():

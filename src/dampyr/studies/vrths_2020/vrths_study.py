@@ -76,13 +76,13 @@ def describe_study(study: VrthsStudy) -> Description:
     """How many of the compared agree, and the batches of random plants; tables of the criteria and of these batches."""
     agrees = sum(value.verdict == "agrees" for value in study.compared)
     rows = [("compared", f"{agrees} of {len(study.compared)} agree")]
-    rows += [(f"random plants, case {case}", _batch_words(batch)) for case, batch in study.batches.items()]
+    rows += [(f"random plants, case {case}", _describe_batch(batch)) for case, batch in study.batches.items()]
     return Description(
         "Study of the hybrid simulation benchmark (2020)",
         rows,
         verdict=[
             *(
-                f"{len(batch.plants)} random plants of case {case}: {batch.unstable} unstable, worst {_worst(batch)}."
+                f"{len(batch.plants)} random plants of case {case}: {batch.unstable} unstable, worst {_describe_worst(batch)}."
                 for case, batch in study.batches.items()
             ),
             f"{agrees} of {len(study.compared)} numbers agree.",
@@ -160,23 +160,23 @@ def run(data: str | Path | None, plants: int, progress: Progress) -> VrthsStudy:
             progress(f"case {case}", k / 5)
             for motion_name, shaking in motions.items():
                 runs = [perform_virtual(setup, compensator, shaking, seed) for seed in range(SEEDS)]
-                true, measured = (np.array([each.criteria(m) for each in runs]) for m in (False, True))
+                true, measured = (np.array([result.criteria(kind) for result in runs]) for kind in (False, True))
                 criteria[motion_name, name, case] = true.mean(axis=0), measured.mean(axis=0)
                 if motion_name == "El Centro":
-                    values += compared(name, case, true)
+                    values += compare_arrangement(name, case, true)
     batches = {}
     for case in CASES if plants else ():
         setup, compensator = arrangements(case)[OURS]
 
-        def say(done: float, case: int = case) -> None:
+        def report(done: float, case: int = case) -> None:
             progress(f"random plants, case {case}", done)
 
-        batches[case] = run_many(setup, compensator, motions["El Centro"], plants, progress=say)
+        batches[case] = run_many(setup, compensator, motions["El Centro"], plants, progress=report)
         values.append(batch_comparison(case, batches[case]))
     return VrthsStudy(tuple(values), criteria, batches, _example(motions["El Centro"]))
 
 
-def compared(name: str, case: int, true: Array) -> list[ComparedValue]:
+def compare_arrangement(name: str, case: int, true: Array) -> list[ComparedValue]:
     """Findings of one arrangement under El Centro, from the criteria (draws, 9) on the true displacement."""
     mean, spread = true.mean(axis=0), true.std(axis=0)
     artefact = f"{name}, case {case}"
@@ -199,33 +199,33 @@ def compared(name: str, case: int, true: Array) -> list[ComparedValue]:
 def batch_comparison(case: int, batch: BatchResult) -> ComparedValue:
     """Whether any random plant was unstable."""
     return claim(f"random plants, case {case}", "no plant is unstable", "0", str(batch.unstable), batch.unstable == 0,
-                 _batch_words(batch))  # fmt: skip
+                 _describe_batch(batch))  # fmt: skip
 
 
-def _batch_words(batch: BatchResult) -> str:
-    return f"{len(batch.plants)} plants, {batch.unstable} unstable; the worst {_worst(batch)}"
+def _describe_batch(batch: BatchResult) -> str:
+    return f"{len(batch.plants)} plants, {batch.unstable} unstable; the worst {_describe_worst(batch)}"
 
 
-def _worst(batch: BatchResult) -> str:
+def _describe_worst(batch: BatchResult) -> str:
     worst = {name: batch.true[batch.worst(name), CRITERIA.index(name)] for name in ("J2", "J4")}
     return ", ".join(f"{name} {value:.3g} %" for name, value in worst.items())
 
 
 def _example(shaking: GroundMotion) -> tuple[Array, dict[str, Array]]:
     """First floor of case 4: the reference and what two compensators make of it."""
-    chosen = {name: perform_virtual(*arrangements(4)[name], shaking) for name in (PHASE_LEAD, OURS)}
-    first = next(iter(chosen.values()))
+    runs = {name: perform_virtual(*arrangements(4)[name], shaking) for name in (PHASE_LEAD, OURS)}
+    first = next(iter(runs.values()))
     shown = slice(5 * 4096, 13 * 4096, 8)  # the strongest seconds; one sample in eight is enough for a figure
-    lines = {"structure": first.reference[0], **{name: each.displacement for name, each in chosen.items()}}
+    lines = {"structure": first.reference[0], **{name: result.displacement for name, result in runs.items()}}
     return first.time[shown], {name: line[shown] for name, line in lines.items()}
 
 
 def write(study: VrthsStudy, out: Path) -> VrthsStudy:
     """``vrths_2020.html`` and ``vrths_2020.json`` in ``out``; returns the study with its page."""
-    done = replace(study, page=write_html(out / "vrths_2020.html", html(study)))
-    text = json.dumps(done.as_dict(), indent=2, ensure_ascii=False, allow_nan=False)
+    with_page = replace(study, page=write_html(out / "vrths_2020.html", html(study)))
+    text = json.dumps(with_page.as_dict(), indent=2, ensure_ascii=False, allow_nan=False)
     (out / "vrths_2020.json").write_text(text + "\n", encoding="utf-8")
-    return done
+    return with_page
 
 
 def html(study: VrthsStudy) -> str:
@@ -233,7 +233,7 @@ def html(study: VrthsStudy) -> str:
     sections = [
         Section("Against the replica, and the aims", [compared_table(study.compared, digits=4)]),
         Section(
-            "All criteria", [Text(WORDS), *(criteria_table(study, name) for name in MOTIONS), measured_table(study)]
+            "All criteria", [Text(NOTES), *(criteria_table(study, name) for name in MOTIONS), measured_table(study)]
         ),
         Section("Case 4 under El Centro", [FigureBlock(building_response(*study.example), "First floor.")]),
     ]
@@ -252,7 +252,7 @@ def html(study: VrthsStudy) -> str:
     )
 
 
-WORDS = (
+NOTES = (
     f"Means over {SEEDS} draws of the noise, on the true displacement; J2 and J4 as measured are of the displacement with its "
     "sensor's noise, which alone makes 1.6 to 2.9 %. The force reaches the numerical part one sample late, but of the adaptive "
     "model-based compensator and of the last, where it is in time. The Kalman compensator extrapolates the force by one and "
@@ -262,8 +262,11 @@ WORDS = (
 
 def criteria_table(study: VrthsStudy, shaking: str) -> Table:
     """The criteria on the true displacement, under one motion."""
-    own = [(name, case, true) for (of, name, case), (true, _) in study.criteria.items() if of == shaking]
-    rows: list[Sequence[Cell]] = [[name, case, *(float(value) for value in true)] for name, case, true in own]
+    rows: list[Sequence[Cell]] = [
+        [name, case, *(float(value) for value in true)]
+        for (of, name, case), (true, _) in study.criteria.items()
+        if of == shaking
+    ]
     return Table(("compensator", "case", *CRITERIA), rows, ("", "", "ms", *["%"] * 8), caption=f"{shaking}.", digits=3)
 
 

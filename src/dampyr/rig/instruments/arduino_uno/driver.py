@@ -192,8 +192,8 @@ class Uno:
         if self._heard.startswith(request[1:]) or self._heard.startswith(request):
             return f"what is connected only sends back what it is sent, {how_often}; {repair}"
         return (
-            f"what is connected is no Uno with dampyr's program, or its line has another speed than wires.baud: {how_often}, "
-            f"it sends {self._heard[:SHOWN].hex(' ')}; {repair}"
+            f"what is connected is not an Uno with dampyr's program, or its line has another speed than wires.baud: {how_often}"
+            f", it sends {self._heard[:SHOWN].hex(' ')}; {repair}"
         )
 
     def _ask(self, kind: Request, *values: int) -> SerialFrame:

@@ -178,7 +178,7 @@ def _ports_here() -> str:
     """The serial ports of this computer."""
     from serial.tools.list_ports import comports
 
-    names = [each.device for each in comports()]
+    names = [port.device for port in comports()]
     return f"here: {', '.join(names)}" if names else "this computer has none now"
 
 
