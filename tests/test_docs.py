@@ -476,7 +476,8 @@ def test_the_reference_names_every_channel_of_a_file() -> None:
 def test_the_reference_of_the_record_file_is_what_is_written(tmp_path: Path) -> None:
     import h5py
 
-    from dampyr.records import Label, Record, write
+    from dampyr.records import Record, write
+    from dampyr.records.record import Label
 
     t = np.linspace(0.0, 1.0, 50)
     label = Label(0.01, 1.0, "4.2", 3)

@@ -13,7 +13,7 @@ from dampyr.cli import cli
 from dampyr.errors import FindingWarning, InputError
 from dampyr.findings import OF_DAMPER, Finding, Findings, handed_on, worst_first
 from dampyr.ground_motions import el_centro
-from dampyr.hybrid import delayed_result
+from dampyr.hybrid.delayed_hybrid import delayed_result
 from dampyr.models import Damper, Interpolation
 from dampyr.structures import respond, two_storey
 

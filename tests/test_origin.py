@@ -16,7 +16,7 @@ from dampyr.cli import cli
 from dampyr.errors import FileError, InputError
 from dampyr.ground_motions import el_centro
 from dampyr.ground_motions import read as read_motion
-from dampyr.hybrid import delayed_result
+from dampyr.hybrid.delayed_hybrid import delayed_result
 from dampyr.models import Damper
 from dampyr.origin import NOT_STATED, Origin, PublishedData, as_origin, combined
 from dampyr.records import datasets, read, write

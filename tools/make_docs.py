@@ -221,7 +221,7 @@ def dataset_section(name: str) -> str:
 
 def campaign_header() -> str:
     """The fields above the steps of a campaign."""
-    from dampyr.campaigns import Header
+    from dampyr.campaigns.campaign import Header
 
     return field_table(Header)
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from dampyr import campaigns
-from dampyr.campaigns import kind, largest, violations_of
-from dampyr.campaigns.check import STROKE_MARGIN, repairs
+from dampyr.campaigns.check import STROKE_MARGIN, largest, repairs, violations_of
 from dampyr.campaigns.force_prediction import course, envelope, original_fit
+from dampyr.campaigns.kinds import kind
 from dampyr.models import Damper
 from dampyr.models.laws import Constant
 from dampyr.rig import RigSettings

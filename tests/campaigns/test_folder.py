@@ -16,8 +16,9 @@ import numpy as np
 import pytest
 
 from dampyr import records
-from dampyr.campaigns import Progress, campaign, perform, read_journal
+from dampyr.campaigns import campaign, perform, read_journal
 from dampyr.campaigns.journal import Journal
+from dampyr.campaigns.run_control import Progress
 from dampyr.campaigns.run_folders import run_folder
 from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.records.formats import h5

@@ -14,7 +14,9 @@ from click.testing import CliRunner
 from scipy import signal
 
 from dampyr import campaigns, records
-from dampyr.campaigns import Progress, RunControl, Stopped, learn_drive, perform, plan, read_journal
+from dampyr.campaigns import RunControl, Stopped, learn_drive, perform, plan, read_journal
+from dampyr.campaigns.check import largest
+from dampyr.campaigns.force_prediction import specimen
 from dampyr.campaigns.learned_drives import FOLDER, LearnedDrive, drive_key, load_learned, save_learned
 from dampyr.campaigns.learning import (
     CUTOFF,
@@ -32,10 +34,12 @@ from dampyr.campaigns.learning import (
     tracking,
 )
 from dampyr.campaigns.planned_tests import WAYS
+from dampyr.campaigns.run_control import Progress
 from dampyr.campaigns.steps.sine import Sine
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning, InputError, RigFault
 from dampyr.records.formats import h5
+from dampyr.records.record import Label
 from dampyr.rig import Drive, Rig, RigSettings, simulated
 
 Array = np.ndarray
@@ -343,7 +347,7 @@ def test_there_are_five_tries_at_most(tmp_path: Path, monkeypatch: pytest.Monkey
 def test_a_drive_beyond_the_limits_is_not_played(tmp_path: Path) -> None:
     """The largest sine that the check lets pass: what would make up for its lag is too fast."""
     step = Sine(0.004, 4.0, 3.212, cycles=1, rest_before=0.2)
-    fastest = campaigns.largest(step, "frequency", RigSettings(), campaigns.specimen(RigSettings(), None))
+    fastest = largest(step, "frequency", RigSettings(), specimen(RigSettings(), None))
     opened = rig()
     folder = perform(campaign(sine(amplitude="4 mm", frequency=fastest, cycles=1)), opened, tmp_path).folder
     [path] = folder.glob("*.h5")
@@ -592,7 +596,7 @@ def test_distortion_and_error_of_the_amplitude_of_a_record() -> None:
     phase = 2 * np.pi * 0.84 * time
     x = 0.0081 * (np.sin(phase) + 0.03 * np.sin(3 * phase + 1) + 0.04 * np.sin(5 * phase))
     record = records.Record(
-        time=time, displacement=x, force=np.cos(phase), voltage=0.0, name="a", label=records.Label(0.016, 0.84)
+        time=time, displacement=x, force=np.cos(phase), voltage=0.0, name="a", label=Label(0.016, 0.84)
     )
     assert records.total_harmonic_distortion(record) == pytest.approx(0.05, rel=1e-6)
     assert records.amplitude_error(record) == pytest.approx(0.0125, rel=1e-6)

@@ -21,8 +21,9 @@ import pytest
 from tests.endurance import Endurance
 
 from dampyr import campaigns, records
-from dampyr.campaigns import Progress, RunControl, Stopped, perform, read_journal
+from dampyr.campaigns import RunControl, Stopped, perform, read_journal
 from dampyr.campaigns.record_test import groups_of
+from dampyr.campaigns.run_control import Progress
 from dampyr.errors import DampyrWarning, FileError, InputError, RigFault
 from dampyr.records.files.recording import Recording
 from dampyr.records.formats import h5

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from dampyr import campaigns
-from dampyr.campaigns import available_steps, kind, perform, plan
+from dampyr.campaigns import available_steps, perform, plan
+from dampyr.campaigns.kinds import kind
 from dampyr.campaigns.planned_tests import WAYS
 from dampyr.errors import FileError, InputError, MissingData
 from dampyr.rig import RigSettings, simulated

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
-from dampyr.campaigns import kind
+from dampyr.campaigns.kinds import kind
 from dampyr.campaigns.paths import AFTER
 from dampyr.errors import InputError
-from dampyr.ground_motions import el_centro, pgd, pgv
+from dampyr.ground_motions import el_centro
+from dampyr.ground_motions.intensity_measures import pgd, pgv
 from dampyr.rig import RigSettings
 
 RIG = RigSettings()

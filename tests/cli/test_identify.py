@@ -148,7 +148,8 @@ def test_a_bandwidth_that_a_record_does_not_carry_is_one_sentence(different_spee
 
 
 def test_the_goodness_of_fit_is_listed_by_rising_input() -> None:
-    from dampyr.identification import Score, Window
+    from dampyr.identification import Score
+    from dampyr.identification.scoring.scoring_window import Window
     from dampyr.records import Record
     from dampyr.show.identification.score_groups import scores_by_input
 

@@ -12,7 +12,8 @@ from tests.show.pages.test_html_page import Reader
 from dampyr.cli import cli
 from dampyr.cli._motion import acceleration, ratio, spectral
 from dampyr.errors import InputError
-from dampyr.ground_motions import corrected, el_centro, measures, sa, spectrum
+from dampyr.ground_motions import corrected, el_centro, measures, spectrum
+from dampyr.ground_motions.intensity_measures import sa
 
 G = 9.80665
 

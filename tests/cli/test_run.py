@@ -17,6 +17,7 @@ from click.testing import CliRunner
 
 from dampyr import campaigns, records
 from dampyr.campaigns import read_journal
+from dampyr.campaigns.run_control import Progress
 from dampyr.cli import _frame, cli
 from dampyr.cli._running import shown
 from dampyr.cli.run import REFUSED
@@ -280,7 +281,7 @@ def test_progress_that_cannot_be_shown_ends_nothing(
     monkeypatch.setattr(sys, "stderr", stream)
     with shown(campaigns.plan(tmp_path / "short.toml")) as show:
         for name in ("a", "b", "c", "d", "e"):
-            show(campaigns.Progress(0, 5, name, "testing"))
+            show(Progress(0, 5, name, "testing"))
     assert stream.left < 0
 
 

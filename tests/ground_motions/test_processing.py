@@ -6,18 +6,8 @@ import numpy as np
 import pytest
 
 from dampyr.errors import DampyrWarning, InputError
-from dampyr.ground_motions import (
-    GroundMotion,
-    arias,
-    corrected,
-    el_centro,
-    filtered,
-    padded,
-    resampled,
-    sa,
-    significant_duration,
-    trimmed,
-)
+from dampyr.ground_motions import GroundMotion, corrected, el_centro, filtered, padded, resampled, trimmed
+from dampyr.ground_motions.intensity_measures import arias, sa, significant_duration
 from dampyr.ground_motions.resampling import above
 
 N, DT = 4001, 0.01

@@ -8,18 +8,8 @@ from scipy.integrate import quad
 from scipy.signal import TransferFunction, lsim
 
 from dampyr.errors import InputError
-from dampyr.ground_motions import (
-    FIRM,
-    MEDIUM,
-    SOFT,
-    RisePlateauDecay,
-    ShinozukaSato,
-    Soil,
-    kanai_tajimi,
-    pgd,
-    pgv,
-    stationary,
-)
+from dampyr.ground_motions import FIRM, MEDIUM, SOFT, RisePlateauDecay, ShinozukaSato, Soil, kanai_tajimi, stationary
+from dampyr.ground_motions.intensity_measures import pgd, pgv
 
 S0 = 0.01
 

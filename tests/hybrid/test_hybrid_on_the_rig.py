@@ -12,7 +12,7 @@ from dampyr import campaigns, records
 from dampyr.campaigns import hybrid_result, perform, plan, planned_hybrid
 from dampyr.cli import cli
 from dampyr.errors import InputError, RigFault
-from dampyr.hybrid import HybridResult
+from dampyr.hybrid.hybrid_result import HybridResult
 from dampyr.hybrid.rig_drive import STOPPING, way_back
 from dampyr.rig import Rig, simulated
 from dampyr.show.pages.result_page import write_page

@@ -6,7 +6,6 @@ import pytest
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.hybrid import (
-    Compensator,
     HybridSetup,
     KalmanCompensator,
     ModelBasedCompensator,
@@ -15,6 +14,7 @@ from dampyr.hybrid import (
     loop_stability,
     perform_virtual,
 )
+from dampyr.hybrid.compensators import Compensator
 from dampyr.hybrid.setup import IDEAL
 from dampyr.structures import Building
 from dampyr.structures.damping import modal

@@ -8,7 +8,9 @@ import pytest
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, el_centro
-from dampyr.hybrid import LagEstimator, Substructure, delayed_result, lag_of, run_delayed
+from dampyr.hybrid import Substructure, run_delayed
+from dampyr.hybrid.delayed_hybrid import delayed_result
+from dampyr.hybrid.substructure import LagEstimator, lag_of
 from dampyr.models import Damper
 from dampyr.structures import Building, respond, two_storey
 from dampyr.studies import raminelli_2020

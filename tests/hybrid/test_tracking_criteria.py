@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dampyr.errors import InputError
-from dampyr.hybrid import tracking_criteria
+from dampyr.hybrid.criteria import tracking_criteria
 
 DT = 1.0 / 4096.0
 

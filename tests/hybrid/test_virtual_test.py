@@ -15,10 +15,10 @@ from dampyr.hybrid import (
     PhaseLeadCompensator,
     PhysicalSubstructure,
     TransferSystem,
-    inverse_coefficients,
     perform_virtual,
     run_many,
 )
+from dampyr.hybrid.compensators import inverse_coefficients
 from dampyr.hybrid.random_plants import draw_plants
 from dampyr.hybrid.setup import IDEAL
 from dampyr.structures import Building

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from dampyr.errors import ExtrapolationWarning, InputError
-from dampyr.identification import Acceptance, AcceptOptions, accept, fit
+from dampyr.identification import AcceptOptions, accept, fit
+from dampyr.identification.acceptance_tests.acceptance import Acceptance
 from dampyr.models import Constant, Damper, published
 from dampyr.records import Record, read_campaign
 from dampyr.show.identification.acceptance import band

@@ -8,7 +8,8 @@ import pytest
 from dampyr.identification import FitOptions, fit, plastic_region, score
 from dampyr.identification.scoring.validation import cross_validate
 from dampyr.models import Interpolation, Polynomial
-from dampyr.records import campaign_rows, read_campaign
+from dampyr.records import read_campaign
+from dampyr.records.files.campaign_folder import campaign_rows
 
 FLOORS = {0.0: 8.8, 0.8712: 8.0, 1.98: 12.7, 3.212: 14.3}  # %, mean L1 of the plain Dahl model fitted per record
 

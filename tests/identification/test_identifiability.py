@@ -8,8 +8,9 @@ from tests.identification.synthetic import sine
 from tests.identification.test_profile_likelihood import DAMPER, noisy_records
 
 import dampyr as dp
-from dampyr.identification import Fit, Inseparable, fit, identifiability
+from dampyr.identification import Fit, fit, identifiability
 from dampyr.identification.parameter_uncertainty.candidate_motions import MotionReach, candidate_motions, measure_reach
+from dampyr.identification.parameter_uncertainty.identifiability import Inseparable
 from dampyr.identification.search.fit_data import piece
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record

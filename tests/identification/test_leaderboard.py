@@ -17,10 +17,11 @@ import pytest
 from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
-from dampyr.identification import Finalist, FitOptions, Fold, Leaderboard, Score, Validation, fit
+from dampyr.identification import FitOptions, Leaderboard, Score, fit
 from dampyr.identification.fits.result import reasons_of_choice
 from dampyr.identification.model_choice import parallel, screening
 from dampyr.identification.model_choice.leaderboard import (
+    Finalist,
     SearchTimedOut,
     enough_records,
     leaderboard,
@@ -29,7 +30,7 @@ from dampyr.identification.model_choice.leaderboard import (
 )
 from dampyr.identification.model_choice.screening import CUT, NOT_BEGUN, Trial, screen_all, screening_set, shortened
 from dampyr.identification.scoring.scoring_window import Window
-from dampyr.identification.scoring.validation import cross_validate
+from dampyr.identification.scoring.validation import Fold, Validation, cross_validate
 from dampyr.models import Damper, Interpolation, available_parts, compose
 from dampyr.records import Record, read_campaign, with_velocity
 from dampyr.show.identification.leaderboard import choice_in_words, velocity_in_words

@@ -11,8 +11,8 @@ from tests.identification.test_profile_likelihood import noisy_records
 
 import dampyr as dp
 from dampyr.errors import InputError
-from dampyr.identification import Fit, Posterior, fit, profile, sample_posterior
-from dampyr.identification.parameter_uncertainty.posterior import split_r_hat
+from dampyr.identification import Fit, fit, profile, sample_posterior
+from dampyr.identification.parameter_uncertainty.posterior import Posterior, split_r_hat
 
 pytest.importorskip("emcee", reason="the extra bayes is not installed: pip install dampyr[bayes]")
 

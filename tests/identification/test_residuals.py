@@ -9,9 +9,17 @@ from scipy.stats import spearmanr
 from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
-from dampyr.identification import Residuals, Trace, analyse, fit
+from dampyr.identification import analyse, fit
 from dampyr.identification.fits.diagnostics import findings, residual_findings, trends
-from dampyr.identification.fits.residuals import SIDES, autocorrelation, correlation_intervals, motion, noise_of
+from dampyr.identification.fits.residuals import (
+    SIDES,
+    Residuals,
+    Trace,
+    autocorrelation,
+    correlation_intervals,
+    motion,
+    noise_of,
+)
 from dampyr.models import Damper
 
 DT, F = 0.005, 1.25

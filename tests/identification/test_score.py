@@ -9,7 +9,8 @@ from dampyr.identification import score
 from dampyr.identification.scoring.score import compare
 from dampyr.identification.scoring.scoring_window import list_unscorable, scoring_window
 from dampyr.models import Constant, Damper
-from dampyr.records import Record, motion_start
+from dampyr.records import Record
+from dampyr.records.checks.quality import motion_start
 
 DAHL = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
 

@@ -16,7 +16,8 @@ from dampyr.identification.scoring.validation import cross_validate
 from dampyr.identification.search.fit_data import piece, thinned, weighted
 from dampyr.identification.search.normal_equations import products
 from dampyr.models import Constant, Damper, WithTemperature
-from dampyr.records import Declaration, MovingAverage, Record, cut, motion_start, with_smoothing
+from dampyr.records import Declaration, MovingAverage, Record, cut, with_smoothing
+from dampyr.records.checks.quality import motion_start
 
 SAMPLES = 21  # of 200 a second: about a tenth of the period
 

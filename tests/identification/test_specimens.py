@@ -14,8 +14,9 @@ from tests.endurance import Endurance
 import dampyr as dp
 from dampyr.cli import cli
 from dampyr.errors import InputError
-from dampyr.identification import Specimens, fit_specimens, score
+from dampyr.identification import fit_specimens, score
 from dampyr.identification.parameter_uncertainty.random_effects import random_effects
+from dampyr.identification.parameter_uncertainty.specimens import Specimens
 from dampyr.models import Damper
 from dampyr.records import Record, write
 from dampyr.show.identification.specimens import mean_and_spread

@@ -10,9 +10,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from dampyr.campaigns import available_steps, kind, violations_of
-from dampyr.campaigns.check import STROKE_MARGIN
+from dampyr.campaigns import available_steps
+from dampyr.campaigns.check import STROKE_MARGIN, violations_of
 from dampyr.campaigns.force_prediction import course
+from dampyr.campaigns.kinds import kind
 from dampyr.campaigns.step import words
 from dampyr.config import origin, split
 from dampyr.errors import InputError

@@ -21,12 +21,29 @@ import pytest
 
 import dampyr as dp
 from dampyr import hybrid
+from dampyr.campaigns.check import Violation
+from dampyr.campaigns.run_control import Progress, Skipped
+from dampyr.campaigns.step import Peaks
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.ground_motions import synthetic_motions
+from dampyr.hybrid.delayed_hybrid import delayed_result
+from dampyr.hybrid.hybrid_result import HybridResult
+from dampyr.hybrid.substructure import LagEstimator
 from dampyr.identification import FitOptions
-from dampyr.identification.fits.residuals import motion
+from dampyr.identification.fits.diagnostics import Trend
+from dampyr.identification.fits.residuals import Trace, motion
+from dampyr.identification.limit_cycle_methods.limit_cycle import LimitCycle
+from dampyr.identification.model_choice.leaderboard import Finalist
+from dampyr.identification.model_choice.screening import Screened, Trial
+from dampyr.identification.parameter_uncertainty.posterior import Posterior
+from dampyr.identification.parameter_uncertainty.specimens import Specimens
 from dampyr.identification.scoring.validation import cross_validate
 from dampyr.phrases import rounded
+from dampyr.planning.planner import Planned, Round
+from dampyr.records.conditioning.smoothing_inverse import undo
+from dampyr.records.conditioning.smoothing_recognition import Recognised
+from dampyr.records.files.campaign_folder import campaign_rows
+from dampyr.records.record import Label
 from dampyr.rig.calibration import calibration_of
 from dampyr.show.descriptions import description_of
 from dampyr.show.figures import laws as law_figures
@@ -48,18 +65,18 @@ VOLTS = (0.0, 1.0, 2.0)
 STEPS = [{"kind": "sine", "amplitude": ["5 mm", "8 mm"], "frequency": "1 Hz", "voltage": "0.8712 V", "cycles": 2}]
 
 
-def late_by_10_ms(made: Any) -> hybrid.HybridResult:
+def late_by_10_ms(made: Any) -> HybridResult:
     """A hybrid test on an actuator that is 10 ms late."""
-    return hybrid.delayed_result(dp.structures.two_storey(), made.shake, dp.studies.raminelli_2020.damper(), 0.010)
+    return delayed_result(dp.structures.two_storey(), made.shake, dp.studies.raminelli_2020.damper(), 0.010)
 
 
-def posterior_of(fit: dp.identification.Fit) -> dp.identification.Posterior:
+def posterior_of(fit: dp.identification.Fit) -> Posterior:
     """Samples of a fit, as few as show themselves."""
     pytest.importorskip("emcee", reason="the extra bayes is not installed: pip install dampyr[bayes]")
     return dp.identification.sample_posterior(fit, lengths=5.0, steps=250)
 
 
-def three_specimens(made: Any) -> dp.identification.Specimens:
+def three_specimens(made: Any) -> Specimens:
     """Three dampers that were tested alike."""
     groups = {
         f"damper {n}": [
@@ -97,7 +114,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "hybrid.Criteria": lambda made: hybrid.perform_virtual(made.hybrid, made.compensator, made.shake).criteria(),
     "hybrid.HybridSetup": lambda made: made.hybrid,
     "hybrid.HybridResult": lambda made: late_by_10_ms(made),
-    "hybrid.LagEstimator": lambda made: hybrid.LagEstimator(0.001, 0.01, lag=0.005),
+    "hybrid.LagEstimator": lambda made: LagEstimator(0.001, 0.01, lag=0.005),
     "hybrid.Substructure": lambda made: substructure(made),
     "hybrid.SubstructureRun": lambda made: substructure(made).run(),
     "hybrid.KalmanCompensator": lambda made: made.compensator,
@@ -111,22 +128,22 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "hybrid.VirtualRun": lambda made: hybrid.perform_virtual(made.hybrid, made.compensator, made.shake),
     "campaigns.Campaign": lambda made: made.campaign,
     "campaigns.RunControl": lambda made: dp.campaigns.RunControl(),
-    "campaigns.Violation": lambda made: dp.campaigns.Violation("voltage", "needs 9 V; the limit is 4.4 V"),
+    "campaigns.Violation": lambda made: Violation("voltage", "needs 9 V; the limit is 4.4 V"),
     "campaigns.Header": lambda made: made.campaign.header,
     "campaigns.Journal": lambda made: made.journal,
     "planning.Peak": lambda made: dp.planning.Peak(made.building, made.motion, 1.98),
     "planning.PlanOptions": lambda made: dp.planning.PlanOptions(tests=2),
-    "planning.Planned": lambda made: dp.planning.Planned(
+    "planning.Planned": lambda made: Planned(
         Path("lab"), (made.round,), made.fit, False, "all 2 tests are performed", "all parameters"
     ),
     "planning.Proposal": lambda made: made.proposal,
     "planning.ProposedTest": lambda made: made.proposal.tests[0],
     "planning.Round": lambda made: made.round,
-    "campaigns.Peaks": lambda made: dp.campaigns.Peaks(0.010, 0.063),
+    "campaigns.Peaks": lambda made: Peaks(0.010, 0.063),
     "campaigns.Plan": lambda made: made.plan,
     "campaigns.PlannedTest": lambda made: made.plan.tests[0],
-    "campaigns.Progress": lambda made: dp.campaigns.Progress(1, 2, "01-sine", "recording", 0.5, 4.0),
-    "campaigns.Skipped": lambda made: dp.campaigns.Skipped("skipped by the operator"),
+    "campaigns.Progress": lambda made: Progress(1, 2, "01-sine", "recording", 0.5, 4.0),
+    "campaigns.Skipped": lambda made: Skipped("skipped by the operator"),
     "campaigns.Stopped": lambda made: dp.campaigns.Stopped("the campaign was stopped by its operator"),
     "campaigns.RecordedCampaign": lambda made: recorded(made.records),
     "campaigns.Test": lambda made: made.campaign.tests[0],
@@ -153,7 +170,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "identification.Identifiability": lambda made: dp.identification.identifiability(made.fit),
     "identification.FitOptions": lambda made: dp.identification.FitOptions(),
     "identification.Leaderboard": lambda made: made.board,
-    "identification.LimitCycle": lambda made: dp.identification.LimitCycle(
+    "identification.LimitCycle": lambda made: LimitCycle(
         800.0, 2.1e6, 42e3, 50.2, -0.009, -0.004, (41e3, 43e3), np.linspace(-0.01, 0.01, 500), np.linspace(-50, 50, 500)
     ),
     "identification.MethodComparison": lambda made: dp.identification.compare_method(
@@ -174,7 +191,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "identification.SpecimenSpread": lambda made: three_specimens(made).spreads["dahl.kw"],
     "identification.Tolerance": lambda made: dp.identification.Tolerance(),
     "identification.Trace": lambda made: trace_of(made.records[0]),
-    "identification.Trend": lambda made: dp.identification.Trend("stroke", 1.0, 0.7, 0.01, 8, 0.2, True),
+    "identification.Trend": lambda made: Trend("stroke", 1.0, 0.7, 0.01, 8, 0.2, True),
     "identification.Trial": lambda made: made.board.screened[0].trials[0],
     "identification.ScoreOptions": lambda made: dp.identification.ScoreOptions(),
     "identification.Validated": lambda made: made.validated,
@@ -190,23 +207,23 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "models.Polynomial": lambda made: made.damper.all_laws["dahl.kx"],
     "records.DataFile": lambda made: dp.records.datasets.data_set("el_centro_peknold").files[0],
     "records.DataSet": lambda made: dp.records.datasets.data_set("labcontrol"),
-    "records.CampaignRow": lambda made: dp.records.campaign_rows()[0],
+    "records.CampaignRow": lambda made: campaign_rows()[0],
     "records.Cut": lambda made: dp.records.cut_cycles(made.records[0]),
     "records.CutCycle": lambda made: dp.records.cut_cycles(made.records[0]).cycles[0],
     "records.Cycle": lambda made: dp.records.cycle_table(made.records[0])[0],
     "records.Declaration": lambda made: dp.records.Declaration.of("0.1 periods, trailing"),
     "records.ForceLag": lambda made: dp.records.estimate_delay(made.records[0]),
     "records.DisplacementNoise": lambda made: dp.records.displacement_noise(made.records[0]),
-    "records.Label": lambda made: dp.records.Label(0.02, 1.0, "4.2", 1),
+    "records.Label": lambda made: Label(0.02, 1.0, "4.2", 1),
     "records.Level": lambda made: dp.records.cut_cycles(made.records[0]).levels[0],
     "records.Measured": lambda made: dp.records.measure(made.records[0]),
     "records.MovingAverage": lambda made: dp.records.MovingAverage(0.3),
     "records.Overview": lambda made: dp.records.overview(made.records[0]),
     "records.ReadOptions": lambda made: dp.records.ReadOptions(voltage=1.98, smoothed="0.1 periods"),
     "records.Quality": lambda made: dp.records.quality(made.records[0]),
-    "records.Recognised": lambda made: dp.records.Recognised("force", 50, 0.1, 0.1, 15.2, 14.0),
+    "records.Recognised": lambda made: Recognised("force", 50, 0.1, 0.1, 15.2, 14.0),
     "records.Record": lambda made: made.records[0],
-    "records.Undone": lambda made: dp.records.undo(made.records[0].force, 4, 4),
+    "records.Undone": lambda made: undo(made.records[0].force, 4, 4),
     "show.FigureBlock": lambda made: dp.show.FigureBlock(
         ground_motion(made.motion.time, made.motion.acceleration), "The ground."
     ),
@@ -256,7 +273,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimpleNamespace]:
     made.plan = dp.campaigns.plan(made.campaign)
     made.proposal = dp.planning.propose(made.damper, tests=2, seconds=4.0, voltages=(0.0, 1.98), kinds=("sine",))
     halves = {"dahl.kx @ 0 V": 0.02, "dahl.rho @ 0 V": 0.1}
-    made.round = dp.planning.Round(1, Path("lab/round-01"), ("01-sine",), 20.0, halves, halves)
+    made.round = Round(1, Path("lab/round-01"), ("01-sine",), 20.0, halves, halves)
     made.journal = dp.campaigns.Journal(tmp_path_factory.mktemp("journal"))
     made.journal.plan("1234", [test.name for test in made.campaign.tests], {"name": "a notebook"})
     finding = dp.studies.raminelli_2020.ComparedValue("table 4.1", "kx", 0.802, 0.8017, "N s/mm", "agrees", "")
@@ -277,11 +294,11 @@ def _identify(made: SimpleNamespace) -> None:
     made.validation = cross_validate(made.records, "dahl", options=FitOptions(folds=3))
     made.accepted = dp.identification.accept(made.records, made.damper)
     made.validated = dp.identification.validate(made.damper, made.records)
-    entry = dp.identification.Finalist(
+    entry = Finalist(
         "dahl", 0.09, 0.004, 0.09, 0.1, 0.12, 0.01, 0.1, 9, 1.0, True, "converged", (made.validation,), made.fit
     )
-    trials = tuple(dp.identification.Trial(name, 0.1, 1.0) for name in ("dahl", "dahl + spring"))
-    screened = tuple(dp.identification.Screened(name, trials) for name in ("dahl", "bingham"))
+    trials = tuple(Trial(name, 0.1, 1.0) for name in ("dahl", "dahl + spring"))
+    screened = tuple(Screened(name, trials) for name in ("dahl", "bingham"))
     made.board = dp.identification.Leaderboard((entry, entry), screened, 15.0, ("lag was not tried",), 60.0)
 
 
@@ -308,7 +325,7 @@ def recorded(records: list[dp.records.Record]) -> Any:
 
 def trace_of(record: dp.records.Record) -> Any:
     """The residual of a model that says 0 N."""
-    return dp.identification.Trace(
+    return Trace(
         record.name, record.time, record.displacement, record.velocity, record.force, record.force, 0.0, *motion(record)
     )
 

@@ -6,8 +6,8 @@ import pytest
 from tests.planning.laboratory import BANDWIDTH, DAHL, laboratory
 
 from dampyr.errors import InputError
-from dampyr.planning import Planned, plan_and_perform
-from dampyr.planning.planner import CAMPAIGN, EXPECTED, PLAN
+from dampyr.planning import plan_and_perform
+from dampyr.planning.planner import CAMPAIGN, EXPECTED, PLAN, Planned
 from dampyr.rig import simulated
 from dampyr.show.planning.planner import widths_figure
 

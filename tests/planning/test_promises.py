@@ -8,7 +8,8 @@ import pytest
 from tests.planning.laboratory import BANDWIDTH, DAHL, HYPERBOLIC_TANGENT, VOLTAGES, laboratory
 
 from dampyr import campaigns, ground_motions, structures
-from dampyr.campaigns import kind, largest
+from dampyr.campaigns.check import largest
+from dampyr.campaigns.kinds import kind
 from dampyr.errors import DampyrWarning
 from dampyr.identification import Fit, fit
 from dampyr.models import Damper

@@ -12,7 +12,8 @@ from tests.planning.laboratory import DAHL
 
 from dampyr import campaigns, ground_motions, structures
 from dampyr.errors import FileError, InputError, RangeError
-from dampyr.planning import Peak, Proposal, propose
+from dampyr.planning import Peak, propose
+from dampyr.planning.proposal import Proposal
 from dampyr.records import Record
 from dampyr.rig import RigSettings
 from dampyr.show.planning.proposal import envelope_figure

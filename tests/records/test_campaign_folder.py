@@ -9,8 +9,9 @@ from scipy.io import savemat
 
 from dampyr import registry
 from dampyr.errors import FileError, InputError, MissingData
-from dampyr.records import Label, campaign_rows, read_campaign, write
-from dampyr.records.files.campaign_folder import read_row
+from dampyr.records import read_campaign, write
+from dampyr.records.files.campaign_folder import campaign_rows, read_row
+from dampyr.records.record import Label
 
 HEADER = "file,table,row,voltage_V,peak_to_peak_mm,frequency_Hz,kx_Ns_per_mm,kw_N,rho_per_mm,sha256"
 

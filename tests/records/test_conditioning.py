@@ -4,16 +4,9 @@ import numpy as np
 import pytest
 
 from dampyr.errors import InputError
-from dampyr.records import (
-    Record,
-    correct_delay,
-    drift,
-    estimate_delay,
-    mean_force,
-    read_campaign,
-    remove_drift,
-    remove_offset,
-)
+from dampyr.records import Record, correct_delay, estimate_delay, read_campaign, remove_drift, remove_offset
+from dampyr.records.conditioning.drift import drift
+from dampyr.records.conditioning.force_offset import mean_force
 
 
 def test_the_offset_is_the_mean_over_whole_cycles_not_over_the_record(make_sine):

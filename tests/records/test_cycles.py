@@ -17,9 +17,8 @@ from dampyr.records import (
     measure,
     read,
     read_campaign,
-    turning_points,
 )
-from dampyr.records.cycle_analysis.cycles import legs
+from dampyr.records.cycle_analysis.cycles import legs, turning_points
 
 FREQUENCY = 0.9
 

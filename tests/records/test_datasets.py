@@ -17,7 +17,8 @@ from scipy.io import savemat
 import dampyr as dp
 from dampyr.config import parse_toml
 from dampyr.errors import DampyrWarning, FileError, InputError, MissingData
-from dampyr.records import campaign_rows, datasets, fetch, locate
+from dampyr.records import datasets, fetch, locate
+from dampyr.records.files.campaign_folder import campaign_rows
 
 
 @pytest.fixture

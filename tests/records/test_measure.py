@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from dampyr.errors import InputError
-from dampyr.records import Label, Record, campaign_rows, disagreements, measure, read_campaign
+from dampyr.records import Record, measure, read_campaign
+from dampyr.records.checks.label_checks import disagreements
+from dampyr.records.files.campaign_folder import campaign_rows
+from dampyr.records.record import Label
 
 
 @pytest.mark.parametrize("fault", [{}, {"noise": 5e-5}, {"quantum": 1e-4}], ids=str)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from dampyr.errors import FileError
-from dampyr.records import Record, disagreements, overview, read_campaign, write_comparison
-from dampyr.records.checks.label_checks import creates_energy
+from dampyr.records import Record, overview, read_campaign
+from dampyr.records.checks.label_checks import creates_energy, disagreements
+from dampyr.records.files.comparison import write_comparison
 
 
 def chirp(sign: float = 1.0) -> Record:

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from dampyr.records import Record, cycles, motion_start, quality, read_campaign
+from dampyr.records import Record, cycles, quality, read_campaign
 from dampyr.records.checks.channel_noise import quantum
-from dampyr.records.checks.quality import flat_levels
+from dampyr.records.checks.quality import flat_levels, motion_start
 
 
 def test_a_clean_record_has_no_notes(make_sine):

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from dampyr.errors import InputError
-from dampyr.records import Label, Record
+from dampyr.records import Record
+from dampyr.records.record import Label
 
 T = 0.01 * np.arange(20)
 X = np.sin(T)

@@ -15,6 +15,7 @@ from dampyr.errors import FileError
 from dampyr.records import read, read_campaign
 from dampyr.records.files.self_contained import check_contained
 from dampyr.records.formats import h5
+from dampyr.records.record import Label
 
 N = 200
 SECRET = 777.25 + np.arange(N)  # looks like a force, and is nowhere in the files that are sent
@@ -97,7 +98,7 @@ def plain(path: Path, force: np.ndarray | None = None, word: str = "") -> Path:
         force=np.cos(t) if force is None else force,
         voltage=0.5,
         name=path.stem,
-        label=records.Label(0.02, 1.0, word),
+        label=Label(0.02, 1.0, word),
         provenance={"operator": word},
         history=(word,) if word else (),
     )

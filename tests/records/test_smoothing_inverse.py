@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from dampyr.errors import InputError
-from dampyr.records import undo
 from dampyr.records.conditioning.moving_average import averaged, reach_of
+from dampyr.records.conditioning.smoothing_inverse import undo
 
 T = 0.002 * np.arange(3000)
 RNG = np.random.default_rng(7)

@@ -7,7 +7,8 @@ import pytest
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import el_centro
-from dampyr.records import Record, read_campaign, waveform
+from dampyr.records import Record, read_campaign
+from dampyr.records.cycle_analysis.waveform import waveform
 
 
 def record(t: np.ndarray, x: np.ndarray) -> Record:

@@ -8,18 +8,15 @@ import pytest
 from scipy.integrate import quad
 
 from dampyr.errors import InputError
-from dampyr.ground_motions import (
-    GroundMotion,
+from dampyr.ground_motions import GroundMotion, el_centro, measures, spectrum
+from dampyr.ground_motions.intensity_measures import (
     arias,
     cumulative_absolute_velocity,
-    el_centro,
     husid,
-    measures,
     pgd,
     pgv,
     sa,
     significant_duration,
-    spectrum,
 )
 
 G = 9.80665

@@ -32,15 +32,16 @@ from tests.rig.wires.daqmx_service import start_server
 from tests.rig.wires.process import open_wired
 from tests.rig.wires.serial_wire import Serial
 
-from dampyr.campaigns import Progress, RunControl, Stopped, perform
+from dampyr.campaigns import RunControl, Stopped, perform
+from dampyr.campaigns.run_control import Progress
 from dampyr.errors import DampyrWarning, InputError, RigFault
-from dampyr.rig import ArmedRig, Drive, Rig, RigSettings
+from dampyr.rig import Drive, Rig, RigSettings
 from dampyr.rig.firmware.protocol import State
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
 from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
 from dampyr.rig.interlock import Samples
-from dampyr.rig.session import no_check
+from dampyr.rig.session import ArmedRig, no_check
 from dampyr.rig.simulation import plant
 from dampyr.rig.simulation.event_log import EventFile
 from dampyr.rig.simulation.faults import KINDS, FaultSpec

@@ -10,12 +10,13 @@ from tests.rig.wires.process import over_wires
 
 from dampyr import campaigns
 from dampyr.errors import InputError, RigFault
-from dampyr.rig import ArmedRig, Drive, DutyReversals, Rig, RigSettings, simulated
+from dampyr.rig import Drive, DutyReversals, Rig, RigSettings, simulated
 from dampyr.rig.firmware.protocol import Request, State
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
 from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
 from dampyr.rig.interlock import APART, Samples
+from dampyr.rig.session import ArmedRig
 from dampyr.rig.simulation.simulator import Simulator, parse_faults
 
 SOON = 0.100  # s of simulated time

@@ -11,11 +11,12 @@ import pytest
 from tests.rig.wires.process import over_wires
 
 from dampyr.errors import RigFault
-from dampyr.rig import ArmedRig, Drive, DutyReversals, Rig, RigSettings
+from dampyr.rig import Drive, DutyReversals, Rig, RigSettings
 from dampyr.rig.diagnosis import diagnose
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
 from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
+from dampyr.rig.session import ArmedRig
 from dampyr.rig.settings_file import write_settings
 from dampyr.rig.simulation.simulator import Simulator, parse_faults
 

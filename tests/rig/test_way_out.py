@@ -12,7 +12,8 @@ import pytest
 from tests.rig.wires.process import over_wires
 
 from dampyr.errors import RigFault
-from dampyr.rig import ArmedRig, Drive, Rig, RigSettings, simulated
+from dampyr.rig import Drive, Rig, RigSettings, simulated
+from dampyr.rig.session import ArmedRig
 from dampyr.rig.signal_deferral import deferred_signals
 from dampyr.rig.simulation.simulator import Simulator, parse_faults
 

@@ -14,9 +14,10 @@ from dampyr.findings import OF_DAMPER, handed_on
 from dampyr.ground_motions import el_centro
 from dampyr.identification import fit
 from dampyr.models import Damper
-from dampyr.records import Label, Record, with_smoothing, write
+from dampyr.records import Record, with_smoothing, write
 from dampyr.records.conditioning.integrated_displacement import INTEGRATED
 from dampyr.records.description import findings_by_kind
+from dampyr.records.record import Label
 from dampyr.structures import respond, two_storey
 from tests.records.test_smoothing_recognition import smoothed
 

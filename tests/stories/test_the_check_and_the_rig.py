@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 import dampyr as dp
-from dampyr.campaigns import kind, largest, specimen
+from dampyr.campaigns.check import largest
+from dampyr.campaigns.force_prediction import specimen
+from dampyr.campaigns.kinds import kind
 from dampyr.rig import Drive, RigSettings
 
 RIG = RigSettings()

@@ -22,7 +22,7 @@ from dampyr.errors import DampyrWarning
 from dampyr.show.structures.ensemble_result import trust
 from dampyr.structures import Building
 from dampyr.structures.control_laws import gains
-from dampyr.structures.time_history.modal_coordinates import modal_condensation, refinements
+from dampyr.structures.time_history.modal_coordinates import modal_condensation, refined, refinements
 
 Array = np.ndarray
 EL_CENTRO = dp.ground_motions.el_centro()
@@ -129,7 +129,7 @@ def test_a_floor_that_is_kept_follows_the_ground_with_one() -> None:
 
 
 def test_accelerations_of_a_state_space_are_those_of_the_whole_below_the_modes_left_out() -> None:
-    whole, made = structures.state_space(TEN), structures.state_space(structures.refined(by_modes(TEN, [5, 10])))
+    whole, made = structures.state_space(TEN), structures.state_space(refined(by_modes(TEN, [5, 10])))
     for f in (0.5, 3.0, 9.0, 30.0):
         answers = [
             model.C @ np.linalg.solve(2j * np.pi * f * np.eye(20) - model.A, model.E) + model.F
@@ -209,7 +209,7 @@ def test_what_is_left_out_stands_in_every_output(tmp_path: Path) -> None:
 
 
 def test_a_hybrid_test_computes_the_building_of_its_response() -> None:
-    from dampyr.hybrid import delayed_result
+    from dampyr.hybrid.delayed_hybrid import delayed_result
 
     damper = dashpot(3e6)
     made, whole = (

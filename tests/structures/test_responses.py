@@ -6,7 +6,9 @@ import pytest
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, el_centro
 from dampyr.models import Damper
-from dampyr.structures import RespondOptions, Response, Responses, control_law, ensemble, law_of, respond, two_storey
+from dampyr.structures import RespondOptions, Response, control_law, ensemble, respond, two_storey
+from dampyr.structures.control_laws import law_of
+from dampyr.structures.time_history.responses import Responses
 
 MOTION = GroundMotion(el_centro().acceleration[:200], el_centro().dt, "two seconds")
 DAHL = {"dahl.kx": 1000.0, "dahl.kw": 200.0, "dahl.rho": 1000.0}

@@ -3,7 +3,8 @@ import pytest
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, el_centro
-from dampyr.structures import respond, shear_building, single_mass, two_storey_model
+from dampyr.structures import respond, shear_building, single_mass
+from dampyr.structures.raminelli_2020_building import two_storey_model
 
 
 def test_a_single_mass_under_a_constant_push_follows_the_closed_form():

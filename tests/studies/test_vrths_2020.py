@@ -12,7 +12,6 @@ import dampyr as dp
 from dampyr.errors import FileError, InputError, MissingData
 from dampyr.ground_motions import GroundMotion
 from dampyr.hybrid import (
-    CRITERIA,
     HybridSetup,
     KalmanCompensator,
     PhaseLeadCompensator,
@@ -20,6 +19,7 @@ from dampyr.hybrid import (
     perform_virtual,
     run_many,
 )
+from dampyr.hybrid.criteria import CRITERIA
 from dampyr.studies import vrths_2020
 from dampyr.studies.vrths_2020.vrths_study import (
     COMMAND_ONLY,

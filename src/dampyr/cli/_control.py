@@ -55,7 +55,7 @@ def inputs_by_kind(
     damper: Damper, voltages: tuple[float, ...], currents: tuple[float, ...], controls: tuple[str, ...]
 ) -> dict[str, Any]:
     """The argument ``voltage`` or ``current`` of a response: the numbers, then the control laws."""
-    from dampyr.structures import law_of
+    from dampyr.structures.control_laws import law_of
 
     numbers = inputs_for(damper, voltages, currents, controls)
     laws = [law_of(text, damper) for text in controls]

@@ -10,7 +10,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext, suppress
 from typing import Any
 
-from dampyr.campaigns import Plan, Progress, RunControl
+from dampyr.campaigns import Plan, RunControl
+from dampyr.campaigns.run_control import Progress
 
 LOOKS = 0.1  # s between two looks at the bars
 Show = Callable[[Progress], None]

@@ -24,7 +24,7 @@ from dampyr.errors import DampyrError, InputError
 
 if TYPE_CHECKING:
     from dampyr.campaigns import Plan
-    from dampyr.hybrid import HybridResult
+    from dampyr.hybrid.hybrid_result import HybridResult
 
 
 @click.command(
@@ -121,16 +121,15 @@ def _on_delayed_actuator(
     structure: str, motion: str, model: str, table: dict[str, Any], delay: float, lag_error: float
 ) -> HybridResult:
     """The test with an actuator that is computed too; without a card with the damper of Raminelli (2020)."""
-    from dampyr import hybrid, studies
+    from dampyr import studies
     from dampyr.campaigns.steps.hybrid import Hybrid, building_of, motion_of
+    from dampyr.hybrid.delayed_hybrid import delayed_result
 
     damper = studies.load_damper(model or studies.THESIS)
     named = {"structure": structure, "motion": motion, "scale": table["scale"], "duration": table["duration"]}
     ground = motion_of(Hybrid(**named))
     return replace(
-        hybrid.delayed_result(
-            building_of(structure), ground, damper, delay, table["voltage"], table["storey"], lag_error
-        ),
+        delayed_result(building_of(structure), ground, damper, delay, table["voltage"], table["storey"], lag_error),
         scale=table["scale"],
     )
 

@@ -31,7 +31,9 @@ METHODS = ("least-squares", "limit-cycle", "plastic-region")
 MAX_WORKERS = 8  # each process compiles the models of its own trials, which more of them would only repeat
 
 if TYPE_CHECKING:
-    from dampyr.identification import Fit, FitOptions, MethodComparison, Specimens
+    from dampyr.identification import Fit, FitOptions
+    from dampyr.identification.limit_cycle_methods.method_comparison import MethodComparison
+    from dampyr.identification.parameter_uncertainty.specimens import Specimens
     from dampyr.records import ReadOptions, Record
 
 

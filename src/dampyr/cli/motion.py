@@ -13,7 +13,9 @@ from dampyr.cli._output import as_json_option, print_json, print_result
 from dampyr.cli._report import report_options
 
 if TYPE_CHECKING:
-    from dampyr.ground_motions import GroundMotion, Measures, Spectrum
+    from dampyr.ground_motions import GroundMotion
+    from dampyr.ground_motions.intensity_measures import Measures
+    from dampyr.ground_motions.response_spectrum import Spectrum
 
 
 @click.command(

@@ -13,7 +13,8 @@ from dampyr.cli._output import as_json_option, print_json, print_table, state_or
 from dampyr.cli._records import READING, gather, role_option
 
 if TYPE_CHECKING:
-    from dampyr.records import Overview, ReadOptions
+    from dampyr.records import ReadOptions
+    from dampyr.records.checks.overview import Overview
 
 COLUMNS = ["record", "role", "input", "duration", "frequency", "peak to peak", "peak speed", "mean force"]
 UNITS = ["", "", "", "s", "Hz", "mm", "mm/s", "N"]
@@ -119,10 +120,9 @@ def command(
 
 def _without_file(folder: Path) -> list[dict[str, Any]]:
     """The rows of a campaign's table that have no file."""
-    from dampyr import records
-    from dampyr.records.files.campaign_folder import TABLE
+    from dampyr.records.files.campaign_folder import TABLE, campaign_rows
 
-    rows = records.campaign_rows(folder) if (folder / TABLE).is_file() else []
+    rows = campaign_rows(folder) if (folder / TABLE).is_file() else []
     return [{"table": row.table, "row": row.row} for row in rows if row.file is None]
 
 

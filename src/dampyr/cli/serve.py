@@ -66,7 +66,7 @@ def command(
     from dampyr import ground_motions
     from dampyr.export import opensees_server
     from dampyr.findings import OF_DAMPER, as_dicts, handed_on
-    from dampyr.structures import law_of
+    from dampyr.structures.control_laws import law_of
 
     damper = damper_of(card, temperature, allow_extrapolation).without(*without)
     opensees_server.check_live(damper)

@@ -16,7 +16,8 @@ from functools import partial
 from itertools import count
 from pathlib import Path
 
-from dampyr.campaigns import Plan, plan, read, specimen
+from dampyr.campaigns import Plan, plan, read
+from dampyr.campaigns.force_prediction import specimen
 from dampyr.campaigns.run_folders import folder_state
 from dampyr.console.bench_alarms import READINGS, AlarmLimit
 from dampyr.console.bench_events import BenchEvent
@@ -40,9 +41,10 @@ from dampyr.console.manual_motion import check_coil, coil_drive, play, sine_driv
 from dampyr.console.rigs import Opener, opened
 from dampyr.console.run_reference import RunReference
 from dampyr.errors import InputError, RigFault
-from dampyr.rig import ArmedRig, Rig
+from dampyr.rig import Rig
 from dampyr.rig.firmware.protocol import State
 from dampyr.rig.load_cell_calibration import Calibrating
+from dampyr.rig.session import ArmedRig
 
 READING = 1.0  # s of the load cell
 MAX_QUEUE = 50  # campaigns that may wait

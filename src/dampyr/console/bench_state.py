@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from dampyr.campaigns import Plan, Progress
+from dampyr.campaigns import Plan
+from dampyr.campaigns.run_control import Progress
 from dampyr.console.bench_alarms import Alarm, AlarmLimit, Extreme, Reading
 from dampyr.console.bench_reference import Comparison
 from dampyr.console.guided import Guided

@@ -11,7 +11,8 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from dampyr.campaigns import Plan, Progress, RunControl, Stopped, exit_status, perform
+from dampyr.campaigns import Plan, RunControl, Stopped, perform
+from dampyr.campaigns.run_control import Progress, exit_status
 from dampyr.console.bench_alarms import Alarms
 from dampyr.console.bench_events import EventLog
 from dampyr.console.bench_state import CampaignRun, Live, Phase, Queued, advanced, new_run
@@ -24,10 +25,11 @@ from dampyr.console.page_words import in_page_words
 from dampyr.console.preload import warm_up
 from dampyr.console.run_reference import REPORT, RunReference
 from dampyr.errors import DampyrError, InputError, RigFault
-from dampyr.rig import ArmedRig, Rig
+from dampyr.rig import Rig
 from dampyr.rig.firmware.protocol import Status
 from dampyr.rig.interlock import Samples
 from dampyr.rig.load_cell_calibration import Calibrating
+from dampyr.rig.session import ArmedRig
 
 GRACE = 4.0  # s that an armed rig waits for a page that is loaded anew
 POLL = 0.25  # s between two looks at an idle rig

@@ -17,6 +17,7 @@ from dampyr.ground_motions.motion_files import REGISTRY as FORMATS
 from dampyr.ground_motions.synthetic import SYNTHETIC_DURATION, SYNTHETIC_PGA, synthetic_motions
 from dampyr.models import Damper
 from dampyr.structures import EnsembleOptions, RespondOptions
+from dampyr.structures.control_laws import law_of
 from dampyr.studies import THESIS, available_structures, load_structure
 
 MOTIONS, STRUCTURES = "motions", "structures"
@@ -113,7 +114,7 @@ class DamperRequest(Strict):
         """The argument ``voltage`` or ``current`` of a response: the numbers, then the control laws."""
         if not self.inputs and not self.laws:
             raise InputError("no input and no control law is given; give one or more")
-        laws = [structures.law_of(text, damper) for text in self.laws]
+        laws = [law_of(text, damper) for text in self.laws]
         return {"voltage" if damper.input == "V" else "current": [*self.inputs, *laws]}
 
 

@@ -9,7 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.campaigns import Plan, PlannedTest, campaign_of, plan, specimen
+from dampyr.campaigns import Plan, campaign_of, plan
+from dampyr.campaigns.force_prediction import specimen
+from dampyr.campaigns.planned_tests import PlannedTest
 from dampyr.campaigns.steps.earthquake import BUILT_IN
 from dampyr.config import parse_toml
 from dampyr.console.safe_paths import inside

@@ -11,9 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from dampyr.errors import InputError, RigFault
-from dampyr.rig import ArmedRig
 from dampyr.rig.firmware.protocol import State
-from dampyr.rig.session import GENTLE
+from dampyr.rig.session import GENTLE, ArmedRig
 
 HOLD = 0.35  # s
 PUSH = 0.25  # s

@@ -7,9 +7,11 @@ from pathlib import Path
 
 import numpy as np
 
-from dampyr.campaigns import campaign_of, plan, specimen
+from dampyr.campaigns import campaign_of, plan
+from dampyr.campaigns.force_prediction import specimen
 from dampyr.errors import InputError
-from dampyr.rig import ArmedRig, Drive, RigSettings
+from dampyr.rig import Drive, RigSettings
+from dampyr.rig.session import ArmedRig
 
 MAX_CYCLES = 1000
 MAX_SECONDS = 120.0  # of a voltage on the coil at rest: an operator looks at it

@@ -20,8 +20,9 @@ from dampyr.console.limits import READING
 from dampyr.console.option_schemas import form_of, request_of
 from dampyr.console.page_words import in_page_words
 from dampyr.console.state import CurrentApp
-from dampyr.identification import Acceptance, AcceptancePoint, Accepted, AcceptOptions, accept
-from dampyr.identification.acceptance_tests.acceptance import QUANTITIES
+from dampyr.identification import AcceptOptions, accept
+from dampyr.identification.acceptance_tests.accept import Accepted
+from dampyr.identification.acceptance_tests.acceptance import QUANTITIES, Acceptance, AcceptancePoint
 from dampyr.models import Damper
 from dampyr.records import Record
 from dampyr.show.identification.acceptance import band

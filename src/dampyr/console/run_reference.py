@@ -9,7 +9,7 @@ import threading
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from dampyr.campaigns import Progress
+from dampyr.campaigns.run_control import Progress
 from dampyr.console.bench_reference import MAX_CYCLES, Comparison, CycleJudge, ReferenceLoop, reference_test
 from dampyr.errors import DampyrError
 

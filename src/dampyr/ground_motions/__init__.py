@@ -10,58 +10,19 @@ Each of ``motion.scaled(1.5)``, ``motion.scaled_to_pga(3.0)``, ``motion.scaled_t
 
 from dampyr.ground_motions.baseline import corrected
 from dampyr.ground_motions.builtin import el_centro
-from dampyr.ground_motions.cutting import end_in_words, followed_by_rest, padded, trimmed
+from dampyr.ground_motions.cutting import followed_by_rest, padded, trimmed
 from dampyr.ground_motions.envelopes import RisePlateauDecay, ShinozukaSato, stationary
 from dampyr.ground_motions.filters import filtered
-from dampyr.ground_motions.intensity_measures import (
-    Measures,
-    arias,
-    cumulative_absolute_velocity,
-    husid,
-    measures,
-    pgd,
-    pgv,
-    sa,
-    significant_duration,
-)
+from dampyr.ground_motions.intensity_measures import measures
 from dampyr.ground_motions.motion import GroundMotion
 from dampyr.ground_motions.motion_files import available_formats, read
 from dampyr.ground_motions.resampling import resampled
-from dampyr.ground_motions.response_spectrum import STANDARD_PERIODS, Spectrum, spectrum
+from dampyr.ground_motions.response_spectrum import spectrum
 from dampyr.ground_motions.soils import FIRM, MEDIUM, SOFT, Soil
 from dampyr.ground_motions.synthetic import kanai_tajimi, synthetic_motions
 
 __all__ = [
-    "GroundMotion",
-    "el_centro",
-    "read",
-    "available_formats",
-    "Spectrum",
-    "spectrum",
-    "STANDARD_PERIODS",
-    "Measures",
-    "measures",
-    "pgv",
-    "pgd",
-    "sa",
-    "arias",
-    "husid",
-    "significant_duration",
-    "cumulative_absolute_velocity",
-    "corrected",
-    "filtered",
-    "resampled",
-    "trimmed",
-    "padded",
-    "followed_by_rest",
-    "end_in_words",
-    "kanai_tajimi",
-    "synthetic_motions",
-    "Soil",
-    "FIRM",
-    "MEDIUM",
-    "SOFT",
-    "RisePlateauDecay",
-    "ShinozukaSato",
-    "stationary",
-]
+    "GroundMotion", "el_centro", "read", "available_formats", "spectrum", "measures", "corrected", "filtered", "resampled",
+    "trimmed", "padded", "followed_by_rest", "kanai_tajimi", "synthetic_motions", "Soil", "FIRM", "MEDIUM", "SOFT",
+    "RisePlateauDecay", "ShinozukaSato", "stationary",
+]  # fmt: skip

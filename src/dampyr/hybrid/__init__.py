@@ -16,48 +16,16 @@ on an actuator that is late by a fixed time.
     run_many(setup, compensator, motion, 1000)      # over random plants, in parallel threads
 """
 
-from dampyr.hybrid.compensators import (
-    Compensator,
-    KalmanCompensator,
-    ModelBasedCompensator,
-    PhaseLeadCompensator,
-    inverse_coefficients,
-)
-from dampyr.hybrid.criteria import CRITERIA, Criteria, tracking_criteria
+from dampyr.hybrid.compensators import KalmanCompensator, ModelBasedCompensator, PhaseLeadCompensator
 from dampyr.hybrid.delayed_actuator import run_delayed
-from dampyr.hybrid.delayed_hybrid import delayed_result
-from dampyr.hybrid.hybrid_result import HybridResult
-from dampyr.hybrid.random_plants import BatchResult, run_many
+from dampyr.hybrid.random_plants import run_many
 from dampyr.hybrid.setup import HybridSetup, PhysicalSubstructure, PlantSpread, Sensors, TransferSystem
-from dampyr.hybrid.stability import LoopStability, loop_stability
-from dampyr.hybrid.substructure import LagEstimator, Substructure, SubstructureRun, lag_of
-from dampyr.hybrid.virtual_test import VirtualRun, perform_virtual
+from dampyr.hybrid.stability import loop_stability
+from dampyr.hybrid.substructure import Substructure
+from dampyr.hybrid.virtual_test import perform_virtual
 
 __all__ = [
-    "HybridSetup",
-    "PhysicalSubstructure",
-    "TransferSystem",
-    "Sensors",
-    "PlantSpread",
-    "Compensator",
-    "PhaseLeadCompensator",
-    "ModelBasedCompensator",
-    "KalmanCompensator",
-    "inverse_coefficients",
-    "LoopStability",
-    "loop_stability",
-    "VirtualRun",
-    "perform_virtual",
-    "BatchResult",
-    "run_many",
-    "Substructure",
-    "SubstructureRun",
-    "LagEstimator",
-    "lag_of",
+    "HybridSetup", "PhysicalSubstructure", "TransferSystem", "Sensors", "PlantSpread", "PhaseLeadCompensator",
+    "ModelBasedCompensator", "KalmanCompensator", "loop_stability", "perform_virtual", "run_many", "Substructure",
     "run_delayed",
-    "HybridResult",
-    "delayed_result",
-    "Criteria",
-    "CRITERIA",
-    "tracking_criteria",
-]
+]  # fmt: skip

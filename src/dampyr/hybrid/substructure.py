@@ -36,7 +36,8 @@ from dampyr.hybrid.setup import building_step
 from dampyr.models import Damper, compose
 from dampyr.models.codegen.kernels import bind
 from dampyr.shown import Shown
-from dampyr.structures import Building, Response, refined
+from dampyr.structures import Building, Response
+from dampyr.structures.time_history.modal_coordinates import refined
 
 Array = NDArray[np.float64]
 MEMORY = 2.0  # s of the structure's time after which the estimate of the lag has forgotten 63 %

@@ -6,24 +6,15 @@ read and write its card. `published` holds parameter sets from the literature.
 """
 
 from dampyr.models import published
-from dampyr.models.codegen.composition import Composition, compose
+from dampyr.models.codegen.composition import compose
 from dampyr.models.damper import Damper
-from dampyr.models.laws import Constant, Interpolation, Law, Polynomial, WithTemperature
+from dampyr.models.laws import Constant, Interpolation, Polynomial, WithTemperature
 from dampyr.models.part import REGISTRY
 from dampyr.registry import names
 
 __all__ = [
-    "available_parts",
-    "Composition",
-    "Constant",
-    "Damper",
-    "Interpolation",
-    "Law",
-    "Polynomial",
-    "WithTemperature",
-    "compose",
-    "published",
-]
+    "available_parts", "Constant", "Damper", "Interpolation", "Polynomial", "WithTemperature", "compose", "published",
+]  # fmt: skip
 
 
 def available_parts() -> list[str]:

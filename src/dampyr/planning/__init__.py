@@ -5,18 +5,10 @@
 """
 
 from dampyr.planning.goal import Peak
-from dampyr.planning.planner import Planned, Round, plan_and_perform
-from dampyr.planning.proposal import PlanOptions, Proposal, ProposedTest, propose
+from dampyr.planning.planner import plan_and_perform
+from dampyr.planning.proposal import PlanOptions, propose
 from dampyr.planning.record_choice import choose_records
 
 __all__ = [
-    "Peak",
-    "PlanOptions",
-    "Planned",
-    "Proposal",
-    "ProposedTest",
-    "Round",
-    "choose_records",
-    "plan_and_perform",
-    "propose",
-]
+    "Peak", "PlanOptions", "choose_records", "plan_and_perform", "propose",
+]  # fmt: skip

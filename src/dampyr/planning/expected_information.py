@@ -36,7 +36,8 @@ from dampyr.identification.search.fit_data import Piece, piece
 from dampyr.identification.search.normal_equations import modelled_force
 from dampyr.identification.search.parametrisation import Column, columns, held_twins
 from dampyr.identification.search.problem import Problem, SearchPoint, checked_nuisances
-from dampyr.models import Composition, Damper
+from dampyr.models import Damper
+from dampyr.models.codegen.composition import Composition
 from dampyr.records import Record
 from dampyr.rig import Drive, RigSettings
 

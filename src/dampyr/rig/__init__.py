@@ -9,16 +9,9 @@
 
 from dampyr.rig.connecting import connect, simulated
 from dampyr.rig.drive import Drive, DutyReversals
-from dampyr.rig.session import ArmedRig, Rig
+from dampyr.rig.session import Rig
 from dampyr.rig.settings import RigSettings, load_settings
 
 __all__ = [
-    "Drive",
-    "DutyReversals",
-    "Rig",
-    "RigSettings",
-    "ArmedRig",
-    "connect",
-    "load_settings",
-    "simulated",
-]
+    "Drive", "DutyReversals", "Rig", "RigSettings", "connect", "load_settings", "simulated",
+]  # fmt: skip

@@ -9,60 +9,27 @@ makes a law that sets an input in the place of a number; a list of inputs gives 
 ``fragility`` and ``incremental`` evaluate them, ``write_part`` and ``collect`` divide the work for a batch system.
 """
 
-from dampyr.structures.building import Building, Condensed, condense
+from dampyr.structures.building import Building, condense
 from dampyr.structures.building_options import EnsembleOptions, RespondOptions
-from dampyr.structures.control_laws import available_control_laws, control_law, law_of
+from dampyr.structures.control_laws import available_control_laws, control_law
 from dampyr.structures.ensembles.ensemble import ensemble
 from dampyr.structures.ensembles.ensemble_grid import cases as ensemble_cases
 from dampyr.structures.ensembles.ensemble_result import EnsembleResult, read_ensemble
-from dampyr.structures.ensembles.fragility import Fragility, FragilityCurve, fragility
-from dampyr.structures.ensembles.incremental import Incremental, IncrementalCurves, incremental
+from dampyr.structures.ensembles.fragility import fragility
+from dampyr.structures.ensembles.incremental import incremental
 from dampyr.structures.ensembles.job_array import collect, write_part
 from dampyr.structures.ensembles.summary import summary
-from dampyr.structures.raminelli_2020_building import two_storey, two_storey_model
+from dampyr.structures.raminelli_2020_building import two_storey
 from dampyr.structures.shear import shear_building, single_mass
 from dampyr.structures.structure_file import load
-from dampyr.structures.time_history.modal_coordinates import refined
 from dampyr.structures.time_history.respond import respond
-from dampyr.structures.time_history.response import Energy, Response
-from dampyr.structures.time_history.responses import Responses
-from dampyr.structures.time_history.state_space import StateSpace, state_space
+from dampyr.structures.time_history.response import Response
+from dampyr.structures.time_history.state_space import state_space
 from dampyr.structures.vehicle import quarter_car, road
 
 __all__ = [
-    "Building",
-    "two_storey",
-    "two_storey_model",
-    "shear_building",
-    "single_mass",
-    "quarter_car",
-    "road",
-    "condense",
-    "Condensed",
-    "refined",
-    "load",
-    "respond",
-    "control_law",
-    "available_control_laws",
-    "law_of",
-    "RespondOptions",
-    "Responses",
-    "ensemble",
-    "EnsembleOptions",
-    "EnsembleResult",
-    "ensemble_cases",
-    "read_ensemble",
-    "summary",
-    "fragility",
-    "Fragility",
-    "FragilityCurve",
-    "incremental",
-    "Incremental",
-    "IncrementalCurves",
-    "write_part",
-    "collect",
-    "Response",
-    "Energy",
+    "Building", "two_storey", "shear_building", "single_mass", "quarter_car", "road", "condense", "load", "respond",
+    "control_law", "available_control_laws", "RespondOptions", "ensemble", "EnsembleOptions", "EnsembleResult",
+    "ensemble_cases", "read_ensemble", "summary", "fragility", "incremental", "write_part", "collect", "Response",
     "state_space",
-    "StateSpace",
-]
+]  # fmt: skip

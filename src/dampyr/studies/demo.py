@@ -20,7 +20,8 @@ from dampyr import campaigns, ground_motions, structures
 from dampyr.campaigns.journal import NAME as JOURNAL
 from dampyr.errors import FindingWarning
 from dampyr.findings import as_dicts, besides, worst_first
-from dampyr.identification import Fit, Score, fit, prediction, score
+from dampyr.identification import Fit, Score, fit, score
+from dampyr.identification.scoring.score import prediction
 from dampyr.models import Damper
 from dampyr.models.numerics.differentiation import differentiate
 from dampyr.origin import Origin
@@ -35,7 +36,7 @@ from dampyr.show.pages.blocks import FigureBlock, Section, Text, to_look_at
 from dampyr.show.pages.fit_sections import fit_blocks
 from dampyr.show.pages.html_page import page, write_html
 from dampyr.show.table import Table
-from dampyr.structures import Responses
+from dampyr.structures.time_history.responses import Responses
 
 Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from dampyr.errors import FileError, InputError
-from dampyr.records import Label, Record, read, write
+from dampyr.records import Record, read, write
 from dampyr.records.formats import h5
+from dampyr.records.record import Label
 
 
 def same(a: Record, b: Record) -> bool:

@@ -9,7 +9,9 @@ from tests.identification.synthetic import sine
 from tests.show.pages.test_html_page import Reader
 
 from dampyr.errors import InputError
-from dampyr.identification import Acceptance, Accepted, accept
+from dampyr.identification import accept
+from dampyr.identification.acceptance_tests.accept import Accepted
+from dampyr.identification.acceptance_tests.acceptance import Acceptance
 from dampyr.models import Damper, Interpolation
 from dampyr.show.pages.result_page import write_page
 

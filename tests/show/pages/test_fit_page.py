@@ -10,7 +10,8 @@ import pytest
 from tests.identification.synthetic import sine
 from tests.show.pages.test_html_page import Reader
 
-from dampyr.identification import Fit, Fold, Score, Validation, fit
+from dampyr.identification import Fit, Score, fit
+from dampyr.identification.scoring.validation import Fold, Validation
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
 from dampyr.show.pages.blocks import Section, Text

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from dampyr import campaigns
-from dampyr.campaigns import kind, violations_of
+from dampyr.campaigns.check import violations_of
+from dampyr.campaigns.kinds import kind
 from dampyr.rig import RigSettings
 from dampyr.show.campaigns.planned_tests import plan_notes, plan_table
 from dampyr.show.pages.plan_page import largest_amplitude

@@ -14,6 +14,7 @@ from dampyr.show.pages.blocks import FigureBlock
 from dampyr.show.pages.response_page import FINE, between_samples
 from dampyr.show.pages.result_page import write_page
 from dampyr.show.structures.responses import floor_name
+from dampyr.structures.control_laws import law_of
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +22,7 @@ def simulated():
     t = np.arange(0.0, 2.0, 0.02)
     motion = GroundMotion(2.0 * np.sin(2 * np.pi * 2.0 * t) * np.exp(-t), 0.02)
     damper = studies.raminelli_2020.damper()
-    inputs = [0.0, 1.98, structures.law_of("on_off", damper)]
+    inputs = [0.0, 1.98, law_of("on_off", damper)]
     return structures.respond(structures.two_storey(), motion, damper, voltage=inputs)
 
 

@@ -10,7 +10,8 @@ from tests.identification.synthetic import sine
 from tests.show.pages.test_html_page import Reader
 
 from dampyr.errors import InputError
-from dampyr.identification import Score, Validated, score
+from dampyr.identification import Score, score
+from dampyr.identification.scoring.validate import Validated
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
 from dampyr.show.pages.result_page import write_page

@@ -21,7 +21,8 @@ import numpy as np
 from dampyr.campaigns.paths import PathPiece, around, driven
 from dampyr.campaigns.step import Peaks, Period, Rest, Volts, check_ranges
 from dampyr.errors import FileError, MissingData
-from dampyr.ground_motions import GroundMotion, corrected, el_centro, filtered, pgd, pgv, read
+from dampyr.ground_motions import GroundMotion, corrected, el_centro, filtered, read
+from dampyr.ground_motions.intensity_measures import pgd, pgv
 from dampyr.rig import Drive, RigSettings
 from dampyr.units import Quantity
 

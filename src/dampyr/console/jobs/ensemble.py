@@ -21,8 +21,9 @@ from dampyr.show.pages.result_page import write_page
 from dampyr.show.structures.ensemble_result import peak_table, trust
 from dampyr.show.structures.fragility import LEVEL, comparisons, curve_table, limit_in_words
 from dampyr.show.table import Table
-from dampyr.structures import EnsembleResult, Fragility, FragilityCurve
+from dampyr.structures import EnsembleResult
 from dampyr.structures import ensemble as run_ensemble
+from dampyr.structures.ensembles.fragility import Fragility, FragilityCurve
 from dampyr.to_json import plain
 
 

@@ -20,9 +20,10 @@ from dampyr.console.page_words import in_page_words
 from dampyr.console.safe_paths import data_of
 from dampyr.errors import InputError
 from dampyr.findings import besides
-from dampyr.identification import Fit, fit, prediction, score
+from dampyr.identification import Fit, fit, score
 from dampyr.identification.fits.diagnostics import findings
 from dampyr.identification.model_choice.parallel import local_processes
+from dampyr.identification.scoring.score import prediction
 from dampyr.show.identification.fit_predictions import mean_l1
 from dampyr.show.identification.leaderboard import choice_in_words
 from dampyr.show.identification.validation import score_table

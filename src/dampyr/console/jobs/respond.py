@@ -16,7 +16,7 @@ from dampyr.console.dampers import damper_of
 from dampyr.console.equivalent_commands import response_command
 from dampyr.console.jobs import CURVES, DATA, PAGE
 from dampyr.console.safe_paths import data_of
-from dampyr.ground_motions import end_in_words
+from dampyr.ground_motions.cutting import end_in_words
 from dampyr.show.pages.how_made import made_by
 from dampyr.show.pages.result_page import write_page
 from dampyr.show.structures.responses import truncation_note

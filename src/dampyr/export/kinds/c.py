@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.export.c_text import COMPOSED, DOUBLE, LIBM, SINGLE, Precision, function
 from dampyr.findings import OF_DAMPER, handed_on
-from dampyr.models import Constant, Damper, Interpolation, Law, Polynomial
+from dampyr.models import Constant, Damper, Interpolation, Polynomial
 from dampyr.models.damper import INPUTS
+from dampyr.models.laws import Law
 from dampyr.source_digest import full_version
 
 Array = NDArray[np.float64]

@@ -9,8 +9,9 @@ from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError
 from dampyr.export.kinds.c import ARRAYS, WIDTH, before_use, check_exportable, check_name, function_trees
 from dampyr.export.matlab_text import SUPPORT, function, number
-from dampyr.models import Constant, Damper, Interpolation, Law, Polynomial
+from dampyr.models import Constant, Damper, Interpolation, Polynomial
 from dampyr.models.damper import INPUTS
+from dampyr.models.laws import Law
 from dampyr.source_digest import full_version
 
 

@@ -39,8 +39,9 @@ from dampyr.identification.acceptance_tests.reference_cycles import Expected, Re
 from dampyr.models import Damper
 from dampyr.options import Options, ShownIn, Terminal
 from dampyr.origin import NOT_STATED, Origin, combined
-from dampyr.records import Cut, Cycle, Record, cut_cycles, cycle_table
-from dampyr.records.cycle_analysis.cycles import SAME_STROKE
+from dampyr.records import Record, cut_cycles, cycle_table
+from dampyr.records.cycle_analysis.cycle_table import Cycle
+from dampyr.records.cycle_analysis.cycles import SAME_STROKE, Cut
 from dampyr.shown import Shown
 from dampyr.units import Quantity
 

@@ -18,9 +18,10 @@ from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.scoring.score import prediction
 from dampyr.models import Damper
 from dampyr.models.damper import INPUTS
-from dampyr.records import Cycle, Record, cut_cycles, cycle_table
+from dampyr.records import Record, cut_cycles, cycle_table
 from dampyr.records.conditioning.nominal_input import SMALLEST, TOLERANCE, is_steady
 from dampyr.records.conditioning.smoothing import force_average
+from dampyr.records.cycle_analysis.cycle_table import Cycle
 
 Array = NDArray[np.float64]
 Reference = Damper | Sequence[Record]

@@ -20,7 +20,8 @@ from dampyr.identification.scoring.score import score_or_reason
 from dampyr.identification.scoring.scoring_window import list_unscorable
 from dampyr.identification.scoring.splits import split_tasks
 from dampyr.identification.scoring.validation import Validation, cross_validate
-from dampyr.models import Composition, Damper
+from dampyr.models import Damper
+from dampyr.models.codegen.composition import Composition
 from dampyr.options import takes
 from dampyr.origin import check_one_kind
 from dampyr.phrases import counted

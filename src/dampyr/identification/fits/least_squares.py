@@ -22,7 +22,8 @@ from dampyr.identification.search.problem import Problem, checked_nuisances
 from dampyr.identification.search.robust import iteratively_reweighted
 from dampyr.identification.search.variable_projection import search
 from dampyr.identification.search.work import Work
-from dampyr.models import Composition, Damper, compose
+from dampyr.models import Damper, compose
+from dampyr.models.codegen.composition import Composition
 from dampyr.origin import check_one_kind
 from dampyr.records import Record
 from dampyr.records.conditioning.velocity import check_bandwidth

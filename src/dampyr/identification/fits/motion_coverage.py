@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.identification.thresholds import FitThresholds
-from dampyr.records import Record, turning_points
+from dampyr.records import Record
 from dampyr.records.checks.channel_noise import rest_tolerance
+from dampyr.records.cycle_analysis.cycles import turning_points
 
 Array = NDArray[np.float64]
 SMALLEST = 0.005  # of the whole stroke: smaller reversals move a damper by less than its clevis gives way

@@ -36,7 +36,8 @@ from dampyr.models.prediction_error import check_level
 from dampyr.models.sampling_error import sampling_error, sampling_words
 from dampyr.origin import Origin, combined
 from dampyr.phrases import listing
-from dampyr.records import Record, cycles, motion_start
+from dampyr.records import Record, cycles
+from dampyr.records.checks.quality import motion_start
 from dampyr.shown import Shown
 
 Array = NDArray[np.float64]

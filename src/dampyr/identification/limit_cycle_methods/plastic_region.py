@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.models.parts.dahl import Dahl
-from dampyr.records import Record, cycles, turning_points, with_velocity
+from dampyr.records import Record, cycles, with_velocity
+from dampyr.records.cycle_analysis.cycles import turning_points
 from dampyr.shown import Shown
 
 Array = NDArray[np.float64]

@@ -17,8 +17,10 @@ from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.model_choice import parallel
 from dampyr.identification.scoring.validation import Validation, cross_validate
 from dampyr.identification.search.work import OUT_OF_TIME, OUT_OF_WORK
-from dampyr.models import Composition, Damper, compose
-from dampyr.records import Record, cycles, measure, motion_start, with_velocity
+from dampyr.models import Damper, compose
+from dampyr.models.codegen.composition import Composition
+from dampyr.records import Record, cycles, measure, with_velocity
+from dampyr.records.checks.quality import motion_start
 from dampyr.records.conditioning.velocity import check_bandwidth, default_bandwidth
 from dampyr.shown import Shown
 

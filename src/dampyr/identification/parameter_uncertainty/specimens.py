@@ -35,7 +35,8 @@ from dampyr.identification.model_choice.screening import hold_pairs
 from dampyr.identification.parameter_uncertainty.profile_likelihood import variance_ratios
 from dampyr.identification.parameter_uncertainty.random_effects import MIN_GROUPS, RandomEffects, random_effects
 from dampyr.identification.search.problem import to_coordinates, to_values
-from dampyr.models import Composition, Damper
+from dampyr.models import Damper
+from dampyr.models.codegen.composition import Composition
 from dampyr.models.prediction_error import PredictionError, ShapeError, check_level
 from dampyr.options import takes
 from dampyr.origin import Origin, check_one_kind, combined

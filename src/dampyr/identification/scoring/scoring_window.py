@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.records import Record, cycles, motion_start
+from dampyr.records import Record, cycles
+from dampyr.records.checks.quality import motion_start
 from dampyr.records.conditioning.smoothing import comparable, force_average
 
 Array = NDArray[np.float64]

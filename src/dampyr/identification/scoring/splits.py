@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from dampyr.errors import InputError
-from dampyr.records import Record, measure, motion_start, waveform
+from dampyr.records import Record, measure
+from dampyr.records.checks.quality import motion_start
+from dampyr.records.cycle_analysis.waveform import waveform
 
 FITTED_SHARE = 0.6  # of the motion: enough cycles on both sides of the cut
 

@@ -22,8 +22,8 @@ from dampyr.models.prediction_error import check_level
 from dampyr.options import Options, ShownIn, takes
 from dampyr.origin import Origin, combined
 from dampyr.phrases import listing
-from dampyr.records import Record, nominal_inputs, write_comparison
-from dampyr.records.files.comparison import check_free, file_name
+from dampyr.records import Record, nominal_inputs
+from dampyr.records.files.comparison import check_free, file_name, write_comparison
 from dampyr.shown import Shown
 from dampyr.units import Quantity
 

@@ -20,9 +20,11 @@ from dampyr.identification.fits.least_squares import check_records_and_model, fi
 from dampyr.identification.scoring.score import Score, score
 from dampyr.identification.scoring.scoring_window import list_unscorable
 from dampyr.identification.scoring.splits import FoldTask, Target, split_tasks
-from dampyr.models import Composition, Damper
+from dampyr.models import Damper
+from dampyr.models.codegen.composition import Composition
 from dampyr.origin import NOT_STATED, Origin, check_one_kind, combined
-from dampyr.records import Record, motion_start
+from dampyr.records import Record
+from dampyr.records.checks.quality import motion_start
 from dampyr.records.conditioning.velocity import check_bandwidth
 from dampyr.shown import Shown
 

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.records import Record, cycles, motion_start, with_velocity
+from dampyr.records import Record, cycles, with_velocity
+from dampyr.records.checks.quality import motion_start
 from dampyr.records.conditioning.moving_average import whole_windows
 from dampyr.records.conditioning.nominal_input import Commanded, commanded_input, in_common
 from dampyr.records.conditioning.smoothing import force_average

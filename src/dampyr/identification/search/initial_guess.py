@@ -16,7 +16,7 @@ from dampyr.identification.search.variable_projection import (
     search,
 )
 from dampyr.identification.search.work import Work
-from dampyr.models import Composition
+from dampyr.models.codegen.composition import Composition
 from dampyr.models.part import Scale
 
 MAX_STARTS = 48  # proposals that are tried: each costs one evaluation of two shortened records

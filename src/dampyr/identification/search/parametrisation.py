@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.models import Composition, Constant, Interpolation, Law, Polynomial, WithTemperature
+from dampyr.models import Constant, Interpolation, Polynomial, WithTemperature
+from dampyr.models.codegen.composition import Composition
+from dampyr.models.laws import Law
 from dampyr.units import Quantity
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.identification.search.fit_data import Piece
 from dampyr.identification.search.parametrisation import Column, bases
-from dampyr.models import Composition
+from dampyr.models.codegen.composition import Composition
 from dampyr.models.input_lag import lagged
 from dampyr.models.path_integration import acceleration
 from dampyr.units import OPEN_MARGIN

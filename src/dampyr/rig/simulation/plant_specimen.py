@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.models import Constant, Damper, Law
+from dampyr.models import Constant, Damper
+from dampyr.models.laws import Law
 
 Array = NDArray[np.float64]
 ROWS = 513  # of the parameter table, linear between rows: 6 mV apart over 3.2 V

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.identification import Acceptance, Accepted
-from dampyr.identification.acceptance_tests.acceptance import UNITS
+from dampyr.identification.acceptance_tests.accept import Accepted
+from dampyr.identification.acceptance_tests.acceptance import UNITS, Acceptance
 from dampyr.phrases import counted
 from dampyr.show.figures.acceptance import band_used, peak_velocity_band
 from dampyr.show.identification.accept import (

@@ -15,7 +15,9 @@ from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text, to_look_
 from dampyr.show.pages.fragility_section import fragility_section
 from dampyr.show.pages.html_page import page
 from dampyr.show.structures.ensemble_result import cases_in_words, peak_table, trust
-from dampyr.structures import EnsembleResult, Fragility, Incremental, incremental
+from dampyr.structures import EnsembleResult, incremental
+from dampyr.structures.ensembles.fragility import Fragility
+from dampyr.structures.ensembles.incremental import Incremental
 from dampyr.structures.ensembles.store import BARE
 
 FRACTIONS = (0.16, 0.5, 0.84)  # the median, and one standard deviation of a normal distribution to each side

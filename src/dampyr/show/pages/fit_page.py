@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from dampyr.findings import Finding, besides
-from dampyr.identification import Fit, Validation, identifiability
+from dampyr.identification import Fit, identifiability
 from dampyr.identification.fits.diagnostics import findings
+from dampyr.identification.scoring.validation import Validation
 from dampyr.phrases import counted, rounded, sentence
 from dampyr.show.figures.loops import loops
 from dampyr.show.figures.loops_by_input import RecordLoop, loops_by_input

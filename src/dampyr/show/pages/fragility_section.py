@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dampyr.show.figures.fragility import MAX_CURVES, axis_of, fragility_curves
 from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text
 from dampyr.show.structures.fragility import LEVEL, comparisons, curve_table, drawn_curves, limit_in_words
-from dampyr.structures import Fragility, FragilityCurve
+from dampyr.structures.ensembles.fragility import Fragility, FragilityCurve
 
 FEW = " From fewer than 40 motions the band is too narrow away from the median."
 

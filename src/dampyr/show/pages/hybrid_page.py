@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dampyr.hybrid import HybridResult
+from dampyr.hybrid.hybrid_result import HybridResult
 from dampyr.origin import OriginKind
 from dampyr.phrases import sentence
 from dampyr.show.figures.building import building_response

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dampyr.identification import Identifiability
+from dampyr.identification.parameter_uncertainty.identifiability import Identifiability
 from dampyr.phrases import sentence
 from dampyr.show.pages.blocks import Block, Section, Text
 from dampyr.show.table import Table

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from dampyr.identification import Fit, Validated
+from dampyr.identification import Fit
+from dampyr.identification.scoring.validate import Validated
 from dampyr.phrases import percent, sentence
 from dampyr.show.figures.band import band as band_figure
 from dampyr.show.identification.validate import bands_in_words, levels_and_bands

@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from dampyr.campaigns import Plan, PlannedTest
+from dampyr.campaigns import Plan
 from dampyr.campaigns.check import STROKE_MARGIN
+from dampyr.campaigns.planned_tests import PlannedTest
 from dampyr.phrases import sentence
 from dampyr.rig import RigSettings
 from dampyr.show.campaigns.planned_tests import plan_notes, plan_table

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from dampyr.identification import Fit, Validation
+from dampyr.identification import Fit
 from dampyr.identification.fits.fit_options import SPLITS
+from dampyr.identification.scoring.validation import Validation
 from dampyr.show.figures.scores import scores
 from dampyr.show.identification.fit_predictions import mean_l1
 from dampyr.show.identification.score import group_by_input

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dampyr.identification import Residuals
 from dampyr.identification.fits.diagnostics import findings
-from dampyr.identification.fits.residuals import SIDES
+from dampyr.identification.fits.residuals import SIDES, Residuals
 from dampyr.phrases import sentence
 from dampyr.show.figures.autocorrelation import memory
 from dampyr.show.figures.residual_sizes import residual_sizes

@@ -25,9 +25,10 @@ from dampyr.show.structures.responses import (
     interval_table,
     outcome,
 )
-from dampyr.structures import Response, Responses
+from dampyr.structures import Response
 from dampyr.structures.ensembles.store import BARE
 from dampyr.structures.time_history.respond import case_name
+from dampyr.structures.time_history.responses import Responses
 
 Array = NDArray[np.float64]
 STROKE = Axis("stroke", "mm", 1e3)

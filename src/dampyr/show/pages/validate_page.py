@@ -11,8 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, InputError
-from dampyr.identification import Score, Validated, prediction
+from dampyr.identification import Score
 from dampyr.identification.fits.residuals import motion
+from dampyr.identification.scoring.score import prediction
+from dampyr.identification.scoring.validate import Validated
 from dampyr.models import Damper
 from dampyr.origin import combined
 from dampyr.records import Record, with_velocity

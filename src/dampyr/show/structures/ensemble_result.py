@@ -9,7 +9,7 @@ from typing import Any
 from dampyr.data_frames import column_name
 from dampyr.errors import InputError
 from dampyr.findings import as_dicts
-from dampyr.ground_motions import end_in_words
+from dampyr.ground_motions.cutting import end_in_words
 from dampyr.phrases import counted, listing
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.plots import Plots, plots

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.findings import as_dicts
-from dampyr.ground_motions import end_in_words
+from dampyr.ground_motions.cutting import end_in_words
 from dampyr.phrases import extent, listing
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from dampyr.errors import InputError
-from dampyr.ground_motions import end_in_words
+from dampyr.ground_motions.cutting import end_in_words
 from dampyr.phrases import sentence
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style

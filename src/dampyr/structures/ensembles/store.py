@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError
 from dampyr.findings import Finding
-from dampyr.ground_motions import GroundMotion, sa
+from dampyr.ground_motions import GroundMotion
+from dampyr.ground_motions.intensity_measures import sa
 from dampyr.origin import NOT_STATED, Origin, combined
 from dampyr.records.files.self_contained import check_contained
 from dampyr.structures.control_laws import describe_law, is_control_law

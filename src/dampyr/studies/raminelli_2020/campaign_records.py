@@ -10,9 +10,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.identification import Fit, PlasticRegion, fit, plastic_region
-from dampyr.records import CampaignRow, Measured, Record, campaign_rows, cycles, disagreements, measure, turning_points
-from dampyr.records.files.campaign_folder import read_row
+from dampyr.identification import Fit, fit, plastic_region
+from dampyr.identification.limit_cycle_methods.plastic_region import PlasticRegion
+from dampyr.records import Record, cycles, measure
+from dampyr.records.checks.label_checks import disagreements
+from dampyr.records.cycle_analysis.cycles import turning_points
+from dampyr.records.cycle_analysis.measure import Measured
+from dampyr.records.files.campaign_folder import CampaignRow, campaign_rows, read_row
 
 Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.identification import LimitCycle, limit_cycle
+from dampyr.identification import limit_cycle
+from dampyr.identification.limit_cycle_methods.limit_cycle import LimitCycle
 from dampyr.models import Damper
 from dampyr.models.parts.bouc_wen import from_printed
 from dampyr.show.figures.history import history

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dampyr.identification import prediction
-from dampyr.identification.scoring.score import compare
+from dampyr.identification.scoring.score import compare, prediction
 from dampyr.records import cycles
 from dampyr.show.figures.history import history as history_figure
 from dampyr.show.figures.loops import loops as loops_figure

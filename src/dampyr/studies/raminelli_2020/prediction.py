@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.identification import prediction, score
-from dampyr.identification.scoring.score import compare
+from dampyr.identification import score
+from dampyr.identification.scoring.score import compare, prediction
 from dampyr.models import Constant, Damper
 from dampyr.records import Record, with_velocity
 from dampyr.records.conditioning.velocity import default_bandwidth

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from dampyr.phrases import listing
-from dampyr.records import campaign_rows
+from dampyr.records.files.campaign_folder import campaign_rows
 from dampyr.show.descriptions import Description, describe
 from dampyr.shown import Shown
 from dampyr.studies.raminelli_2020.compared_value import PrintedNumber

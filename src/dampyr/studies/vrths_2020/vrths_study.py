@@ -14,9 +14,6 @@ from numpy.typing import NDArray
 
 from dampyr.ground_motions import GroundMotion
 from dampyr.hybrid import (
-    CRITERIA,
-    BatchResult,
-    Compensator,
     HybridSetup,
     KalmanCompensator,
     ModelBasedCompensator,
@@ -24,6 +21,9 @@ from dampyr.hybrid import (
     perform_virtual,
     run_many,
 )
+from dampyr.hybrid.compensators import Compensator
+from dampyr.hybrid.criteria import CRITERIA
+from dampyr.hybrid.random_plants import BatchResult
 from dampyr.origin import VIRTUAL, Origin
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures.building import building_response
