@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
-from functools import lru_cache, wraps
+from functools import cached_property, lru_cache, wraps
 from types import ModuleType
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
@@ -55,39 +55,42 @@ def checked(cls: _Class) -> _Class:
 
 @dataclass(frozen=True)
 class Part:
-    """One part, as its file describes it to compositions, fits and exports."""
+    """One part, as its file describes it to compositions, fits and exports.
+
+    There is one object for each name (see `part`), so that each of its traits is read from the file once.
+    """
 
     name: str
     cls: type
     module: ModuleType
 
-    @property
+    @cached_property
     def parameters(self) -> dict[str, Quantity]:
         """Parameter name -> quantity, in the order of the file."""
         by_name = quantities(self.cls)
         return {f.name: by_name[f.name] for f in fields(self.cls)}
 
-    @property
+    @cached_property
     def states(self) -> dict[str, tuple[float, float]]:
         """State name -> its bounds; every state is 0 at rest."""
         return getattr(self.module, "STATES", {})
 
-    @property
+    @cached_property
     def within_stroke(self) -> tuple[str, ...]:
         """States in m that cannot be farther at the start of a record than the damper's ends have moved in all of them."""
         return getattr(self.module, "WITHIN_STROKE", ())
 
-    @property
+    @cached_property
     def advance(self) -> Formula | None:
         """The formula that moves the states, if there are any."""
         return read(self.module.advance, f"{self.name}_advance") if self.states else None
 
-    @property
+    @cached_property
     def force(self) -> Formula | None:
         """The formula of the force, if the part has one of its own."""
         return read(self.module.force, f"{self.name}_force") if hasattr(self.module, "force") else None
 
-    @property
+    @cached_property
     def force_in_series(self) -> Formula | None:
         """The formula of the force behind an element that stretches: that of `force` unless the file has one for this.
 
@@ -96,62 +99,62 @@ class Part:
         own = hasattr(self.module, "force_in_series")
         return read(self.module.force_in_series, f"{self.name}_force_in_series") if own else self.force
 
-    @property
+    @cached_property
     def stretch(self) -> Formula | None:
         """The formula of the stretch in series with the other parts, if the part has one."""
         return read(self.module.stretch, f"{self.name}_stretch") if hasattr(self.module, "stretch") else None
 
-    @property
+    @cached_property
     def delay(self) -> str | None:
         """The name of the parameter that delays the whole damper, if this part is a delay."""
         return getattr(self.module, "DELAY", None)
 
-    @property
+    @cached_property
     def lag(self) -> str | None:
         """The name of the parameter by which the input lags behind its command, if this part is a lag."""
         return getattr(self.module, "LAG", None)
 
-    @property
+    @cached_property
     def speed(self) -> str | None:
         """The name of the parameter within whose speed the force changes, if the samples must follow that."""
         return getattr(self.module, "SPEED", None)
 
-    @property
+    @cached_property
     def add_on(self) -> bool:
         """Whether the part complements the model of a damper and is none by itself."""
         return getattr(self.module, "ADD_ON", False)
 
-    @property
+    @cached_property
     def holds(self) -> tuple[str, ...]:
         """The add-ons that the part includes already."""
         return getattr(self.module, "HOLDS", ())
 
-    @property
+    @cached_property
     def not_for_buildings(self) -> str:
         """Why the part must not stand in for a damper of a building, and what may; empty where it may."""
         return getattr(self.module, "NOT_FOR_BUILDINGS", "")
 
-    @property
+    @cached_property
     def static(self) -> bool:
         """Whether the part is a static force that a building leaves out."""
         return getattr(self.module, "STATIC", False)
 
-    @property
+    @cached_property
     def path_only(self) -> bool:
         """Whether the states depend on the path alone, not on the speed along it."""
         return self.advance is None or not {"v0", "v1", "dt"} & set(self.advance.arguments)
 
-    @property
+    @cached_property
     def follows_velocity(self) -> bool:
         """Whether the states follow the velocity of the part, so that they need the one at the start of a step."""
         return self.advance is not None and "v0" in self.advance.arguments
 
-    @property
+    @cached_property
     def needs_acceleration(self) -> bool:
         """Whether the force needs the acceleration; in series such a part acts in parallel with the others."""
         return self.force is not None and "a" in self.force.arguments
 
-    @property
+    @cached_property
     def proportional_to(self) -> dict[str, str]:
         """Parameter -> the motion that its force is proportional to, ``"x"``, ``"v"``, ``"a"`` or ``"1"``, where it is one.
 

@@ -94,22 +94,22 @@ class Composition:
         """Which states a fit finds at the start of a record: all but the rate of a stretch, which has none before it."""
         return tuple(k for k, name in enumerate(self.states) if name != series.RATE)
 
-    @property
+    @cached_property
     def n_states(self) -> int:
         """How many states there are."""
         return len(self.states)
 
-    @property
+    @cached_property
     def state0(self) -> tuple[float, ...]:
         """The states at rest."""
         return (0.0,) * self.n_states
 
-    @property
+    @cached_property
     def path0(self) -> tuple[float, ...]:
         """The states at the start of a path whose past is unknown: no memory, and no rate of a stretch so far."""
         return tuple(series.UNKNOWN if name == series.RATE else 0.0 for name in self.states)
 
-    @property
+    @cached_property
     def path_only(self) -> bool:
         """Whether every state depends on the path alone."""
         return not self.in_series and all(p.path_only for p in self.parts)
@@ -128,7 +128,7 @@ class Composition:
         names = (f"{p.name}.{getattr(p, role)}" for p in self.parts if getattr(p, role))
         return next(map(self.parameters.index, names), None)
 
-    @property
+    @cached_property
     def has_delay(self) -> bool:
         """Whether one part delays the force."""
         return self.delay is not None
@@ -161,7 +161,7 @@ class Composition:
         """The functions of the whole: ``advance``, ``force`` and their derivatives."""
         return series.functions(self.layout) if self.in_series else parallel_parts.functions(self.layout)
 
-    @property
+    @cached_property
     def workspace_rows(self) -> int:
         """How many rows of workspace ``step_block`` needs (see `dampyr.models.codegen.batched_path`)."""
         return _step_block(self)[2]
@@ -177,20 +177,24 @@ class Composition:
         return "\n\n".join([*texts.values(), *whole, *called, step_block.python(f"_{site}")])
 
 
-@lru_cache(maxsize=256)  # compositions: writing one takes as long as a fit, and each fit composes anew
+@lru_cache(maxsize=256)  # compositions: writing one takes as long as a fit, and processes send equal ones
 def _step_block(composition: Composition) -> tuple[list[str], Function, int]:
     return batched_path.write_step_block(composition.layout)
 
 
 def compose(names: str | Iterable[str]) -> Composition:
     """The composition of parts named as ``"dahl + spring"`` or as a sequence of names."""
-    listed = [n.strip() for n in names.split("+")] if isinstance(names, str) else list(names)
+    return _composed(tuple(n.strip() for n in names.split("+")) if isinstance(names, str) else tuple(names))
+
+
+@lru_cache(maxsize=256)  # one object for the same parts, so that what follows from them is worked out once
+def _composed(listed: tuple[str, ...]) -> Composition:
     for name in listed:
         part(name)
     twice = sorted({n for n in listed if listed.count(n) > 1})
     if twice:
         raise InputError(f"the part {twice[0]!r} is given twice in {' + '.join(listed)}; name each part once")
-    composition = Composition(tuple(listed))
+    composition = Composition(listed)
     if not any(p.force for p in composition.parts):
         raise InputError(f"{composition} makes no force; add a part that does, such as dahl")
     if composition.in_series and all(p.needs_acceleration for p in composition.parts if p.force):
