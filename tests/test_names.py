@@ -16,12 +16,13 @@ def check(root: Path) -> subprocess.CompletedProcess[str]:
 @pytest.mark.parametrize(
     ("files", "sentence"),
     [
-        ({"src/dampyr/models/a.py": "found = 1\n"}, "src/dampyr/models/a.py:1: 'found' holds 'found'"),
-        ({"src/dampyr/models/a.py": "def last_kept() -> None: ...\n"}, "'last_kept' holds 'kept'"),
-        ({"src/dampyr/models/a.py": "MOST_STEPS = 3  # enough\n"}, "'MOST_STEPS' holds 'most'"),
-        ({"src/dampyr/models/a.py": "def _bent() -> None: ...\n"}, "'_bent' says nothing of what it does"),
-        ({"tests/a.py": "def f(told): ...\n"}, "tests/a.py:1: 'told' holds 'told'"),
-        ({"benchmarks/a.py": "class Shelf: ...\n"}, "'Shelf' holds 'shelf'"),
+        (
+            {
+                "src/dampyr/models/a.py": "class Group: ...\n",
+                "src/dampyr/records/b.py": "def f():\n    class Group: ...\n",
+            },
+            "2 classes are called 'Group': models/a.py:1, records/b.py:2",
+        ),
         (
             {"src/dampyr/models/a.py": "", "src/dampyr/records/a.py": ""},
             "2 modules are called 'a': models/a.py, records/a.py",
@@ -81,8 +82,6 @@ def test_what_is_allowed_is_not_refused(tmp_path: Path) -> None:
         (package / folder / "drive.py").write_text("")
     for folder in ("cli", "console/pages"):
         (package / folder).mkdir(parents=True)
-        (package / folder / "identify.py").write_text('"""What was found and told."""\nname = "kept"\n')
-    (tmp_path / "tests").mkdir()
-    (tmp_path / "tests" / "test_a.py").write_text("def test_what_was_told_is_kept(): ...\n")
+        (package / folder / "identify.py").write_text("")
     run = check(tmp_path)
     assert run.returncode == 0, run.stdout

@@ -1,20 +1,19 @@
-"""Names that must not come back: old words as identifiers, modules that share a name or are hidden, import circles.
+"""Names that have two meanings: classes and modules that share a name, modules that are hidden, import circles.
 
 ::
 
     python tools/check_names.py             # this checkout; exit status 1 and one line for each offence
     python tools/check_names.py --root DIR  # another one
 
-- No identifier (NAME token of Python) holds one of `OLD_WORDS` as an underscore segment, in ``src``, ``tests``,
-  ``benchmarks``, ``examples``, ``tools`` and ``docs``: these words say nothing of what a thing is (``result``, ``message``,
-  ``options``, ``cached``, ``request`` do). The names of test functions are sentences and may hold any word. `ALLOWED` lists
-  the exceptions, each with its reason.
+- No two classes of ``src`` have the same name.
 - No two modules of ``src`` have the same name, except in the folders of `REGISTRIES`, whose files are named after what a
   user types or chooses: there the same name in two folders means the same thing. A file of ``show/PACKAGE`` has the name of
   the module of that package whose results it describes.
 - No name that a package imports is that of one of its own modules or sub-packages: ``dampyr.records.cycles`` would be the
   function, and the module of that name could be reached by ``from`` alone.
 - No modules import one another in a circle, neither when they are loaded nor inside of functions nor for types alone.
+
+Whether a name says what a thing is, no list of words can check: a reader must.
 """
 
 from __future__ import annotations
@@ -22,24 +21,12 @@ from __future__ import annotations
 import argparse
 import ast
 import sys
-import tokenize
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
 from measure import CHECKOUT, Module, import_circles, read_modules
 
-FOLDERS = ("src", "tests", "benchmarks", "examples", "tools", "docs")
-OLD_WORDS = {
-    "found", "told", "known", "kept", "asked", "house", "room", "shelf", "lot", "lanes", "beside",
-    "most", "longest", "fewest", "sharpest",
-}  # fmt: skip
-OLD_NAMES = {"_bent", "_settled"}  # three meanings of one, two of the other
-ALLOWED = {
-    "known_hash": "a parameter of pooch",
-    "most_common": "a method of collections.Counter",
-    "room": "the temperature of the room, a key of rig.toml",
-}
 REGISTRIES = (
     "campaigns/steps", "cli", "console/jobs", "console/pages", "export/kinds", "ground_motions/formats", "models/parts",
     "models/published", "records/formats", "show/figures", "structures/control",
@@ -49,29 +36,30 @@ PARTS = ("driver.py", "simulated.py")  # of every folder of rig/instruments
 
 def main() -> int:
     """Print every offence; 1 where there is one."""
-    parser = argparse.ArgumentParser(description="Old words, repeated or hidden module names, import circles.")
+    parser = argparse.ArgumentParser(description="Repeated class and module names, hidden modules, import circles.")
     parser.add_argument("--root", type=Path, default=CHECKOUT, metavar="DIR", help="the checkout to check")
     root = parser.parse_args().root.resolve()
     sources = list(read_modules(root / "src"))
     offences = [
-        *(line for folder in FOLDERS for module in read_modules(root / folder) for line in old_words(module, root)),
+        *repeated_classes(sources, root / "src" / "dampyr"),
         *repeated_modules(sources, root / "src" / "dampyr"),
         *hidden_modules(sources, root),
         *circle_lines(sources),
     ]
-    print("\n".join(offences) or "No old words, no repeated or hidden module names, no import circles.")
+    print("\n".join(offences) or "No repeated names of classes or modules, no hidden modules, no import circles.")
     return 1 if offences else 0
 
 
-def old_words(module: Module, root: Path) -> Iterator[str]:
-    """One line for each identifier with an old word in it."""
-    for token in module.tokens:
-        if token.type != tokenize.NAME or token.string in ALLOWED or token.string.startswith("test_"):
-            continue
-        for word in sorted(OLD_WORDS & set(token.string.lower().split("_"))):
-            yield f"{module.path.relative_to(root)}:{token.start[0]}: {token.string!r} holds {word!r}; name what it is"
-        if token.string in OLD_NAMES:
-            yield f"{module.path.relative_to(root)}:{token.start[0]}: {token.string!r} says nothing of what it does"
+def repeated_classes(modules: list[Module], package: Path) -> Iterator[str]:
+    """One line for each name that several classes have."""
+    places: dict[str, list[str]] = defaultdict(list)
+    for module in modules:
+        for node in ast.walk(module.tree):
+            if isinstance(node, ast.ClassDef):
+                places[node.name].append(f"{module.path.relative_to(package).as_posix()}:{node.lineno}")
+    for name, lines in sorted(places.items()):
+        if len(lines) > 1:
+            yield f"{len(lines)} classes are called {name!r}: {', '.join(lines)}; give each its own name"
 
 
 def repeated_modules(modules: list[Module], package: Path) -> Iterator[str]:

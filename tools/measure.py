@@ -21,10 +21,15 @@ public module-level names
 functions
     Code lines of every function, the ``def`` line included, decorators and docstring not: median 6, 90th percentile 17,
     maximum 47 of 2,735 functions [6, 17, 47 of 2,735].
-old words
-    NAME tokens that hold one of `OLD_WORDS` as an underscore segment, in any case, such as ``kept`` and ``_last_found``;
-    every occurrence counts: 2,200 in src [2,200]. Expressions inside of f-strings count from Python 3.12 on, where they are
-    tokens too, so compare numbers of one Python; these are of 3.11.
+empty words
+    NAME tokens that hold one of `EMPTY_WORDS` as an underscore segment, in any case, such as ``each`` and ``_one_of``; every
+    occurrence counts, per 1,000 lines. They could stand anywhere, so a reader learns nothing from them; which of them are in
+    place, only a reader can say. Expressions inside of f-strings count from Python 3.12 on, where they are tokens too, so
+    compare numbers of one Python; these are of 3.11.
+names of the faces
+    What the ``__all__`` of the packages hold that `FACES` lists.
+class names
+    Names that more than one class of ``src`` has.
 module names
     File names that occur more than once (``__init__`` and ``__main__`` apart): 35 [33].
 import circles
@@ -75,7 +80,11 @@ from typing import Any
 
 CHECKOUT = Path(__file__).resolve().parent.parent
 PACKAGE = "dampyr"
-OLD_WORDS = ("found", "told", "known", "kept", "asked")
+EMPTY_WORDS = ("one", "each", "here", "there", "given", "made", "own", "words", "said", "found", "kept", "handed")
+FACES = (
+    "campaigns", "export", "ground_motions", "hybrid", "identification", "models", "planning", "records", "rig", "show",
+    "structures",
+)  # fmt: skip
 PAGE_PACKAGES = ("show", "report", "figures")  # the last two up to 0.3.0
 DIRECTIVE = re.compile(r"#\s*(fmt|type|ruff|mypy|pragma)\s*:|#\s*noqa")  # comments for tools give no reason
 LAYOUT = {tokenize.NL, tokenize.NEWLINE, tokenize.COMMENT, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
@@ -138,7 +147,11 @@ def measure(root: Path) -> dict[str, Any]:
             "p90": lengths[int(0.9 * len(lengths))],
             "max": lengths[-1],
         },
-        "old words in identifiers": {name: dict(count_words(modules_there)) for name, modules_there in places.items()},
+        "empty words in identifiers": {name: count_words(modules_there) for name, modules_there in places.items()},
+        "names of the faces": sum(
+            len(face(module)) for module in modules if module.name.removeprefix("dampyr.") in FACES
+        ),
+        "class names more than once": repeated_classes(modules),
         "module names more than once": repeated_names(modules),
         "import circles": import_circles(modules),
         "numeric constants": len(constants),
@@ -210,15 +223,30 @@ def assigned_names(node: ast.stmt) -> list[str]:
     return [target.id for target in targets if isinstance(target, ast.Name)]
 
 
-def count_words(modules: Sequence[Module]) -> Counter[str]:
-    """How many NAME tokens hold each old word; ``total`` counts a token once."""
-    counts: Counter[str] = Counter(total=0)
-    for module in modules:
-        for token in module.tokens:
-            if token.type == tokenize.NAME and (words := set(token.string.lower().split("_")).intersection(OLD_WORDS)):
-                counts.update(words)
-                counts["total"] += 1
-    return counts
+def count_words(modules: Sequence[Module]) -> dict[str, Any]:
+    """How many NAME tokens hold each empty word, and how many hold one per 1,000 lines."""
+    tokens = [set(t.string.lower().split("_")) for module in modules for t in module.tokens if t.type == tokenize.NAME]
+    counts = Counter(word for token in tokens for word in token.intersection(EMPTY_WORDS))
+    lines = sum(len(module.text.splitlines()) for module in modules)
+    return {"per 1,000 lines": round(1000 * sum(counts.values()) / max(1, lines), 1), **counts}
+
+
+def face(module: Module) -> list[str]:
+    """The names in a package's ``__all__``, also where they are the keys of a dictionary above it."""
+    assigned = {
+        name: node.value for node in module.tree.body if isinstance(node, ast.Assign) for name in assigned_names(node)
+    }
+    names = assigned.get("__all__")
+    if isinstance(names, ast.Call):  # list(_MODULES)
+        names = assigned[ast.unparse(names.args[0])]
+    entries = names.keys if isinstance(names, ast.Dict) else names.elts if isinstance(names, ast.List) else []
+    return [entry.value for entry in entries if isinstance(entry, ast.Constant)]
+
+
+def repeated_classes(modules: Sequence[Module]) -> dict[str, int]:
+    """Class names that occur more than once, and how often."""
+    counts = Counter(n.name for module in modules for n in ast.walk(module.tree) if isinstance(n, ast.ClassDef))
+    return {name: count for name, count in sorted(counts.items()) if count > 1}
 
 
 def repeated_names(modules: Sequence[Module]) -> dict[str, int]:
@@ -519,12 +547,12 @@ def table(measures: dict[str, Any]) -> str:
     for name, value in measures.items():
         if name == "constants without a reason":
             lines.append(f"{name}: {len(value)} of {measures['numeric constants']}")
-        elif name == "module names more than once":
+        elif name in ("class names more than once", "module names more than once"):
             lines.append(f"{name}: {len(value)} ({', '.join(f'{key} {count}' for key, count in value.items())})")
-        elif name == "old words in identifiers":
+        elif name == "empty words in identifiers":
             for place, counts in value.items():
-                words = ", ".join(f"{word} {counts.get(word, 0)}" for word in OLD_WORDS)
-                lines.append(f"{name}, {place}: {counts['total']} ({words})")
+                words = ", ".join(f"{word} {counts.get(word, 0)}" for word in EMPTY_WORDS)
+                lines.append(f"{name}, {place}, per 1,000 lines: {counts['per 1,000 lines']} ({words})")
         elif name == "import circles":
             for when, groups in value.items():
                 text = "; ".join(" <-> ".join(group) for group in groups)
