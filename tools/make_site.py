@@ -23,6 +23,7 @@ import inspect
 import itertools
 import json
 import os
+import pkgutil
 import re
 import shutil
 import sys
@@ -35,6 +36,7 @@ import citations
 from sphinx.cmd.build import main as run_sphinx
 
 from dampyr import registry
+from dampyr.shown import Shown
 
 CHECKOUT = Path(__file__).resolve().parents[1]
 DOCS = CHECKOUT / "docs"
@@ -209,7 +211,34 @@ def package_page(module_name: str) -> str:
             lines += [".. autosummary::", "   :nosignatures:", "", *(f"   {name}" for name in called), ""]
         for name in names:
             lines += described(owner, name)
+    if results := results_of(module):
+        lines += ["What they return", "----------------", "", "Results, each in the module that makes it.", ""]
+        for result in results:
+            lines += [
+                f".. currentmodule:: {result.__module__}",
+                "",
+                *described(import_module(result.__module__), result.__name__),
+            ]
     return "\n".join(lines)
+
+
+def results_of(package: ModuleType) -> list[type]:
+    """What the calls of a package return and nobody makes by hand: they show themselves, but are not in its ``__all__``."""
+    if not hasattr(package, "__path__") or not hasattr(package, "__all__"):
+        return []
+    other_pages = tuple(f"{name}." for name in pages_of_packages() if name.startswith(f"{package.__name__}."))
+    names = [module.name for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")]
+    modules = [import_module(name) for name in names if not name.startswith(other_pages)]
+    classes = {
+        value
+        for module in modules
+        for name, value in vars(module).items()
+        if inspect.isclass(value)
+        and issubclass(value, Shown)
+        and value.__module__ == module.__name__
+        and name[0] != "_"
+    }
+    return sorted((cls for cls in classes if cls.__name__ not in package.__all__), key=lambda cls: cls.__name__)
 
 
 def members(module: ModuleType) -> list[tuple[ModuleType, list[str]]]:

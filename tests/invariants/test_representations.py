@@ -57,6 +57,7 @@ from dampyr.show.text import MAX_LETTERS, MAX_LINES, rows_as_text
 from dampyr.shown import Shown
 from dampyr.studies.raminelli_2020.study import Study
 from dampyr.studies.raminelli_2020.study_part import StudyPart
+from dampyr.studies.vrths_2020.vrths_study import VrthsStudy
 from tests.identification.synthetic import sine
 
 LINES, LETTERS = 15, 1500
@@ -93,15 +94,25 @@ def substructure(made: Any) -> hybrid.Substructure:
 
 
 def public_classes() -> list[type]:
-    """Every class that some ``__all__`` of dampyr names; protocols have no objects of their own."""
+    """Every class that some ``__all__`` names, and every result that a call returns; protocols have no objects of their own."""
     classes = set()
     for package_module in pkgutil.walk_packages(dp.__path__, "dampyr."):
         if package_module.name.endswith("__main__"):
             continue
         module = importlib.import_module(package_module.name)
-        members = [getattr(module, name) for name in getattr(module, "__all__", ())]
-        classes |= {each for each in members if inspect.isclass(each) and not getattr(each, "_is_protocol", False)}
+        faces = [getattr(module, name) for name in getattr(module, "__all__", ())]
+        results = [value for name, value in vars(module).items() if name[0] != "_" and shows_itself(value)]
+        classes |= {
+            value
+            for value in [*faces, *results]
+            if inspect.isclass(value) and not getattr(value, "_is_protocol", False)
+        }
     return sorted(classes, key=label)
+
+
+def shows_itself(value: Any) -> bool:
+    """Whether a class has a description; one that derives from such a class has that one's."""
+    return inspect.isclass(value) and issubclass(value, Shown) and Shown in value.__bases__
 
 
 def label(cls: type) -> str:
@@ -253,6 +264,9 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "studies.ComparedValue": lambda made: made.study.compared[0],
     "studies.Published": lambda made: dp.studies.raminelli_2020.PUBLISHED,
     "studies.Study": lambda made: made.study,
+    "studies.VrthsStudy": lambda made: VrthsStudy(
+        (), {("El Centro", "kalman", 1): (np.ones(9), np.ones(9))}, {}, (np.zeros(1), {})
+    ),
 }
 NEEDS_A_RECORD = {
     ("identification.Validated", "history"),

@@ -89,7 +89,8 @@ class RecordVerdict(BaseModel):
 
     Cycles count from the start of the motion: ``run`` in halves, ``cut`` whole ones, ``judged_cycles`` by every
     quantity; strokes in m. ``wrong_rejection`` and ``wrong_acceptance`` are chances, see
-    `dampyr.identification.Acceptance`. The forces were divided by ``level``, 1 but for records that are relevelled.
+    `dampyr.identification.acceptance_tests.acceptance.Acceptance`. The forces were divided by ``level``, 1 but for records
+    that are relevelled.
     """
 
     key: str

@@ -2,8 +2,8 @@
 
 A :class:`Record` is read with :func:`read` or :func:`read_campaign`, in SI, checked and immutable. Each
 conditioning step returns a new record whose history says what was done; each report (:func:`measure`,
-:func:`quality`, :func:`disagreements`, :func:`estimate_delay`, :func:`drift`, :func:`recognise_smoothing`,
-:func:`displacement_noise`) changes nothing.
+:func:`quality`, :func:`overview`, :func:`estimate_delay`, :func:`recognise_smoothing`, :func:`displacement_noise`)
+changes nothing.
 """
 
 from dampyr.records.checks.overview import overview

@@ -242,7 +242,7 @@ class Condensed(Building):
     ``T`` (m, n) makes displacements of all from the coordinates, in the order of ``all_floors`` (m labels). ``exact`` says
     whether nothing was lost. ``frequency_errors`` (k,) are the relative rises of the natural frequencies above those of the
     whole (nan for a free mode). ``whole`` is the structure; the last ``interior`` of the n coordinates are not floors but
-    shapes in which the floors stand still (see `dampyr.structures.refined`).
+    shapes in which the floors stand still (see `dampyr.structures.time_history.modal_coordinates.refined`).
     """
 
     T: Array = field(default_factory=lambda: np.zeros((0, 0)))

@@ -111,7 +111,7 @@ async def read_curves(app: CurrentApp, request: Request, key: Key) -> Curves:
 
 @router.get("/cycles")
 async def read_cycles(app: CurrentApp, request: Request, key: Key) -> list[dict[str, float | None]]:
-    """Every whole cycle of one record, SI, with the peak-velocity pick-up; see `dampyr.records.Cycle`."""
+    """Every whole cycle of one record, SI, with the peak-velocity pick-up; see `dampyr.records.cycle_table`."""
     cycles: list[dict[str, float | None]] = await app.workers.run(
         request, READING, record_answers.cycles_of, app.data, key
     )

@@ -116,8 +116,8 @@ def cross_validate(
         ``"record"``: ``options.folds`` random parts by ``options.seed``; ``"input"``: one voltage (or current) left out at a
         time, the lowest and the highest excepted, which would be extrapolated; ``"frequency"`` or ``"amplitude"``: as many
         parts in the order of the measured frequency or stroke, so that the outer ones are predicted beyond what was fitted;
-        ``"waveform"``: one kind of motion (`dampyr.records.waveform`) left out at a time; ``"time"``: the first 60 % of every
-        motion fitted, the rest predicted.
+        ``"waveform"``: one kind of motion (`dampyr.records.cycle_analysis.waveform.waveform`) left out at a time;
+        ``"time"``: the first 60 % of every motion fitted, the rest predicted.
     options
         of each fit.
     progress

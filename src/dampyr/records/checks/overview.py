@@ -26,7 +26,7 @@ class Overview(Shown):
     repeats
         Whether the motion repeats itself: whole cycles cover at least half of the time from the start of the motion
         to the last turning point, a sine with its harmonics misses at most half of it (rms), and its strokes are not
-        in rising or falling levels (`dampyr.records.Cut`). Only then do the frequency, the stroke and the energy of
+        in rising or falling levels (`dampyr.records.cut_cycles`). Only then do the frequency, the stroke and the energy of
         :func:`measure` stand for the record.
     stroke_m, peak_speed, rms_speed
         Largest less smallest displacement, m; m/s, from the start of the motion on.

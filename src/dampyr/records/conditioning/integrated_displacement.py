@@ -27,13 +27,12 @@ def is_integrated(record: Record) -> bool:
 def with_integrated_displacement(*, velocity: Any, provenance: Mapping[str, str], **fields: Any) -> Record:
     """The record of a test without a displacement: x = integral of v by trapezoids, 0 at the first sample.
 
-    An error b of the velocity's zero grows to b t. Where the motion repeats itself (:func:`dampyr.records.overview`), the drift
-    of the mean position (:func:`dampyr.records.drift`) is therefore taken from the displacement, and its slope from the
-    velocity; a real drift goes with it, as a velocity alone cannot tell the two apart. Where it does not, nothing is taken
-    away. What was done, with its numbers, stands in the history, in the provenance (``displacement``) and in the notes of
-    :func:`dampyr.records.describe`.
-
-    ``velocity`` is ``(n,)`` in m/s; ``fields`` are the others of :class:`Record`, which raises what is wrong with them.
+    An error b of the velocity's zero grows to b t. Where the motion repeats itself (:func:`dampyr.records.overview`), the
+    drift of the mean position (:func:`dampyr.records.conditioning.drift.drift`) is therefore taken from the displacement,
+    and its slope from the velocity; a real drift goes with it, as a velocity alone cannot tell the two apart. Where it does
+    not, nothing is taken away. What was done, with its numbers, stands in the history, in the provenance (``displacement``)
+    and in the notes of :func:`dampyr.records.describe`. ``velocity`` is ``(n,)`` in m/s; ``fields`` are the others of
+    :class:`Record`, which raises what is wrong with them.
     """
     zeros = np.zeros(np.shape(velocity))  # so that faults of the velocity are reported as such
     record = Record(displacement=zeros, velocity=velocity, provenance=provenance, **fields)

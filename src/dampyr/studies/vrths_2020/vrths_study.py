@@ -78,7 +78,7 @@ def describe_study(study: VrthsStudy) -> Description:
     rows = [("compared", f"{agrees} of {len(study.compared)} agree")]
     rows += [(f"random plants, case {case}", _describe_batch(batch)) for case, batch in study.batches.items()]
     return Description(
-        "Study of the hybrid simulation benchmark (2020)",
+        "VrthsStudy of the hybrid simulation benchmark (2020)",
         rows,
         verdict=[
             *(
