@@ -34,7 +34,7 @@ from dampyr.cli._options import OptionsCommand
 from dampyr.config import origin, split
 from dampyr.models import published
 from dampyr.models.part import part
-from dampyr.options import Option, options_of
+from dampyr.options import Option, Thresholds, options_of
 from dampyr.phrases import listing
 from dampyr.records.datasets import available_data_sets, data_set
 from dampyr.units import Quantity, for_people
@@ -415,6 +415,21 @@ def option_sections() -> str:
     return "\n".join(map(option_section, option_classes()))
 
 
+def threshold_sections() -> str:
+    """Each class of judgements, and its fields."""
+    packages = [import_module(f"dampyr.{name}") for name in ("campaigns", "identification", "records")]
+    offered = [getattr(package, name) for package in packages for name in package.__all__]
+    classes = [cls for cls in offered if inspect.isclass(cls) and issubclass(cls, Thresholds)]
+    return "\n".join(map(threshold_section, classes))
+
+
+def threshold_section(cls: type) -> str:
+    """The section of one class of judgements."""
+    rows = [[f"`{o.name}`", f"{o.default:g}", cell(o.values(si=True)), cell(meaning(o))] for o in options_of(cls)]
+    summary = fill((inspect.getdoc(cls) or "").partition("\n\n")[0], 118)
+    return "\n".join([f"## `{cls.__name__}`", "", summary, "", table(["field", "default", "value", "what"], rows), ""])
+
+
 def option_section(cls: type) -> str:
     """The section of one class."""
     package = import_module(".".join(cls.__module__.split(".")[:2]))
@@ -489,6 +504,7 @@ LISTS: dict[str, Callable[[], str]] = {
     "command-examples": command_examples,
     "command-sections": command_sections,
     "option-sections": option_sections,
+    "threshold-sections": threshold_sections,
     **{f"options-of-{name.replace(' ', '-')}": option_names(name) for name, _ in options_commands()},
     "bibliography": citations.sections,
 }

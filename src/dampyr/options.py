@@ -98,6 +98,13 @@ class Options:
         return {option.name: getattr(self, option.name) for option in options_of(type(self))}
 
 
+class Thresholds(Options):
+    """Base of the dataclasses of judgements: numbers that someone chose, checked as options are, for calls in Python alone.
+
+    They change what is said of a result and no number in it. docs/reference/thresholds.md lists them.
+    """
+
+
 @dataclass(frozen=True)
 class Option:
     """A field of `Options`, with all that its annotation says.

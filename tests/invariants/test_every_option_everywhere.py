@@ -19,7 +19,7 @@ import pytest
 import dampyr as dp
 from dampyr.cli import cli
 from dampyr.cli._options import OptionsCommand
-from dampyr.options import Option, Options, command_words, options_of
+from dampyr.options import Option, Options, Thresholds, command_words, options_of
 
 PACKAGES = ("identification", "structures", "campaigns", "planning", "hybrid", "records", "export")
 ROOT = Path(__file__).parents[2]
@@ -34,10 +34,17 @@ def commands() -> Iterator[tuple[str, OptionsCommand]]:
 
 
 def classes() -> list[type[Options]]:
-    """Every class of options that a package offers."""
+    """Every class of options that a package offers, but for its thresholds."""
     modules = [import_module(f"dampyr.{package}") for package in PACKAGES]
     offered = (getattr(module, name) for module in modules for name in module.__all__)
-    return sorted({each for each in offered if inspect.isclass(each) and issubclass(each, Options)}, key=str)
+    return sorted(
+        {
+            each
+            for each in offered
+            if inspect.isclass(each) and issubclass(each, Options) and not issubclass(each, Thresholds)
+        },
+        key=str,
+    )
 
 
 def fields() -> list[tuple[type[Options], Option]]:

@@ -9,6 +9,7 @@ A kind of step is one file in the package ``dampyr.campaigns.steps``; `available
 """
 
 from dampyr.campaigns.campaign import Campaign, campaign_of, read
+from dampyr.campaigns.campaign_thresholds import CampaignThresholds
 from dampyr.campaigns.hybrid_campaign import hybrid_result, planned_hybrid
 from dampyr.campaigns.journal import Journal, read_journal
 from dampyr.campaigns.kinds import available_steps
@@ -18,6 +19,7 @@ from dampyr.campaigns.recorded_campaign import RecordedCampaign
 from dampyr.campaigns.run_control import RunControl, Stopped
 
 __all__ = [
+    "CampaignThresholds",
     "Campaign", "read", "campaign_of", "available_steps", "Plan", "plan", "planned_hybrid", "hybrid_result", "perform",
     "RecordedCampaign", "RunControl", "Stopped", "Journal", "read_journal",
 ]  # fmt: skip

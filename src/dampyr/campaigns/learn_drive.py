@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from dampyr.atomic_write import write_whole
+from dampyr.campaigns.campaign_thresholds import USUAL, CampaignThresholds
 from dampyr.campaigns.check import violations_of
 from dampyr.campaigns.journal import Journal, now
 from dampyr.campaigns.learned_drives import FOLDER, LearnedDrive, drive_key, load_learned, save_learned
@@ -34,7 +35,6 @@ from dampyr.campaigns.learning import (
 from dampyr.campaigns.planned_tests import Plan, PlannedTest
 from dampyr.campaigns.record_test import take
 from dampyr.campaigns.step import Peaks
-from dampyr.campaigns.thresholds import USUAL, CampaignThresholds
 from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.recording import Recording

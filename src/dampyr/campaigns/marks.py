@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.campaigns.thresholds import USUAL, CampaignThresholds
+from dampyr.campaigns.campaign_thresholds import USUAL, CampaignThresholds
 from dampyr.errors import InputError
 from dampyr.records.checks.quality import flat_levels, motion_start
 from dampyr.records.cycle_analysis.cycles import similar_cycles

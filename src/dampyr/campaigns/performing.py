@@ -12,6 +12,7 @@ from datetime import datetime
 from pathlib import Path
 
 from dampyr.campaigns.campaign import Campaign, read
+from dampyr.campaigns.campaign_thresholds import USUAL, CampaignThresholds
 from dampyr.campaigns.differences import campaign_differences, contents_of, settings_differences
 from dampyr.campaigns.folder_lock import folder_lock
 from dampyr.campaigns.force_prediction import specimen
@@ -36,7 +37,6 @@ from dampyr.campaigns.recorded_tests import (
     set_aside,
 )
 from dampyr.campaigns.run_control import Progress, RunControl, Skipped, Stopped
-from dampyr.campaigns.thresholds import USUAL, CampaignThresholds
 from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.origin import as_origin, combined
 from dampyr.records.formats import h5

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.campaigns.thresholds import USUAL, CampaignThresholds
+from dampyr.campaigns.campaign_thresholds import USUAL, CampaignThresholds
 from dampyr.errors import RigFault
 from dampyr.rig.drive import Drive
 from dampyr.rig.session import ArmedRig

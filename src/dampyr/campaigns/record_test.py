@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 
 from dampyr.campaigns.campaign import Campaign
+from dampyr.campaigns.campaign_thresholds import USUAL, CampaignThresholds
 from dampyr.campaigns.journal import now
 from dampyr.campaigns.kinds import kind
 from dampyr.campaigns.marks import Mark, MeasuredTest, marks_of, zero_moved
 from dampyr.campaigns.planned_tests import UNCHECKED, PlannedTest
 from dampyr.campaigns.run_control import Stopped, exit_status
-from dampyr.campaigns.thresholds import USUAL, CampaignThresholds
 from dampyr.errors import DampyrError, FileError, RigFault
 from dampyr.models.numerics.differentiation import differentiate, window
 from dampyr.records.checks.channel_uncertainty import ChannelUncertainty

@@ -10,6 +10,7 @@ error is too simple, `identifiability` what the records cannot separate, and `fi
 
 from dampyr.identification.acceptance_tests.accept import accept
 from dampyr.identification.acceptance_tests.acceptance import AcceptOptions, Tolerance
+from dampyr.identification.fit_thresholds import FitThresholds
 from dampyr.identification.fits.fit import fit
 from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.residuals import analyse
@@ -27,6 +28,7 @@ from dampyr.identification.scoring.score import Score, score
 from dampyr.identification.scoring.validate import ScoreOptions, validate
 
 __all__ = [
+    "FitThresholds",
     "AcceptOptions", "FitOptions", "ScoreOptions", "accept", "validate", "prediction_band", "fit_specimens",
     "identifiability", "profile", "sample_posterior", "compare_method", "Fit", "Leaderboard", "Score", "Tolerance",
     "analyse", "fit", "limit_cycle", "plastic_region", "residuals", "score",

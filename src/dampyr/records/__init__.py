@@ -29,8 +29,10 @@ from dampyr.records.files.conversion import convert
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.record_files import read, write
 from dampyr.records.record import Record
+from dampyr.records.record_thresholds import RecordThresholds
 
 __all__ = [
+    "RecordThresholds",
     "Record", "ReadOptions", "read", "write", "convert", "cut", "read_campaign", "nominal_inputs", "fetch", "locate",
     "cycles", "cut_cycles", "cycle_average", "differentiate", "with_velocity", "remove_offset", "remove_drift",
     "estimate_delay", "correct_delay", "measure", "amplitude_error", "total_harmonic_distortion", "overview", "quality",

@@ -20,7 +20,7 @@ from dampyr.findings import Finding, findings_of
 from dampyr.origin import DAY, NOT_STATED, Origin, PublishedData, as_origin
 from dampyr.records.checks.channel_uncertainty import ChannelUncertainty
 from dampyr.records.conditioning.moving_average import MovingAverage
-from dampyr.records.thresholds import USUAL, RecordThresholds
+from dampyr.records.record_thresholds import USUAL, RecordThresholds
 from dampyr.shown import Shown
 from dampyr.source_file import SourceFile
 from dampyr.units import in_si
@@ -108,7 +108,7 @@ class Record(Shown):
     source_file
         The name and the SHA-256 of the file that it was read from, or None; reports list them.
     thresholds
-        From when on what it shows is a finding (:class:`~dampyr.records.thresholds.RecordThresholds`). No file keeps them.
+        From when on what it shows is a finding (`dampyr.records.RecordThresholds`). No file keeps them.
 
     Raises
     ------

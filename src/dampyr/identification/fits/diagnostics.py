@@ -3,7 +3,7 @@
 A trend is Spearman's rank correlation of a record's relative residual with its frequency or stroke, among the records at one
 input, and with the input over all. Many are tried, so one counts only below a p of ``chance`` over the number tried
 (Bonferroni): of a hundred campaigns without any trend, five or fewer report one.
-The thresholds are those of `dampyr.identification.thresholds.FitThresholds`.
+The thresholds are those of `dampyr.identification.fit_thresholds.FitThresholds`.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from dampyr.findings import Finding
+from dampyr.identification.fit_thresholds import FitThresholds
 from dampyr.identification.fits.residuals import RecordResidual, ResidualGroup, Residuals
 from dampyr.identification.parameter_uncertainty.uncertainty import MIN_CYCLES, Uncertainty
 from dampyr.identification.parameter_uncertainty.uncertainty import MIN_RECORDS as MIN_INTERVAL_RECORDS
@@ -21,7 +22,6 @@ from dampyr.identification.scoring.scoring_window import loop_work
 from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Problem
 from dampyr.identification.search.variable_projection import Outcome
-from dampyr.identification.thresholds import FitThresholds
 from dampyr.models.damper import INPUTS
 from dampyr.phrases import counted, listing
 

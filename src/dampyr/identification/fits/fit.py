@@ -60,7 +60,7 @@ def fit(
         ``tied`` name them, and ``findings`` say so.
     options
         the further arguments as one object; those that are given by name take their places. Besides those below,
-        ``thresholds`` (`dampyr.identification.thresholds.FitThresholds`) say from which value on something is a finding.
+        ``thresholds`` (`dampyr.identification.fit_thresholds.FitThresholds`) say from which value on something is a finding.
     progress
         called with what is being done, and the fraction of it that is done.
     executor

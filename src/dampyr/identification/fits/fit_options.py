@@ -8,10 +8,10 @@ from typing import Annotated
 
 from dampyr.config import Choices
 from dampyr.errors import InputError
+from dampyr.identification.fit_thresholds import FitThresholds
 from dampyr.identification.parameter_uncertainty.levels import PRIOR_SESSION
 from dampyr.identification.scoring.scoring_window import SETTLING
 from dampyr.identification.search.variable_projection import MAX_ITERATIONS
-from dampyr.identification.thresholds import FitThresholds
 from dampyr.models import compose
 from dampyr.models.part import part
 from dampyr.options import FormGroup, Options, ShownIn, Terminal

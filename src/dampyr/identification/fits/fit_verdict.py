@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 
 from dampyr.findings import Finding
+from dampyr.identification.fit_thresholds import FitThresholds
 from dampyr.identification.scoring.score import Score
-from dampyr.identification.thresholds import FitThresholds
 from dampyr.phrases import rounded
 
 Kind = Literal["good", "fair", "bad"]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.identification.thresholds import FitThresholds
+from dampyr.identification.fit_thresholds import FitThresholds
 from dampyr.records import Record
 from dampyr.records.checks.channel_noise import rest_tolerance
 from dampyr.records.cycle_analysis.cycles import turning_points

@@ -14,7 +14,7 @@ free runs are treated alike. Definitions, for one record of n samples at the med
 - **noise**: :math:`\text{rms}(r_{i+1} - r_i)/\sqrt 2`, the size that a residual without memory would have [vonNeumann1941]_;
   at most that, as a smooth residual has differences too.
 - **misfit**: the residual is not noise alone where :math:`\tau` exceeds ``correlated`` intervals, or its rms exceeds
-  ``beyond_noise`` times the noise (`dampyr.identification.thresholds.FitThresholds`).
+  ``beyond_noise`` times the noise (`dampyr.identification.fit_thresholds.FitThresholds`).
 
 Each way is halved where the motion passes the middle of its stroke: before it the damper speeds up, beyond it it slows down.
 The middle is a straight line through the displacement, so that a drift moves no boundary. Samples slower than `SLOW` of the
@@ -44,7 +44,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
-from dampyr.identification.thresholds import FitThresholds
+from dampyr.identification.fit_thresholds import FitThresholds
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.records import Record, cycles
 from dampyr.records.cycle_analysis.measure import peak_to_peak

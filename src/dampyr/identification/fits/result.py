@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import FindingWarning, InputError
 from dampyr.findings import Finding, Findings, handed_on, worst_first
+from dampyr.identification.fit_thresholds import FitThresholds
 from dampyr.identification.fits.data_sheet import SHEETS, contradictions
 from dampyr.identification.fits.diagnostics import explain_no_interval, explain_trouble, notes, residual_findings
 from dampyr.identification.fits.fit_options import FitOptions
@@ -29,7 +30,6 @@ from dampyr.identification.search.fit_data import Piece
 from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Problem
 from dampyr.identification.search.variable_projection import Outcome
-from dampyr.identification.thresholds import FitThresholds
 from dampyr.models import Damper
 from dampyr.models.damper import mapped_covariance
 from dampyr.models.prediction_error import check_level

@@ -15,7 +15,7 @@ from dampyr.records.checks.channel_noise import last_at_rest, quantum, rest_tole
 from dampyr.records.cycle_analysis.cycles import cycles, legs
 from dampyr.records.record import CHANNELS, Array, Record
 from dampyr.records.record_cache import cached_by_record
-from dampyr.records.thresholds import USUAL, RecordThresholds
+from dampyr.records.record_thresholds import USUAL, RecordThresholds
 from dampyr.shown import Shown
 
 MAX_PLATEAU = 5  # equal samples: a smooth extreme has fewer

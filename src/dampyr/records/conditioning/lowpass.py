@@ -22,7 +22,7 @@ from dampyr.records.conditioning.velocity import PER_TEST_FREQUENCY, WITHOUT_CYC
 from dampyr.records.cycle_analysis.cycles import Cut, cut_cycles, turning_points
 from dampyr.records.cycle_analysis.measure import fundamental
 from dampyr.records.record import MIN_SAMPLES, Array, Record
-from dampyr.records.thresholds import USUAL, RecordThresholds
+from dampyr.records.record_thresholds import USUAL, RecordThresholds
 from dampyr.shown import Shown
 
 PROVENANCE = "displacement_lowpass_hz"

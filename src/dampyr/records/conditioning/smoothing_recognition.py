@@ -29,7 +29,7 @@ from dampyr.records.conditioning.moving_average import AVERAGED, UNITS
 from dampyr.records.cycle_analysis.cycles import RUN_IN_TO, cut_cycles
 from dampyr.records.cycle_analysis.measure import fundamental
 from dampyr.records.record import Array, Record
-from dampyr.records.thresholds import RecordThresholds
+from dampyr.records.record_thresholds import RecordThresholds
 
 Bools = NDArray[np.bool_]
 SHORTEST = 4  # samples: shorter windows have no whole lobe between two zeros below half the sampling rate

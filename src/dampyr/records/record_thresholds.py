@@ -11,19 +11,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from dampyr.options import Options
+from dampyr.options import Thresholds
 from dampyr.units import Quantity
 
 
 @dataclass(frozen=True)
-class RecordThresholds(Options):
+class RecordThresholds(Thresholds):
     """When what a record shows is a finding. Values may be quantities such as ``"2 m"``; a wrong one is an
     :class:`~dampyr.errors.InputError` with the range that is allowed.
 
     Examples
     --------
-    >>> from dampyr.records.thresholds import RecordThresholds
-    >>> RecordThresholds(unlikely_stroke="400 mm").unlikely_stroke
+    >>> import dampyr as dp
+    >>> dp.records.RecordThresholds(unlikely_stroke="400 mm").unlikely_stroke
     0.4
     """
 

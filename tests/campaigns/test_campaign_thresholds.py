@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from dampyr.campaigns import campaign_of, perform
+from dampyr.campaigns.campaign_thresholds import USUAL, CampaignThresholds
 from dampyr.campaigns.marks import MeasuredTest, drifting_zero, sudden_force, zero_moved
-from dampyr.campaigns.thresholds import USUAL, CampaignThresholds
 from dampyr.config import origin
 from dampyr.errors import InputError, RigFault
 from dampyr.rig import RigSettings, simulated

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from dampyr.errors import InputError
-from dampyr.options import Options
+from dampyr.options import Thresholds
 from dampyr.units import Quantity
 
 SHARE = Quantity("", low=0, high=1)
@@ -20,13 +20,13 @@ COUNT = Quantity("", low=1)
 
 
 @dataclass(frozen=True)
-class FitThresholds(Options):
+class FitThresholds(Thresholds):
     """Thresholds of the findings of a fit: ``fit(records, "dahl", thresholds=FitThresholds(misfit=0.2))``.
 
     Examples
     --------
-    >>> from dampyr.identification.thresholds import FitThresholds
-    >>> FitThresholds(misfit=0.2).misfit
+    >>> import dampyr as dp
+    >>> dp.identification.FitThresholds(misfit=0.2).misfit
     0.2
     """
 

@@ -6,9 +6,9 @@ They are judgements and not constants of nature: a campaign on another rig, or w
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, get_type_hints
+from typing import Annotated
 
-from dampyr.config import value_of
+from dampyr.options import Thresholds
 from dampyr.units import Quantity
 
 Newtons = Quantity("N", low=0.0)
@@ -16,7 +16,7 @@ Share = Quantity("", low=0.0)
 
 
 @dataclass(frozen=True)
-class CampaignThresholds:
+class CampaignThresholds(Thresholds):
     """What is allowed before a test is marked, spoiled, or not begun; the values of `perform` unless others are given.
 
     Raises :class:`~dampyr.errors.InputError` for a value of the wrong kind or unit, or outside of its range.
@@ -24,7 +24,7 @@ class CampaignThresholds:
     Examples
     --------
     >>> import dampyr as dp
-    >>> dp.campaigns.thresholds.CampaignThresholds(sudden_force="40 N").sudden_force
+    >>> dp.campaigns.CampaignThresholds(sudden_force="40 N").sudden_force
     40.0
     """
 
@@ -116,10 +116,6 @@ class CampaignThresholds:
         "energy that the damper gives in a cycle or in the test over its path, beyond which the test is spoiled: a damper that "
         "is looser than this gives nothing to identify",
     ] = 5.0
-
-    def __post_init__(self) -> None:
-        for name, hint in get_type_hints(type(self), include_extras=True).items():
-            object.__setattr__(self, name, value_of(hint, getattr(self, name), name))
 
 
 USUAL = CampaignThresholds()

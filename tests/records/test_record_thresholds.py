@@ -8,7 +8,7 @@ import pytest
 from dampyr.errors import InputError
 from dampyr.records import Record, describe, read, read_campaign, with_lowpass, write
 from dampyr.records.record import Label
-from dampyr.records.thresholds import USUAL, RecordThresholds
+from dampyr.records.record_thresholds import USUAL, RecordThresholds
 
 T = np.arange(0.0, 10.0, 0.005)
 

@@ -7,8 +7,8 @@ from tests.identification.test_fit import campaign
 
 from dampyr.errors import InputError
 from dampyr.identification import fit, identifiability
+from dampyr.identification.fit_thresholds import FitThresholds
 from dampyr.identification.fits.motion_coverage import list_motions_beyond
-from dampyr.identification.thresholds import FitThresholds
 from dampyr.models import Damper
 
 DAHL = Damper("dahl", {"kx": 1500.0, "kw": 100.0, "rho": 400.0})
