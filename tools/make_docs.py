@@ -426,7 +426,7 @@ def threshold_sections() -> str:
 def threshold_section(cls: type) -> str:
     """The section of one class of judgements."""
     rows = [[f"`{o.name}`", f"{o.default:g}", cell(o.values(si=True)), cell(meaning(o))] for o in options_of(cls)]
-    summary = fill((inspect.getdoc(cls) or "").partition("\n\n")[0], 118)
+    summary = fill((inspect.getdoc(cls) or "").partition("\n\n")[0].replace("``", "`"), 118)
     return "\n".join([f"## `{cls.__name__}`", "", summary, "", table(["field", "default", "value", "what"], rows), ""])
 
 

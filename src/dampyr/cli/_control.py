@@ -23,7 +23,10 @@ control_option = click.option(
 
 
 temperature_option = click.option(
-    "--temperature", type=float, metavar="DEGC", help="Of the damper, for a card whose laws depend on it."
+    "--temperature",
+    type=float,
+    metavar="DEGC",
+    help="Temperature of the damper in degC, for a card whose laws depend on it.",
 )
 
 

@@ -81,19 +81,23 @@ class EnsembleCommand:
 CASE_OPTIONS = (
     click.argument("card", required=False, type=click.Path(path_type=Path)),
     structure_option,
-    click.option("--voltage", "voltages", multiple=True, type=float, help="V at the coil; may be repeated."),
-    click.option("--current", "currents", multiple=True, type=float, help="A, for a card over the current."),
+    click.option("--voltage", "voltages", multiple=True, type=float, help="Voltage at the coil in V; may be repeated."),
+    click.option("--current", "currents", multiple=True, type=float, help="Current in A, for a card over the current."),
     control_option,
-    click.option("--storey", type=int, help="Where the damper stands.  [default: 1]"),
+    click.option("--storey", type=int, help="The storey in which the damper stands.  [default: 1]"),
     click.option("--between", nargs=2, metavar="I J", help="Two floors that the damper joins instead."),
     click.option("--without-damper", is_flag=True, help="Run the building without damper, too."),
-    click.option("--motion", "motions", multiple=True, type=click.Path(path_type=Path), help="May be repeated."),
-    click.option("--motion-unit", metavar="UNIT", help="Of the acceleration in plain files, such as g."),
-    click.option("--dt", type=float, help="s between samples, for plain files with one column."),
+    click.option(
+        "--motion", "motions", multiple=True, type=click.Path(path_type=Path), help="A ground motion file; repeatable."
+    ),
+    click.option("--motion-unit", metavar="UNIT", help="Unit of the acceleration in plain files, such as g."),
+    click.option("--dt", type=float, help="Seconds between samples, for plain files with one column."),
     click.option("--synthetic", type=click.IntRange(1), default=None, metavar="N", help="Make N motions by seed."),
-    click.option("--duration", type=float, default=20.0, help="s, of synthetic motions.  [default: 20]"),
-    click.option("--pga", default="0.3g", metavar="A", help="Of synthetic motions.  [default: 0.3g]"),
-    click.option("--scale", "scales", multiple=True, metavar="LIST", help="Such as 0.5,1,2 or 0.1:3:0.1."),
+    click.option("--duration", type=float, default=20.0, help="Duration of synthetic motions in s.  [default: 20]"),
+    click.option("--pga", default="0.3g", metavar="A", help="Peak acceleration of synthetic motions.  [default: 0.3g]"),
+    click.option(
+        "--scale", "scales", multiple=True, metavar="LIST", help="Factors on the motions: 0.5,1,2 or 0.1:3:0.1."
+    ),
     temperature_option,
 )
 
@@ -102,9 +106,9 @@ def case_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """The options that say which cases there are; they come as ``request``, an `EnsembleCommand`."""
 
     @wraps(command)
-    def wrapped(**given: Any) -> Any:
-        own = {field.name: given.pop(field.name) for field in fields(EnsembleCommand)}
-        return command(request=EnsembleCommand(**own), **given)
+    def wrapped(**options: Any) -> Any:
+        of_cases = {field.name: options.pop(field.name) for field in fields(EnsembleCommand)}
+        return command(request=EnsembleCommand(**of_cases), **options)
 
     for option in reversed(CASE_OPTIONS):
         wrapped = option(wrapped)
@@ -124,9 +128,9 @@ def refuse_cases(context: click.Context, what: str) -> None:
             raise InputError(f"{name} says what to compute, and {what} takes what was computed; leave it out")
 
 
-def scales(given: tuple[str, ...]) -> list[float]:
+def scales(texts: tuple[str, ...]) -> list[float]:
     """``("0.5,1", "2:3:0.5")`` as 0.5, 1, 2, 2.5, 3; the end of a range belongs to it."""
-    values = [value for text in given for part in text.split(",") for value in _span(part)]
+    values = [value for text in texts for part in text.split(",") for value in _span(part)]
     doubled = sorted({value for value in values if values.count(value) > 1}) if len(values) < MAX_SCALES else []
     if doubled:
         raise InputError(f"--scale: {doubled[0]:g} is given twice; give every scale once")

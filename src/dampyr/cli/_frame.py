@@ -8,7 +8,6 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator, MutableMapping, Sequence
 from contextlib import contextmanager, suppress
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
@@ -16,7 +15,7 @@ import click
 
 from dampyr import registry
 from dampyr.cli._output import drop_unwritten
-from dampyr.errors import DampyrError, DampyrWarning
+from dampyr.errors import DampyrError, DampyrWarning, choose_from
 from dampyr.source_digest import full_version
 
 REGISTRY = "dampyr.cli"
@@ -44,9 +43,7 @@ class CommandGroup(click.Group):
         """The command that ``args`` start with, or an error that names the nearest one."""
         names = self.list_commands(ctx)
         if args and args[0] not in names and not args[0].startswith("-"):
-            close = get_close_matches(args[0], names, n=1)
-            hint = f"did you mean {close[0]!r}? " if close else ""
-            raise click.UsageError(f"there is no command {args[0]!r}; {hint}choose from {', '.join(names)}", ctx)
+            raise click.UsageError(f"there is no command {args[0]!r}; {choose_from(args[0], names)}", ctx)
         return super().resolve_command(ctx, args)
 
     def main(self, args: Sequence[str] | None = None, *rest: Any, **extra: Any) -> NoReturn:
@@ -104,7 +101,9 @@ def _guarded(run: Callable[[], Any]) -> int:
         problem.show()
         return WRONG
     except click.ClickException as problem:
-        return say(_usage(problem))
+        context = getattr(problem, "ctx", None)
+        where = f"; see `{context.command_path} --help`" if context else ""
+        return say(problem.format_message().rstrip(".?") + where)
     except DampyrError as problem:
         return say(with_notes(problem))
     except BrokenPipeError:  # the reader left
@@ -116,12 +115,6 @@ def _guarded(run: Callable[[], Any]) -> int:
     except (click.Abort, KeyboardInterrupt):
         say("interrupted")
         return INTERRUPTED
-
-
-def _usage(problem: click.ClickException) -> str:
-    context = getattr(problem, "ctx", None)
-    where = f"; see `{context.command_path} --help`" if context else ""
-    return problem.format_message().rstrip(".?") + where
 
 
 def with_notes(problem: BaseException) -> str:

@@ -38,9 +38,9 @@ class Ground:
         return self._scaled(ground_motions.corrected(motion) if baseline else motion)
 
     def _scaled(self, motion: GroundMotion) -> GroundMotion:
-        given = [f"--{name}" for name in ("scale", "pga", "sa") if getattr(self, name) is not None]
-        if len(given) > 1:
-            raise InputError(f"{' and '.join(given)} contradict each other; give one of them")
+        flags = [f"--{name}" for name in ("scale", "pga", "sa") if getattr(self, name) is not None]
+        if len(flags) > 1:
+            raise InputError(f"{' and '.join(flags)} contradict each other; give one of them")
         if self.scale is not None:
             return motion if self.scale == 1.0 else motion.scaled(self.scale)
         if self.pga is not None:
@@ -51,8 +51,8 @@ class Ground:
 def motion_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """The options ``--motion-unit --dt --scale --pga --sa``; they come as ``ground``, a `Ground`."""
 
-    @click.option("--motion-unit", metavar="UNIT", help="Of the acceleration in a plain file, such as g.")
-    @click.option("--dt", type=float, help="s between samples, for a plain file with one column.")
+    @click.option("--motion-unit", metavar="UNIT", help="Unit of the acceleration in a plain file, such as g.")
+    @click.option("--dt", type=float, help="Seconds between samples, for a plain file with one column.")
     @click.option("--scale", type=float, metavar="FACTOR", help="Factor on the ground motion.")
     @click.option("--pga", metavar="A", help="Scale to this peak acceleration, such as 0.3g or '3 m/s^2'.")
     @click.option("--sa", metavar="A@T[@D]", help="Scale to this Sa at a period and damping, such as 0.5g@0.48s@5%.")

@@ -31,11 +31,11 @@ class OptionsCommand(click.Command):
     """
 
     def __init__(
-        self, *rest: Any, options: Mapping[str, str], leave_out: tuple[str, ...] = (), first: int = 0, **given: Any
+        self, *rest: Any, options: Mapping[str, str], leave_out: tuple[str, ...] = (), first: int = 0, **settings: Any
     ) -> None:
         self._params: list[click.Parameter] = []
         self._places, self._left_out, self._first, self._is_complete = dict(options), leave_out, first, False
-        super().__init__(*rest, **given)
+        super().__init__(*rest, **settings)
 
     @property
     def params(self) -> list[click.Parameter]:

@@ -90,8 +90,8 @@ def print_table(
     for row in rows:
         table.add_row(*(escape(_text(cell, digits)) for cell in row))
     context = click.get_current_context(silent=True)
-    said = None if context is None else context.meta.get(NOTICE)
-    first = [f"[bold red]{escape(said)}[/bold red]"] if said else []
+    notice = None if context is None else context.meta.get(NOTICE)
+    first = [f"[bold red]{escape(notice)}[/bold red]"] if notice else []
     below = [*(finding.sentence for finding in findings), *notes]
     _print(*first, f"[bold]{escape(title)}[/bold]", table, *map(escape, below))
 
@@ -120,6 +120,15 @@ def print_result(result: Any, tables: int | None = None, findings: int | None = 
     for table in filter(lambda table: table.rows, (make() for make in others)):
         click.echo()
         print_shown(table)
+
+
+def print_answer(result: Any, as_json: bool, tables: int | None = None) -> None:
+    """Print a result for machines or for people, with what its origin says; ``tables`` is as that of `print_result`."""
+    state_origin(result.origin)
+    if as_json:
+        print_json(result.as_dict())
+    else:
+        print_result(result, tables)
 
 
 def print_shown(table: Table, notes: Sequence[str] = ()) -> None:

@@ -16,13 +16,15 @@ if TYPE_CHECKING:
     from dampyr.records import ReadOptions, Record
 
 
-def role_option(what: str = "Of a folder.") -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def role_option(
+    what: str = "Which records of a folder are taken.",
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """``--role``, which comes as ``role``: None takes all."""
     chosen = click.Choice(["fit", "validation", "all"])
-    return click.option("--role", type=chosen, default="all", callback=lambda *given: _role(given[-1]), help=what)
+    return click.option("--role", type=chosen, default="all", callback=_role, help=what)
 
 
-def _role(chosen: str) -> str | None:
+def _role(context: click.Context, parameter: click.Parameter, chosen: str) -> str | None:
     return None if chosen == "all" else chosen
 
 
@@ -100,13 +102,13 @@ def _joined(nominal: float, values: list[float], unit: str) -> str:
 
 def warn_of_signs(record_list: Sequence[Record]) -> None:
     """Warn of records whose loops create energy, in one line."""
+    from dampyr.phrases import listing
     from dampyr.records.checks.label_checks import creates_energy
 
     wrong = [record.name for record in record_list if creates_energy(record)]
     if wrong:
-        names = ", ".join(wrong[:3]) + (f" and {len(wrong) - 3} more" if len(wrong) > 3 else "")
         warnings.warn(
-            f"{len(wrong)} of {len(record_list)} records create energy where a damper dissipates ({names}); force "
+            f"{len(wrong)} of {len(record_list)} records create energy where a damper dissipates ({listing(wrong, 3)}); force "
             "sign inverted?",
             DampyrWarning,
             stacklevel=3,

@@ -28,12 +28,12 @@ def figures_option(command: Command) -> Command:
         help="Write the page's figures into DIR too, as SVG and PDF.",
     )
     @wraps(command)
-    def wrapped(*rest: Any, figures: Path | None, **given: Any) -> Any:
-        page_is_written = given.get("report", True) is not None
+    def wrapped(*rest: Any, figures: Path | None, **options: Any) -> Any:
+        page_is_written = options.get("report", True) is not None
         if figures is not None and not page_is_written:
             raise InputError("--figures are those of a page; give --report HTML too")
         if not page_is_written:
-            return command(*rest, **given)
+            return command(*rest, **options)
         from dampyr.show.pages.how_made import made_by
         from dampyr.show.pages.saved_figures import figure_files
 
@@ -42,7 +42,7 @@ def figures_option(command: Command) -> Command:
             stack.enter_context(made_by(typed(context), _files_read(context)))
             if figures is not None:
                 stack.enter_context(figure_files(figures))
-            return command(*rest, **given)
+            return command(*rest, **options)
 
     return wrapped
 
@@ -56,9 +56,9 @@ def typed(context: click.Context) -> str:
 def _files_read(context: click.Context) -> Iterator[Path]:
     for name in READ:
         value = context.params.get(name)
-        for each in value if isinstance(value, tuple) else (value,):
-            if isinstance(each, str | Path) and Path(each).is_file():
-                yield Path(each)
+        for path in value if isinstance(value, tuple) else (value,):
+            if isinstance(path, str | Path) and Path(path).is_file():
+                yield Path(path)
 
 
 def report_options(what: str = "Write a page with figures.") -> Callable[[Command], Command]:

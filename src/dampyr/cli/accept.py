@@ -9,7 +9,7 @@ import click
 
 from dampyr.cli._examples import examples
 from dampyr.cli._options import OptionsCommand
-from dampyr.cli._output import as_json_option, print_json, print_result, state_origin
+from dampyr.cli._output import as_json_option, print_answer
 from dampyr.cli._records import READING, gather, role_option
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
@@ -32,7 +32,7 @@ FAILED, UNDECIDED = 1, 3  # exit codes; 2 is a wrong request, as with every comm
 )
 @click.argument("reference", metavar="REFERENCE")
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
-@role_option("Of a folder in PATHS.")
+@role_option("Which records of a folder in PATHS are taken.")
 @report_options()
 @as_json_option
 def command(
@@ -56,20 +56,16 @@ def command(
     from dampyr.identification import accept
     from dampyr.identification.acceptance_tests.accept import inputs_of
 
-    against = _reference(reference, reading)
-    records = gather(paths, role, reading, reference_inputs=inputs_of(against), warn=False)
-    result = accept(records, against, options, reference)
+    damper_or_records = _reference(reference, reading)
+    records = gather(paths, role, reading, reference_inputs=inputs_of(damper_or_records), warn=False)
+    result = accept(records, damper_or_records, options, reference)
     if report:
         from dampyr.show.pages.result_page import write_page
 
         write_page(result, report)
-    state_origin(result.origin)
-    if as_json:
-        print_json(result.as_dict())
-    else:
-        print_result(result)
-        if report:
-            click.echo(f"page: {report}")
+    print_answer(result, as_json)
+    if report and not as_json:
+        click.echo(f"page: {report}")
     return {"passed": 0, "failed": FAILED, "not judged": UNDECIDED}[result.verdict]
 
 

@@ -32,12 +32,16 @@ VALUES = [
 @click.option("--load", metavar="FORCE", help='A known load, such as "20 kg" or "196.1 N".')
 @click.option("--shunt", metavar="OHM", help='A resistor across one arm of the bridge, such as "100 kohm".')
 @click.option(
-    "--amplifier", is_flag=True, help="Its bandwidth, from a shunt that is switched in while the cell is read."
+    "--amplifier", is_flag=True, help="Measure its bandwidth, from a shunt that is switched in while the cell is read."
 )
 @click.option(
-    "--coil", is_flag=True, help="Its resistance and inductance, and the supply's gain; needs wires.coil_current."
+    "--coil",
+    is_flag=True,
+    help="Measure its resistance and inductance, and the supply's gain; needs wires.coil_current.",
 )
-@click.option("--seconds", default=2.0, show_default=True, type=click.FloatRange(0.1, 60.0), help="Of each reading.")
+@click.option(
+    "--seconds", default=2.0, show_default=True, type=click.FloatRange(0.1, 60.0), help="Duration of a reading, s."
+)
 @click.option("--yes", is_flag=True, help="Do not wait for Enter before each reading.")
 @as_json_option
 def command(

@@ -18,20 +18,22 @@ from dampyr.errors import InputError, install_line
     )
 )
 @click.option(
-    "--host", default="127.0.0.1", show_default=True, help="Another than this machine's own asks for a token."
+    "--host", default="127.0.0.1", show_default=True, help="The address; one that others can reach needs a token."
 )
-@click.option("--port", type=click.IntRange(0, 65535), default=8077, show_default=True, help="0 takes a free one.")
+@click.option(
+    "--port", type=click.IntRange(0, 65535), default=8077, show_default=True, help="The port; 0 takes a free one."
+)
 @click.option(
     "--data", type=click.Path(path_type=Path), default=Path("dampyr-data"), show_default=True, metavar="DIR",
-    help="Where records, cards and campaigns are, and where it writes.",
+    help="The folder of records, cards and campaigns, in which the console writes, too.",
 )  # fmt: skip
 @click.option(
-    "--token", metavar="TEXT", envvar="DAMPYR_TOKEN", help="What a browser must tell; made where it is needed."
+    "--token", metavar="TEXT", envvar="DAMPYR_TOKEN", help="What a browser must present; by default made where needed."
 )
 @click.option(
-    "--quota", type=click.IntRange(1), default=4096, show_default=True, metavar="MIB", help="Of the data folder."
+    "--quota", type=click.IntRange(1), default=4096, show_default=True, metavar="MIB", help="Limit of the data folder."
 )
-@click.option("--no-browser", is_flag=True, help="Print the address and open nothing.")
+@click.option("--no-browser", is_flag=True, help="Print the address, and open no browser.")
 @as_json_option
 def command(host: str, port: int, data: Path, token: str | None, quota: int, no_browser: bool, as_json: bool) -> None:
     """Serve the console, the operator's page, until it is interrupted.

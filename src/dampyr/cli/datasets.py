@@ -32,8 +32,15 @@ def list_(as_json: bool) -> None:
         print_json(described)
         return
     rows = [
-        [each["name"], each["kind"], _short_licence(each), each["count"], _size(each["size"]), _state(each)]
-        for each in described
+        [
+            data_set["name"],
+            data_set["kind"],
+            str(data_set["licence"]).partition(",")[0],
+            data_set["count"],
+            _size(data_set["size"]),
+            "absent" if data_set["folder"] is None else str(data_set["state"]),
+        ]
+        for data_set in described
     ]
     print_table(
         "Data sets",
@@ -52,37 +59,40 @@ def list_(as_json: bool) -> None:
 @as_json_option
 def show(name: str, as_json: bool) -> None:
     """Show all that is known of the data set NAME."""
+    from dampyr.phrases import counted
     from dampyr.records import datasets
 
-    each = datasets.describe(name)
+    described = datasets.describe(name)
     if as_json:
-        print_json(each)
+        print_json(described)
         return
-    click.echo(f"{name}: {each['title']}\n")
+    count, folder = described["count"], described["folder"]
+    number = "number unknown" if count is None else counted(count, "file")
+    click.echo(f"{name}: {described['title']}\n")
     lines = {
-        "of": each["kind"],
-        "specimen": each["specimen"],
-        "holds": each["holds"],
-        "good for": each["good_for"],
-        "format": each["format"],
-        "licence": f"{each['licence']} ({each['licence_from']})",
-        "cite as": each["citation"],
-        "doi": each["doi"] or "none",
-        "page": each["page"],
-        "files": f"{_unknown(each['count'])}, {_size(each['size']) or 'size unknown'}",
-        "checksums": _checksums(each["files"]),
-        "here": _here(each),
+        "of": described["kind"],
+        "specimen": described["specimen"],
+        "holds": described["holds"],
+        "good for": described["good_for"],
+        "format": described["format"],
+        "licence": f"{described['licence']} ({described['licence_from']})",
+        "cite as": described["citation"],
+        "doi": described["doi"] or "none",
+        "page": described["page"],
+        "files": f"{number}, {_size(described['size']) or 'size unknown'}",
+        "checksums": _checksums(described["files"]),
+        "here": "absent" if folder is None else f"{described['state']}, in {folder}",
     }
     for what, text in lines.items():
         click.echo(_wrapped(what, text))
-    for note in each["notes"]:
+    for note in described["notes"]:
         click.echo(_wrapped("note", note))
 
 
 @command.command(epilog=examples("dampyr datasets fetch labcontrol --to data/labcontrol-mr-damper"))
 @click.argument("name")
-@click.option("--to", "folder", type=click.Path(path_type=Path), help="Where to; by default below DAMPYR_DATA.")
-@click.option("--from", "source", help="Another address, or a local folder, with the same files.")
+@click.option("--to", "folder", type=click.Path(path_type=Path), help="The folder; by default one below DAMPYR_DATA.")
+@click.option("--from", "source", help="Another address, or a local folder, that has the same files.")
 @click.option("--accept-no-licence", is_flag=True, help="Download a set although no licence is stated.")
 @as_json_option
 def fetch(name: str, folder: Path | None, source: str | None, accept_no_licence: bool, as_json: bool) -> None:
@@ -94,6 +104,7 @@ def fetch(name: str, folder: Path | None, source: str | None, accept_no_licence:
     from rich.console import Console
 
     from dampyr import records
+    from dampyr.phrases import counted
     from dampyr.records.datasets import data_set
 
     dataset = data_set(name)
@@ -108,27 +119,10 @@ def fetch(name: str, folder: Path | None, source: str | None, accept_no_licence:
         described = {"doi": dataset.doi, "citation": dataset.citation, "licence": dataset.licence_in_words}
         print_json({"name": name, "folder": target, "files": files} | described)
         return
-    click.echo(f"{name}: {len(files)} {'file' if len(files) == 1 else 'files'} in {target}")
+    click.echo(f"{name}: {counted(len(files), 'file')} in {target}")
     click.echo(f"licence: {dataset.licence_in_words} ({dataset.licence_from})\nplease cite: {dataset.citation}")
     if not dataset.licence:
         click.echo("without a licence the files may be used only as the law or their owner allows")
-
-
-def _short_licence(described: dict[str, Any]) -> str:
-    return str(described["licence"]).partition(",")[0]
-
-
-def _state(described: dict[str, Any]) -> str:
-    return "absent" if described["folder"] is None else str(described["state"])
-
-
-def _here(described: dict[str, Any]) -> str:
-    folder = described["folder"]
-    return "absent" if folder is None else f"{described['state']}, in {folder}"
-
-
-def _unknown(value: Any) -> Any:
-    return "number unknown" if value is None else f"{value} {'file' if value == 1 else 'files'}"
 
 
 def _size(size: int | None) -> str | None:

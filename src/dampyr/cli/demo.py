@@ -18,7 +18,7 @@ from dampyr.cli._report import figures_option
     default="dampyr-demo",
     show_default=True,
     type=click.Path(path_type=Path),
-    help="Where all of it goes.",
+    help="The folder to write into.",
 )
 @figures_option
 @as_json_option
@@ -31,12 +31,12 @@ def command(out: Path, as_json: bool) -> None:
     from dampyr.studies.demo import demo
 
     with stages() as progress:
-        done = demo(out, progress)
-    state_origin(done.origin)
+        result = demo(out, progress)
+    state_origin(result.origin)
     if as_json:
-        print_json(done.summary() | {"report": out / "report.html"})
+        print_json(result.summary() | {"report": out / "report.html"})
         return
-    rows = [[name, 100 * s.l1, 100 * s.nrmse, 100 * s.peak_force] for name, s in done.scores.items()]
+    rows = [[name, 100 * s.l1, 100 * s.nrmse, 100 * s.peak_force] for name, s in result.scores.items()]
     print_table(
         "Held-out tests",
         ["record", "L1", "NRMSE", "peak force"],
@@ -44,16 +44,16 @@ def command(out: Path, as_json: bool) -> None:
         ["", "%", "%", "%"],
         3,
     )
-    rows = [[name, *(1e3 * r.peak_displacement), max(r.peak_acceleration)] for name, r in done.responses.items()]
+    rows = [[name, *(1e3 * r.peak_displacement), max(r.peak_acceleration)] for name, r in result.responses.items()]
     print_table(
         "The building under El Centro 1940, peaks",
         ["case", "first floor", "roof", "acceleration"],
         rows,
         ["", "mm", "mm", "m/s²"],
         notes=[
-            f"card    {done.card}",
-            f"records {done.folder / 'records'}",
+            f"card    {result.card}",
+            f"records {result.folder / 'records'}",
             f"report  {out / 'report.html'}",
         ],
-        findings=done.of_building.findings,
+        findings=result.of_building.findings,
     )

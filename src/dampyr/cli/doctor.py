@@ -30,13 +30,23 @@ LIBRARIES = ("numpy", "scipy", "numba", "h5py", "xarray", "pint", "matplotlib")
 @as_json_option
 def command(rig: Path | None, simulated: bool, as_json: bool) -> None:
     """Tell what this machine and its rig have, and what they lack."""
-    findings = [*_machine(), *(_library(name) for name in LIBRARIES), _kernels(), _compiler(), *_extras(), *_data()]
+    from dampyr.models.codegen.kernels import cache_folder
+
+    compiler = next((path for path in map(shutil.which, ("gcc", "clang", "cc")) if path), None)
+    findings = [
+        *_machine(),
+        *(_library(name) for name in LIBRARIES),
+        ["compiled kernels", str(cache_folder()), None],
+        ["C compiler", compiler or "none", None if compiler else "install gcc or clang; only exported C code needs it"],
+        *_extras(),
+        *_data(),
+    ]
     if rig or simulated:
         from dampyr.rig.diagnosis import diagnose
 
-        findings += [[each.what, each.observed, each.repair] for each in diagnose(rig)]
+        findings += [[finding.what, finding.observed, finding.repair] for finding in diagnose(rig)]
     if as_json:
-        print_json([dict(zip(("what", "found", "repair"), each, strict=True)) for each in findings])
+        print_json([dict(zip(("what", "found", "repair"), finding, strict=True)) for finding in findings])
         return
     print_table(f"dampyr {full_version()}", ["what", "found", "to repair it"], findings)
 
@@ -58,12 +68,6 @@ def _library(name: str) -> list[Any]:
         return [name, "missing", f"pip install {name}"]
 
 
-def _kernels() -> list[Any]:
-    from dampyr.models.codegen.kernels import cache_folder
-
-    return ["compiled kernels", str(cache_folder()), None]
-
-
 def _extras() -> list[list[Any]]:
     """Each extra of dampyr: installed, or which of its packages are missing."""
     from packaging.requirements import Requirement
@@ -71,14 +75,14 @@ def _extras() -> list[list[Any]]:
     from dampyr.errors import install_line
 
     try:
-        about, needed = metadata.metadata("dampyr"), [Requirement(each) for each in metadata.requires("dampyr") or ()]
+        about, needed = metadata.metadata("dampyr"), [Requirement(line) for line in metadata.requires("dampyr") or ()]
     except metadata.PackageNotFoundError:  # run from its sources, without an installation
         return []
     findings: list[list[Any]] = []
     for extra in about.get_all("Provides-Extra") or ():
-        own = [each.name for each in needed if each.marker and each.marker.evaluate({"extra": extra})]
-        missing = [name for name in own if not _is_installed(name)]
-        state = f"missing: {', '.join(missing)}" if missing else ", ".join(own)
+        packages = [package.name for package in needed if package.marker and package.marker.evaluate({"extra": extra})]
+        missing = [name for name in packages if not _is_installed(name)]
+        state = f"missing: {', '.join(missing)}" if missing else ", ".join(packages)
         findings.append([f"extra {extra}", state, install_line(extra) if missing else None])
     return findings
 
@@ -91,23 +95,17 @@ def _is_installed(name: str) -> bool:
     return True
 
 
-def _compiler() -> list[Any]:
-    compiler = next((path for path in map(shutil.which, ("gcc", "clang", "cc")) if path), None)
-    repair = None if compiler else "install gcc or clang; only exported C code needs it"
-    return ["C compiler", compiler or "none", repair]
-
-
 def _data() -> list[list[Any]]:
     """The campaign, which tests and studies read, and those of the other data sets that are here."""
     from dampyr.records import datasets
 
     findings: list[list[Any]] = []
     for name in sorted(datasets.available_data_sets(), key=lambda name: (name != "labcontrol", name)):
-        each = datasets.describe(name)
+        described = datasets.describe(name)
         repair = f"dampyr datasets fetch {name}"
-        if each["folder"] is None:
+        if described["folder"] is None:
             findings += [[f"data set {name}", "absent", repair]] if name == "labcontrol" else []
             continue
-        missing = f", {len(each['missing_files'])} files missing" if each["missing_files"] else ""
-        findings.append([f"data set {name}", f"{each['folder']}{missing}", repair if missing else None])
+        missing = f", {len(described['missing_files'])} files missing" if described["missing_files"] else ""
+        findings.append([f"data set {name}", f"{described['folder']}{missing}", repair if missing else None])
     return findings

@@ -11,7 +11,7 @@ import click
 from dampyr.cli._ensemble import CASE_OPTIONS, EnsembleCommand, case_options, counting, refuse_cases, shard
 from dampyr.cli._examples import examples
 from dampyr.cli._options import OptionsCommand
-from dampyr.cli._output import as_json_option, findings_below, print_json, print_result, state_origin
+from dampyr.cli._output import as_json_option, findings_below, print_answer, print_json
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
@@ -27,14 +27,16 @@ if TYPE_CHECKING:
 )
 @case_options
 @click.option(
-    "--out", type=click.Path(path_type=Path), help="An .h5 file, taken up where it stopped; with --shard a folder."
+    "--out", type=click.Path(path_type=Path), help="An .h5 file, continued where it stopped; with --shard a folder."
 )
 @click.option("--shard", "part", metavar="I/N", help="Compute part I of N alone, into the folder --out.")
-@click.option("--collect", type=click.Path(path_type=Path), metavar="DIR", help="Put the parts in a folder together.")
+@click.option(
+    "--collect", type=click.Path(path_type=Path), metavar="DIR", help="Put the parts in the folder DIR together."
+)
 @click.option(
     "--read", type=click.Path(path_type=Path), metavar="FILE", help="Take a finished file instead of computing."
 )
-@click.option("--workers", type=click.IntRange(1), metavar="N", help="Threads.  [default: one for each core]")
+@click.option("--workers", type=click.IntRange(1), metavar="N", help="Number of threads.  [default: one for each core]")
 @report_options()
 @as_json_option
 @click.pass_context
@@ -58,7 +60,7 @@ def command(
     Every damper runs at every input under every motion at every scale.
     """
     options.checked_limits()
-    if sum(each is not None for each in (part, collect, read)) > 1:
+    if [part, collect, read].count(None) < 2:
         raise InputError("--shard, --collect and --read exclude each other; give one of them")
     if part is not None:
         if options.limits or report:
@@ -73,11 +75,7 @@ def command(
         from dampyr.show.pages.result_page import write_page
 
         write_page(result, report)
-    state_origin(result.origin)
-    if as_json:
-        print_json(result.as_dict())
-    else:
-        print_result(result)
+    print_answer(result, as_json)
 
 
 def _write_part(
@@ -87,9 +85,9 @@ def _write_part(
 
     if out is None:
         raise InputError("--shard writes its part into a folder; name it with --out")
-    what = ensemble_cases(**request.cases(options))
+    cases = ensemble_cases(**request.cases(options))
     with counting() as progress, ThreadPoolExecutor(workers) as pool:
-        path = write_part(what, *shard(text), out, pool, progress)
+        path = write_part(cases, *shard(text), out, pool, progress)
     if as_json:
         print_json({"part": path})
     else:
@@ -117,11 +115,11 @@ def _run(request: EnsembleCommand, options: EnsembleOptions, out: Path | None, w
     from dampyr.structures import ensemble, ensemble_cases
     from dampyr.structures.ensembles.store import progress_of
 
-    given = request.cases(options)
+    cases = request.cases(options)
     done, shards = progress_of(out) if out is not None else (0, 0)
     before = 0
     if done:
         click.echo(f"{out}: {done} of {shards} shards are there; going on with the others", err=True)
-        before = ensemble_cases(**given).size * done // shards
+        before = ensemble_cases(**cases).size * done // shards
     with counting(before) as progress, findings_below(), ThreadPoolExecutor(workers) as pool:
-        return ensemble(**given, executor=pool, out=out, progress=progress)
+        return ensemble(**cases, executor=pool, out=out, progress=progress)

@@ -20,20 +20,22 @@ from dampyr.cli._output import as_json_option, print_json, print_notice, state_o
 @click.argument("card", type=click.Path(path_type=Path))
 @click.option("--to", "kind", required=True, metavar="KIND", help="What to write: c, fmu, matlab or opensees.")
 @click.option("--out", default=".", type=click.Path(path_type=Path), help="The folder to write into.")
-@click.option("--name", default="damper", show_default=True, help="What the damper is called there.")
+@click.option("--name", default="damper", show_default=True, help="The name of the damper in the files.")
 @click.option(
     "--without", multiple=True, metavar="PART", help="Leave out a part, such as lag where C filters the command."
 )
-@click.option("--float", "single", is_flag=True, help="Single precision; of c.")
-@click.option("--history", type=int, metavar="N", help="Samples that a delay looks back over; of c.  [default: 4096]")
-@click.option("--fmi", type=click.Choice(["2", "3"]), help="Version of the standard; of fmu.  [default: 2]")
+@click.option("--float", "single", is_flag=True, help="Write single precision; for c.")
+@click.option("--history", type=int, metavar="N", help="Samples that a delay looks back over; for c.  [default: 4096]")
+@click.option("--fmi", type=click.Choice(["2", "3"]), help="Version of the FMI standard; for fmu.  [default: 2]")
 @click.option(
     "--drive",
     type=click.Choice(["both", "displacement", "velocity"]),
-    help="What drives it; of fmu. The other one is derived.  [default: both]",
+    help="The input of the damper; for fmu. The other one is derived.  [default: both]",
 )
 @temperature_option
-@click.option("--allow-extrapolation", is_flag=True, help="Let it run outside the calibrated range of its input.")
+@click.option(
+    "--allow-extrapolation", is_flag=True, help="Let the damper run outside the calibrated range of its input."
+)
 @as_json_option
 def command(
     card: Path,
@@ -59,8 +61,8 @@ def command(
     from dampyr.findings import OF_DAMPER, as_dicts, handed_on
 
     damper = damper_of(card, temperature, allow_extrapolation).without(*without)
-    given = {"single": single or None, "history": history, "fmi": int(fmi) if fmi else None, "drive": drive}
-    options = {key: value for key, value in given.items() if value is not None}
+    typed = {"single": single or None, "history": history, "fmi": int(fmi) if fmi else None, "drive": drive}
+    options = {key: value for key, value in typed.items() if value is not None}
     written = export(damper, kind, out, name, allow_extrapolation, **options)
     state_origin(damper.origin)
     findings = handed_on([damper], OF_DAMPER)

@@ -13,10 +13,9 @@ from dampyr.cli._output import (
     as_json_option,
     findings_below,
     in_process_option,
+    print_answer,
     print_json,
-    print_result,
     print_table,
-    state_origin,
 )
 from dampyr.cli._report import report_options
 from dampyr.cli.run import REFUSED, exit_code
@@ -36,20 +35,30 @@ if TYPE_CHECKING:
     "--structure", default="heavy_two_storey", show_default=True, help="A structure's TOML file, or two_storey."
 )
 @click.option("--motion", default="el_centro", show_default=True, help="A ground motion file, or el_centro.")
-@click.option("--scale", type=float, default=1.0, show_default=True, help="Of the record, before it is lowered.")
 @click.option(
-    "--storey", type=int, default=1, show_default=True, help="Where the damper stands; i joins floors i-1 and i."
+    "--scale", type=float, default=1.0, show_default=True, help="Factor on the ground motion, before it is lowered."
 )
-@click.option("--voltage", type=float, default=0.0, show_default=True, help="V at the coil.")
+@click.option(
+    "--storey",
+    type=int,
+    default=1,
+    show_default=True,
+    help="The storey in which the damper stands; i joins floors i-1 and i.",
+)
+@click.option("--voltage", type=float, default=0.0, show_default=True, help="Voltage at the coil in V.")
 @click.option("--clock", type=float, default=1.0, show_default=True, help="How much slower the building's time passes.")
-@click.option("--duration", type=float, default=0.0, metavar="S", help="Of the record from its begin; 0: all of it.")
+@click.option(
+    "--duration", type=float, default=0.0, metavar="S", help="Duration of the test in s; 0: the whole motion."
+)
 @click.option("--model", default="", metavar="CARD", help="The card that predicts the force.  [default: the rig's]")
 @click.option("--rig", type=click.Path(path_type=Path), help="A rig.toml.  [default: the original rig, simulated]")
-@click.option("--out", type=click.Path(path_type=Path), metavar="DIR", help="Where the record and its journal go.")
-@click.option("--delay", type=float, metavar="S", help="No rig: an actuator late by so much moves the card's model.")
 @click.option(
-    "--lag-error", type=float, default=0.0, metavar="S", help="With --delay: by how much it is known wrongly."
+    "--out", type=click.Path(path_type=Path), metavar="DIR", help="The folder for the record and its journal."
 )
+@click.option(
+    "--delay", type=float, metavar="S", help="Use no rig: an actuator with this delay moves the card's model."
+)
+@click.option("--lag-error", type=float, default=0.0, metavar="S", help="With --delay: the error of the assumed delay.")
 @click.option("--dry-run", is_flag=True, help="Print what would be done and what is in the way; move nothing.")
 @report_options()
 @in_process_option
@@ -177,8 +186,4 @@ def _tell(result: HybridResult, report: Path | None, as_json: bool) -> None:
         from dampyr.show.pages.result_page import write_page
 
         write_page(result, report)
-    state_origin(result.origin)
-    if as_json:
-        print_json(result.as_dict())
-        return
-    print_result(result)
+    print_answer(result, as_json)

@@ -32,8 +32,6 @@ MAX_WORKERS = 8  # each process compiles the models of its own trials, which mor
 
 if TYPE_CHECKING:
     from dampyr.identification import Fit, FitOptions
-    from dampyr.identification.limit_cycle_methods.method_comparison import MethodComparison
-    from dampyr.identification.parameter_uncertainty.specimens import Specimens
     from dampyr.records import ReadOptions, Record
 
 
@@ -48,7 +46,8 @@ if TYPE_CHECKING:
 )
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
-    "--model", help="Parts, such as 'dahl + spring + delay'; without, the model that predicts best is chosen."
+    "--model",
+    help="The model by its parts, such as 'dahl + spring + delay'; by default the one that predicts best is chosen.",
 )
 @click.option(
     "--method",
@@ -93,6 +92,7 @@ def command(
     --by-specimen takes records of several dampers of one type, each record naming its own; --save writes the card of their
     mean, with the covariance of a new specimen.
     """
+    from dampyr.identification import compare_method, fit_specimens
     from dampyr.origin import combined
 
     _check_ways(method, each, by_specimen, model, save, report, options)
@@ -100,11 +100,13 @@ def command(
     records = gather(paths, "fit", reading, warn=False)
     result: Any
     if method != METHODS[0]:
-        result = _compared(records, method, options)
+        with stages() as progress:
+            result = compare_method(records, method, options.bandwidth, progress)
     elif each:
         result = _fitted_alone(records, model, options)
     elif by_specimen:
-        result = _specimens(records, str(model), options)
+        with stages() as progress:
+            result = fit_specimens(records, str(model), options, progress=progress)
     else:
         result = _fitted(records, model, options, as_json, shown)
     # Files first, as a reader of the first lines alone closes the pipe; what cannot be written is said after what is printed.
@@ -121,7 +123,11 @@ def command(
     elif each:
         _print_each(result)
     else:
-        _print(result, None if method != METHODS[0] or by_specimen else shown)
+        shown = None if method != METHODS[0] or by_specimen else shown
+        if board := getattr(result, "leaderboard", None):
+            print_result(board, shown, shown)
+            click.echo()
+        print_result(result, shown, shown)
     if problem is not None:
         raise problem
 
@@ -160,19 +166,14 @@ def _fitted(records: list[Record], model: str | None, options: FitOptions, as_js
     from dampyr.identification.model_choice.parallel import local_processes
 
     try:
-        with stages() as progress, findings_below(), local_processes(_cores() if model is None else 1) as executor:
+        cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        workers = min(cores, MAX_WORKERS) if model is None else 1
+        with stages() as progress, findings_below(), local_processes(workers) as executor:
             return fit(records, model, options, progress, executor)
     except SearchTimedOut as cut:
         board = cut.board
         print_json({"leaderboard": board.as_dict()}) if as_json else print_result(board, shown, shown)
         raise
-
-
-def _specimens(records: list[Record], model: str, options: FitOptions) -> Specimens:
-    from dampyr.identification import fit_specimens
-
-    with stages() as progress:
-        return fit_specimens(records, model, options, progress=progress)
 
 
 def _fitted_alone(records: list[Record], model: str | None, options: FitOptions) -> list[Fit]:
@@ -186,13 +187,6 @@ def _fitted_alone(records: list[Record], model: str | None, options: FitOptions)
     return fits
 
 
-def _compared(records: list[Record], method: str, options: FitOptions) -> MethodComparison:
-    from dampyr.identification import compare_method
-
-    with stages() as progress:
-        return compare_method(records, method, options.bandwidth, progress)
-
-
 def _problem_of(write: Callable[[], object]) -> Exception | None:
     """Why a file cannot be written, or a card not be made; None where it is written."""
     try:
@@ -200,19 +194,6 @@ def _problem_of(write: Callable[[], object]) -> Exception | None:
     except (DampyrError, OSError) as problem:
         return problem
     return None
-
-
-def _cores() -> int:
-    """How many processes may share the trials: one for each core, up to `MAX_WORKERS`."""
-    available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return min(available, MAX_WORKERS)
-
-
-def _print(result: Any, shown: int | None) -> None:
-    if board := getattr(result, "leaderboard", None):
-        print_result(board, shown, shown)
-        click.echo()
-    print_result(result, shown, shown)
 
 
 def _print_each(fits: list[Fit]) -> None:

@@ -20,7 +20,11 @@ LONG = 60  # characters: some packages give the whole text in the place of the l
     )
 )
 @click.option(
-    "--extra", "extras", multiple=True, metavar="NAME", help="Those of an extra too, such as console; repeat it."
+    "--extra",
+    "extras",
+    multiple=True,
+    metavar="NAME",
+    help="List those of an extra too, such as console; may be repeated.",
 )
 @as_json_option
 def command(extras: tuple[str, ...], as_json: bool) -> None:
@@ -58,9 +62,9 @@ def _needed(extras: tuple[str, ...]) -> list[str]:
             lines = metadata.requires(name) or []
         except metadata.PackageNotFoundError:
             continue
-        for each in map(Requirement, lines):
-            if each.marker is None or any(each.marker.evaluate({"extra": extra}) for extra in ("", *more)):
-                waiting.append((canonicalize_name(each.name), frozenset(each.extras)))
+        for package in map(Requirement, lines):
+            if package.marker is None or any(package.marker.evaluate({"extra": extra}) for extra in ("", *more)):
+                waiting.append((canonicalize_name(package.name), frozenset(package.extras)))
     return ["dampyr", *sorted(set(wanted) - {"dampyr"})]
 
 
@@ -70,7 +74,7 @@ def _stated(name: str) -> tuple[str | None, str]:
         about: Any = metadata.metadata(name)
     except metadata.PackageNotFoundError:
         return None, "not installed"
-    words = [each.rpartition(" :: ")[2] for each in about.get_all("Classifier") or [] if each.startswith("License ::")]
+    words = [line.rpartition(" :: ")[2] for line in about.get_all("Classifier") or [] if line.startswith("License ::")]
     text = (about.get("License-Expression") or about.get("License") or "").strip()
     if words and (not text or "\n" in text or len(text) > LONG):
         text = ", ".join(words)

@@ -24,8 +24,12 @@ if TYPE_CHECKING:
 @click.argument("file", required=False, type=click.Path(path_type=Path))
 @motion_options
 @click.option("--baseline", is_flag=True, help="Take the baseline off first, so that the displacement does not drift.")
-@click.option("--damping", "dampings", multiple=True, metavar="D", help="Of the spectrum, such as 2%; may be repeated.")
-@click.option("--period", "periods", multiple=True, type=float, metavar="S", help="Of the spectrum; may be repeated.")
+@click.option(
+    "--damping", "dampings", multiple=True, metavar="D", help="Damping of the spectrum, such as 2%; may be repeated."
+)
+@click.option(
+    "--period", "periods", multiple=True, type=float, metavar="S", help="Period of the spectrum; may be repeated."
+)
 @report_options()
 @as_json_option
 def command(
@@ -46,12 +50,11 @@ def command(
     from dampyr.show.pages.result_page import write_page
 
     motion = ground.motion(file, baseline)
-    at = periods or motion_page.TABLE
+    table_periods, ratios = periods or motion_page.TABLE, [ratio(text) for text in dampings]
     motion_measures = measures(motion)
-    peaks = spectrum(motion, at, [ratio(each) for each in dampings] or [0.05])
+    peaks = spectrum(motion, table_periods, ratios or [0.05])
     if report:
-        shown = [ratio(each) for each in dampings] or motion_page.DAMPINGS
-        write_page(motion, report, dampings=shown, periods=at)
+        write_page(motion, report, dampings=ratios or motion_page.DAMPINGS, periods=table_periods)
     if as_json:
         print_json(_as_dict(motion, motion_measures, peaks))
         return

@@ -12,7 +12,7 @@ from dampyr.cli._control import structure_of
 from dampyr.cli._examples import examples
 from dampyr.cli._motion import Ground, motion_options
 from dampyr.cli._options import OptionsCommand
-from dampyr.cli._output import as_json_option, in_process_option, print_json, print_result, state_origin
+from dampyr.cli._output import as_json_option, in_process_option, print_answer
 from dampyr.cli._progress import stages
 from dampyr.cli._records import READING, gather
 from dampyr.errors import InputError
@@ -35,32 +35,35 @@ if TYPE_CHECKING:
     ),
 )
 @click.argument("records", nargs=-1, type=click.Path(path_type=Path))
-@click.option("--card", type=click.Path(path_type=Path), help="What is known of the damper, in place of records.")
+@click.option("--card", type=click.Path(path_type=Path), help="The damper's card, in place of records.")
 @click.option("--rig", type=click.Path(path_type=Path), help="A rig.toml.  [default: the original rig, simulated]")
 @click.option(
     "--structure",
     metavar="FILE",
-    help="Of the goal peak: a structure's file or published name.  [default: raminelli_2020]",
+    help="For the goal peak: a structure's file or published name.  [default: raminelli_2020]",
 )
 @click.option(
-    "--motion", type=click.Path(path_type=Path), help="Of the goal peak: a ground motion's file.  [default: El Centro]"
+    "--motion", type=click.Path(path_type=Path), help="For the goal peak: a ground motion's file.  [default: El Centro]"
 )
 @motion_options
-@click.option("--voltage", type=float, help="Of the goal peak: V at the coil, constant in the earthquake.")
+@click.option("--voltage", type=float, help="For the goal peak: voltage at the coil in V, constant in the earthquake.")
 @click.option(
     "--peak", "peak_of", default="drift", metavar="WHICH", help="drift, displacement or acceleration.  [default: drift]"
 )
 @click.option(
-    "--out", type=click.Path(path_type=Path), metavar="PATH", help="A campaign file; with --perform a folder."
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="PATH",
+    help="The campaign file to write; with --perform the folder.",
 )
-@click.option("--perform", is_flag=True, help="Run the tests round by round, and stop when it is known well enough.")
-@click.option("--per-round", type=int, default=4, metavar="N", help="Tests before the next look at them.  [default: 4]")
+@click.option("--perform", is_flag=True, help="Run the tests round by round, and stop when the targets are reached.")
+@click.option("--per-round", type=int, default=4, metavar="N", help="Number of tests in a round.  [default: 4]")
 @in_process_option
 @click.option(
     "--figure",
     type=click.Path(path_type=Path),
     metavar="FILE",
-    help="Draw it as .png or .svg: the tests, or how it went.",
+    help="Draw the proposed tests, or what was achieved, as .png or .svg.",
 )
 @as_json_option
 def command(
@@ -99,9 +102,9 @@ def command(
     options = replace(options, peak=_peak(options.goal, structure, motion, ground, voltage, peak_of))
     if records:
         evidence = gather(records, "fit", reading)
-    if perform and out is None:
-        raise InputError("--out is missing; give a folder for the rounds of tests")
     if perform:
+        if out is None:
+            raise InputError("--out is missing; give a folder for the rounds of tests")
         _perform(evidence, rig, out, options, per_round, figure, as_json)
         return
     if out is not None and out.exists():
@@ -114,12 +117,12 @@ def command(
         from dampyr.show.planning.proposal import envelope_figure
 
         _draw(proposal.origin.stamp(envelope_figure(proposal)), figure)
-    state_origin(proposal.origin)
-    if as_json:
-        print_json(proposal.as_dict())
-    else:
-        print_result(proposal)
-        click.echo(f"\n{_next(out)}")
+    print_answer(proposal, as_json)
+    if not as_json:
+        following = (
+            f"dampyr run {out} --rig RIG --out DIR" if out else "give --out FILE, and dampyr run FILE performs it."
+        )
+        click.echo(f"\nNext: {following}")
 
 
 def _peak(
@@ -142,7 +145,7 @@ def _peak(
 def _perform(
     evidence: Any,
     rig: Path | None,
-    out: Path | None,
+    out: Path,
     options: PlanOptions,
     per_round: int,
     figure: Path | None,
@@ -153,11 +156,10 @@ def _perform(
     from dampyr.cli._running import stopped_by_signals
     from dampyr.rig.connecting import open_rig
 
-    assert out is not None
     with stages() as show, stopped_by_signals(), open_rig(rig) as opened:
 
-        def watch(now: Any) -> None:
-            show(f"testing, {now.name}" if now.total > 1 else "testing", now.fraction)
+        def watch(state: Any) -> None:
+            show(f"testing, {state.name}" if state.total > 1 else "testing", state.fraction)
 
         planned = planning.plan_and_perform(
             evidence, opened, out, options, per_round=per_round, progress=show, watcher=watch
@@ -168,27 +170,15 @@ def _perform(
         from dampyr.show.planning.planner import widths_figure
 
         _draw(planned.origin.stamp(widths_figure(planned)), figure)
-    state_origin(planned.origin)
-    if as_json:
-        print_json(planned.as_dict())
-    else:
-        print_result(planned)
-        if planned.fit.damper is not None:
-            click.echo(f"\nThe damper's card: {out / 'damper.toml'}")
+    print_answer(planned, as_json)
+    if planned.fit.damper is not None and not as_json:
+        click.echo(f"\nThe damper's card: {out / 'damper.toml'}")
 
 
-def _draw(drawn: Any, path: Path) -> None:
+def _draw(picture: Any, path: Path) -> None:
     if path.suffix not in (".png", ".svg", ".pdf"):
         raise InputError(f"--figure {path}: the ending {path.suffix!r} is not drawn; give .png, .svg or .pdf")
     try:
-        drawn.savefig(path, dpi=150)
+        picture.savefig(path, dpi=150)
     except OSError as problem:
         raise InputError(f"{path} cannot be written ({problem.strerror}); choose another --figure") from None
-
-
-def _next(out: Path | None) -> str:
-    return (
-        f"Next: dampyr run {out} --rig RIG --out DIR"
-        if out
-        else "Next: give --out FILE, and dampyr run FILE performs it."
-    )

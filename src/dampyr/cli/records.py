@@ -41,7 +41,9 @@ class RecordsCommand(OptionsCommand):
     cls=OptionsCommand, options=READING, first=3, epilog=examples("dampyr records convert tests --to csv --out csv")
 )
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--to", default="h5", show_default=True, metavar="FORMAT", help="Of the new files: h5, csv or mat.")
+@click.option(
+    "--to", default="h5", show_default=True, metavar="FORMAT", help="Format of the new files: h5, csv or mat."
+)
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="The folder to write into.")
 @role_option()
 @as_json_option
@@ -52,12 +54,13 @@ def convert(paths: tuple[Path, ...], to: str, out: Path, role: str | None, readi
     overwritten. Channels come out in SI, with their units in the header of a .csv.
     """
     from dampyr import records
+    from dampyr.phrases import counted
 
     written = records.convert(gather(paths, role, reading, warn=False), out, to)
     if as_json:
         print_json({"written": written})
     else:
-        click.echo(f"{len(written)} {'record' if len(written) == 1 else 'records'} in {out}")
+        click.echo(f"{counted(len(written), 'record')} in {out}")
 
 
 @click.command(
@@ -98,19 +101,19 @@ def command(
     if as_json:
         print_json({"records": descriptions, "rows_without_file": absent, "too_short": short})
     elif len(descriptions) == 1 and not absent and not short:
-        _print_one(descriptions[0])
+        _print_in_full(descriptions[0])
     else:
         notes = [f"table {row['table']}, row {row['row']}: no file" for row in absent] + short
-        groups = {name: word for name, word in GROUPS.items() if any(each[name] for each in descriptions)}
-        if any(each["origin"]["kind"] != NOT_STATED.kind for each in descriptions):
+        groups = {name: word for name, word in GROUPS.items() if any(described[name] for described in descriptions)}
+        if any(described["origin"]["kind"] != NOT_STATED.kind for described in descriptions):
             groups["origin"] = "origin"
         rows = [
             [
-                *_row(each),
-                *(each["origin"]["kind"] if name == "origin" else each[name] for name in groups),
-                "; ".join(finding["words"] for finding in each["findings"]),
+                *_row(described),
+                *(described["origin"]["kind"] if name == "origin" else described[name] for name in groups),
+                "; ".join(finding["words"] for finding in described["findings"]),
             ]
-            for each in descriptions
+            for described in descriptions
         ]
         names, units = [*COLUMNS, *groups.values(), "to look at"], [*UNITS, *("" for _ in groups), ""]
         print_table(f"{len(descriptions)} records", names, rows, units, notes=notes)
@@ -153,14 +156,14 @@ def _row(description: dict[str, Any]) -> list[Any]:
 def _print_by_input(descriptions: list[dict[str, Any]]) -> None:
     """What was tested at each input, the inputs in rising order; those that vary, and those not known, last."""
     groups: dict[tuple[bool, float], list[dict[str, Any]]] = {}
-    for each in descriptions:
-        low, high = each["input_range"] or (0.0, 1.0)
-        groups.setdefault((low != high, low if low == high else 0.0), []).append(each)
+    for described in descriptions:
+        low, high = described["input_range"] or (0.0, 1.0)
+        groups.setdefault((low != high, low if low == high else 0.0), []).append(described)
     if len(groups) < 2:
         return
     rows = []
     for (varies, _), group in sorted(groups.items()):
-        moves = [_row(each)[4:7] for each in group]
+        moves = [_row(described)[4:7] for described in group]
         spans = [_span([move[k] for move in moves if move[k] is not None]) for k in range(3)]
         rows.append(["varies or not known" if varies else _input(group[0]), len(group), *spans])
     click.echo()
@@ -171,7 +174,7 @@ def _print_smoothing(descriptions: list[dict[str, Any]]) -> None:
     """How many records show which moving average, and how to declare it."""
     from dampyr.records.conditioning.smoothing_recognition import common_windows
 
-    shown = common_windows({each["name"]: each["smoothing"][0] for each in descriptions if each["smoothing"]})
+    shown = common_windows({record["name"]: record["smoothing"][0] for record in descriptions if record["smoothing"]})
     if not shown:
         return
     rows = [
@@ -192,7 +195,7 @@ def _span(values: list[float]) -> str | None:
     return low if low == high else f"{low} to {high}"
 
 
-def _print_one(description: dict[str, Any]) -> None:
+def _print_in_full(description: dict[str, Any]) -> None:
     """A record in full, one line for each thing known of it."""
     from dampyr.records.record import CHANNELS, GROUPS
 
@@ -217,19 +220,19 @@ def _print_one(description: dict[str, Any]) -> None:
         lines += _moved(description["overview"])
         lines += [
             (
-                f"level {each['number']}",
-                f"{each['cycles']} x {1e3 * each['stroke_m']:.4g} mm at {each['frequency_hz']:.4g} Hz, "
-                f"{each['energy_per_cycle']:.4g} J per cycle",
+                f"level {level['number']}",
+                f"{level['cycles']} x {1e3 * level['stroke_m']:.4g} mm at {level['frequency_hz']:.4g} Hz, "
+                f"{level['energy_per_cycle']:.4g} J per cycle",
             )
-            for each in description["levels"]
+            for level in description["levels"]
         ]
     lines += [(f"{channel} step", f"{step:.4g} {CHANNELS[channel]}") for channel, step in q.quantum.items()]
     lines += [
         (
             f"{channel} uncertainty",
-            f"{one['standard']:.2g} {CHANNELS[channel]} (one sigma), by {one['largest']} before all",
+            f"{uncertainty['standard']:.2g} {CHANNELS[channel]} (one sigma), by {uncertainty['largest']} before all",
         )
-        for channel, one in description["uncertainty"].items()
+        for channel, uncertainty in description["uncertainty"].items()
     ]
     lines += [("to look at", finding["words"]) for finding in description["findings"]]
     lines += list(description["provenance"].items()) + [("done", step) for step in description["history"]]

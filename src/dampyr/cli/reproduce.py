@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -19,19 +20,19 @@ PLANTS = 1000
 @click.command(epilog=examples("dampyr reproduce --out reproduce"))
 @click.argument("study", type=click.Choice([RAMINELLI, HYBRID]), default=RAMINELLI)
 @click.option(
-    "--data", type=click.Path(path_type=Path), help="The folder of its data; by default where dampyr finds it."
+    "--data", type=click.Path(path_type=Path), help="The folder of the study's data; by default where dampyr finds it."
 )
 @click.option(
     "--plants",
     type=click.IntRange(0),
-    help=f"Of vrths_2020: how many random plants each case is run on.  [default: {PLANTS}]",
+    help=f"For vrths_2020: number of random plants that each case is run on.  [default: {PLANTS}]",
 )
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
     default=Path("dampyr-reproduce"),
     show_default=True,
-    help="Where the page goes.",
+    help="The folder for the page and its numbers.",
 )
 @figures_option
 @as_json_option
@@ -44,30 +45,22 @@ def command(study: str, data: Path | None, plants: int | None, out: Path, as_jso
     Writes a page and its numbers: reproduce.html and reproduce.json, or vrths_2020.html and vrths_2020.json. Without the
     measured files of raminelli_2020 all that needs none is done, and what was left out is said; vrths_2020 needs its motions.
     """
+    result: Any
     if study == HYBRID:
-        _hybrid(data, PLANTS if plants is None else plants, out, as_json)
-        return
-    if plants is not None:
-        raise InputError(f"--plants is of {HYBRID}; leave it out")
-    from dampyr.studies import raminelli_2020
+        from dampyr.studies import vrths_2020
 
-    with stages() as progress:
-        done = raminelli_2020.reproduce(data, out, progress=progress)
-    if as_json:
-        print_json(done.as_dict())
+        with stages() as progress:
+            result = vrths_2020.reproduce(data, out, PLANTS if plants is None else plants, progress)
+        state_origin(result.origin)
     else:
-        print_result(done)
-        click.echo(f"page: {done.page}")
+        if plants is not None:
+            raise InputError(f"--plants is of {HYBRID}; leave it out")
+        from dampyr.studies import raminelli_2020
 
-
-def _hybrid(data: Path | None, plants: int, out: Path, as_json: bool) -> None:
-    from dampyr.studies import vrths_2020
-
-    with stages() as progress:
-        study = vrths_2020.reproduce(data, out, plants, progress)
-    state_origin(study.origin)
+        with stages() as progress:
+            result = raminelli_2020.reproduce(data, out, progress=progress)
     if as_json:
-        print_json(study.as_dict())
+        print_json(result.as_dict())
     else:
-        print_result(study)
-        click.echo(f"page: {study.page}")
+        print_result(result)
+        click.echo(f"page: {result.page}")

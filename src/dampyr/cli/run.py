@@ -41,25 +41,32 @@ FEW = 50  # rows of a table that are all printed; of more, only those that are n
 @click.argument("campaign", type=click.Path(path_type=Path))
 @click.option("--rig", type=click.Path(path_type=Path), help="A rig.toml.  [default: the original rig, simulated]")
 @click.option(
-    "--out", type=click.Path(path_type=Path), metavar="DIR", help="Where the records go; goes on where it stopped."
+    "--out",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Where the records go; a campaign goes on where it stopped.",
 )
 @click.option(
     "--again", multiple=True, metavar="TEST", help="Record a test of that name again, although it is complete."
 )
 @click.option("--dry-run", is_flag=True, help="Print the plan and what the rig cannot do; move nothing.")
-@click.option("--seed", type=click.IntRange(0), help="Of the random order, instead of the campaign's.")
+@click.option("--seed", type=click.IntRange(0), help="Seed of the random order, in place of the campaign's.")
 @report_options("Write a page of the plan.")
 @in_process_option
 @click.option("--real-time", is_flag=True, help="Simulate the rig at the pace of a real one.")
 @click.option(
-    "--fault", "faults", multiple=True, metavar="FAULT", help='Of a simulated rig: "stalled-motor@60s for 2s".'
+    "--fault",
+    "faults",
+    multiple=True,
+    metavar="FAULT",
+    help='Give a simulated rig a fault: "stalled-motor@60s for 2s".',
 )
 @click.option(
     "--chip",
     nargs=2,
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
     metavar="PROGRAM ELF",
-    help="Simulate with the firmware's binary in simavr.",
+    help="Simulate the rig with the firmware's binary in simavr.",
 )
 @as_json_option
 def command(

@@ -21,20 +21,25 @@ from dampyr.errors import InputError
 )
 @click.argument("card", required=False, type=click.Path(path_type=Path))
 @click.option(
-    "--opensees", "port", required=True, type=int, metavar="PORT", help="Answer OpenSees there; 0 takes a free port."
+    "--opensees",
+    "port",
+    required=True,
+    type=int,
+    metavar="PORT",
+    help="Answer OpenSees at this port; 0 takes a free one.",
 )
 @click.option("--host", default="127.0.0.1", show_default=True, help="The address to listen on.")
-@click.option("--voltage", type=float, help="V at the coil.")
-@click.option("--current", type=float, help="A, for a card over the current.")
+@click.option("--voltage", type=float, help="Voltage at the coil in V.")
+@click.option("--current", type=float, help="Current in A, for a card over the current.")
 @click.option("--control", metavar="LAW", help="A control law, such as clipped_optimal or on_off:period=0.005.")
 @structure_option
-@click.option("--storey", type=int, help="Of the structure: where the damper stands.  [default: 1]")
+@click.option("--storey", type=int, help="The storey of the structure in which the damper stands.  [default: 1]")
 @click.option("--between", nargs=2, metavar="I J", help="Two floors of the structure that the damper joins instead.")
 @click.option(
     "--motion", type=click.Path(path_type=Path), help="The ground motion, for a law that senses absolute motion."
 )
-@click.option("--motion-unit", metavar="UNIT", help="Of the acceleration in a plain file, such as g.")
-@click.option("--dt", type=float, help="s between samples, for a plain file with one column.")
+@click.option("--motion-unit", metavar="UNIT", help="Unit of the acceleration in a plain file, such as g.")
+@click.option("--dt", type=float, help="Seconds between samples, for a plain file with one column.")
 @click.option("--without", multiple=True, metavar="PART", help="Leave out a part, such as delay.")
 @temperature_option
 @click.option("--allow-extrapolation", is_flag=True, help="Take inputs outside the calibrated range.")
@@ -70,22 +75,25 @@ def command(
 
     damper = damper_of(card, temperature, allow_extrapolation).without(*without)
     opensees_server.check_live(damper)
-    voltages, currents = (() if each is None else (each,) for each in (voltage, current))
-    given = inputs_for(damper, voltages, currents, (control,) if control else ())
-    if len(given) + (control is not None) != 1:
+    voltages, currents = (() if value is None else (value,) for value in (voltage, current))
+    inputs = inputs_for(damper, voltages, currents, (control,) if control else ())
+    if len(inputs) + (control is not None) != 1:
         raise InputError("--control decides the input itself; give one of --control, --voltage and --current")
-    if given:
-        damper.check_input(given[0], allow_extrapolation)
+    if inputs:
+        damper.check_input(inputs[0], allow_extrapolation)
     building = structure_of(structure) if structure is not None or control is not None else None
     if building is None and (storey is not None or between is not None):
         raise InputError("--storey and --between are places of a structure; give --structure too")
     law = law_of(control, damper) if control else None
     record = None if motion is None else ground_motions.read(motion, units=motion_unit, dt=dt)
     place = place_of(storey, between)
+
+    def live_damper(n: int) -> opensees_server.LiveDamper:
+        u = inputs[0] if inputs else law
+        return opensees_server.live_damper(n, damper, u, law, building, place, record, allow_extrapolation)
+
     if building is not None:  # what does not fit is said before anything waits
-        opensees_server.live_damper(
-            building.n, damper, given[0] if given else law, law, building, place, record, allow_extrapolation
-        )
+        live_damper(building.n)
     findings = handed_on([damper], OF_DAMPER)
     state_origin(damper.origin)
     print_notice(findings)
@@ -95,9 +103,7 @@ def command(
         with connection:
             summary = opensees_server.answer(
                 connection,
-                lambda n: opensees_server.live_damper(
-                    n, damper, given[0] if given else law, law, building, place, record, allow_extrapolation
-                ),
+                live_damper,
             )
     if as_json:
         listed = as_dicts(findings)

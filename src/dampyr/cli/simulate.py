@@ -19,12 +19,11 @@ from dampyr.cli._control import (
 from dampyr.cli._examples import examples
 from dampyr.cli._motion import Ground, motion_options
 from dampyr.cli._options import OptionsCommand
-from dampyr.cli._output import as_json_option, details_option, findings_below, print_json, print_result, state_origin
+from dampyr.cli._output import as_json_option, details_option, findings_below, print_answer
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.models import Damper
     from dampyr.structures import RespondOptions
 
 
@@ -39,11 +38,15 @@ if TYPE_CHECKING:
 )
 @click.argument("card", required=False, type=click.Path(path_type=Path))
 @structure_option
-@click.option("--without-damper", is_flag=True, help="The structure alone, without any damper.")
-@click.option("--voltage", "voltages", multiple=True, type=float, help="V at the coil; repeat it to compare.")
-@click.option("--current", "currents", multiple=True, type=float, help="A, for a card over the current.")
+@click.option("--without-damper", is_flag=True, help="Simulate the structure alone, without any damper.")
+@click.option(
+    "--voltage", "voltages", multiple=True, type=float, help="Voltage at the coil in V; repeat it to compare."
+)
+@click.option("--current", "currents", multiple=True, type=float, help="Current in A, for a card over the current.")
 @control_option
-@click.option("--storey", type=int, help="Where the damper stands; i joins floors i-1 and i.  [default: 1]")
+@click.option(
+    "--storey", type=int, help="The storey in which the damper stands; i joins floors i-1 and i.  [default: 1]"
+)
 @click.option("--between", nargs=2, metavar="I J", help="Two floors that the damper joins instead; 0 is the ground.")
 @click.option("--motion", type=click.Path(path_type=Path), help="A ground motion file; without it El Centro 1940.")
 @motion_options
@@ -91,13 +94,12 @@ def command(
         from dampyr.show.pages.result_page import write_page
 
         write_page(result, report)
-    state_origin(result.origin)
-    if as_json:
-        print_json(result.as_dict())
-    else:
-        print_result(result, None if details else 1 + bool(result.intervals))
-        if result.intervals:
-            click.echo(f"\n{_levels(damper)}")
+    print_answer(result, as_json, None if details else 1 + bool(result.intervals))
+    if result.intervals and not as_json:
+        error = None if damper is None else damper.prediction_error
+        source = None if error is None else error.session_source
+        levels = f"with levels of records and sessions: {source}" if source else "without levels of sessions"
+        click.echo(f"\nThe intervals are {levels}.")
 
 
 OF_A_DAMPER = (
@@ -121,11 +123,3 @@ def _refuse_damper(context: click.Context) -> None:
         if parameter.name in OF_A_DAMPER and source is not click.core.ParameterSource.DEFAULT:
             name = parameter.opts[0] if isinstance(parameter, click.Option) else "CARD"
             raise InputError(f"{name} is of a damper, and --without-damper leaves it out; give one of the two")
-
-
-def _levels(damper: Damper | None) -> str:
-    """Whether the drawn dampers have the levels of records and sessions, and from where."""
-    error = None if damper is None else damper.prediction_error
-    if error is None:
-        return "The intervals are without levels of sessions."
-    return f"The intervals are with levels of records and sessions: {error.session_source}."

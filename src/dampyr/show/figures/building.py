@@ -23,10 +23,29 @@ def building_response(
     title: str = "",
     colours: Mapping[str, str] | None = None,
 ) -> Figure:
-    """``time`` s ``(n,)``; ``cases`` name -> SI ``(n,)``; the first is drawn grey, as what to compare with.
+    """A quantity of several cases over time: up to `TOGETHER` over one another, of more each in a panel over the first.
 
-    Up to `TOGETHER` cases lie over one another; of more, each has a panel of its own over the first. Each name is followed by
-    the greatest magnitude among the samples shown. ``colours`` name -> colour are those of the page.
+    Parameters
+    ----------
+    time
+        s, ``(n,)``.
+    cases
+        Name -> the quantity, SI, ``(n,)``; a name is followed by the greatest magnitude among the samples shown.
+    axis
+        What the quantity is, and the unit that it is shown in.
+    title
+        Above the figure.
+    colours
+        Name -> colour; by default the first case, with which the others are compared, is grey.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from dampyr.show.figures.building import building_response
+    >>> time = np.linspace(0.0, 10.0, 500)
+    >>> figure = building_response(time, {"no damper": 0.01 * np.sin(time), "0 V": 0.004 * np.sin(time)})
+    >>> [str(line.get_label()) for line in figure.axes[0].lines][::2]
+    ['no damper: 10 mm', '0 V: 4 mm']
     """
     first = next(iter(cases))
     colours = colours or style.case_colours(cases, first)

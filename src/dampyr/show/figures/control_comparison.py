@@ -23,9 +23,22 @@ def controlled(
     title: str = "",
     colours: Mapping[str, str] | None = None,
 ) -> Figure:
-    """``time`` s ``(n,)``; ``cases`` name -> SI ``(n,)``, the first drawn grey unless ``colours`` (name -> colour) says else;
-    ``inputs`` of some of these, V or A ``(n,)``, one panel each. Each name is followed by the greatest magnitude among the
-    samples shown.
+    """A quantity of several cases over one another, and below it a panel for each input that a law set.
+
+    Parameters
+    ----------
+    time
+        s, ``(n,)``.
+    cases
+        Name -> the quantity, SI, ``(n,)``; a name is followed by the greatest magnitude among the samples shown.
+    inputs
+        Name of some of these cases -> the input of their damper, V or A, ``(n,)``.
+    axis, input_axis
+        What the quantity and the inputs are, and the units that they are shown in.
+    title
+        Above the figure.
+    colours
+        Name -> colour; by default the first case is grey.
     """
     count = len(inputs)
     colours = colours or style.case_colours(cases, next(iter(cases)))

@@ -29,10 +29,22 @@ def envelope(
     title: str = "",
     colours: Mapping[str, str] | None = None,
 ) -> Figure:
-    """``frequency`` (n,) Hz; ``limits`` name -> the largest amplitude (n,) m; ``tests`` name -> frequencies and amplitudes.
+    """Tests in the plane of frequency and amplitude; both axes are logarithmic, so lines of equal speed are straight.
 
-    Both axes are logarithmic, so lines of equal speed are straight. ``refused`` tests are crossed out; ``colours`` name ->
-    colour are those of the page.
+    Parameters
+    ----------
+    frequency
+        Hz, ``(n,)``.
+    limits
+        Name, such as a force -> the largest amplitude of a sine, m, ``(n,)``.
+    tests
+        Name of a group -> frequencies Hz and amplitudes m of its tests.
+    refused
+        Frequencies Hz and amplitudes m of tests that are crossed out.
+    title
+        Above the figure.
+    colours
+        Name of a group -> colour.
     """
     f = FREQUENCY.of(frequency)
     with style.single_panel(3.6, title) as (fig, panel):

@@ -33,10 +33,26 @@ def incremental_curves(
     title: str = "",
     colour: str = style.BLUE,
 ) -> Figure:
-    """``intensity`` and ``peaks`` (curves, scales) SI; ``fractiles`` name -> peaks (levels,); ``limits`` name -> peak.
+    """Intensity against peak for each motion, of more than `MAX_CURVES` every n-th, with the fractiles across them.
 
-    Of more than 120 curves every n-th is drawn; ``furthest`` is the peak at which the axis ends, to compare figures;
-    ``colour`` is that of the fractiles, and limits are black.
+    Parameters
+    ----------
+    intensity, peaks
+        SI, ``(curves, scales)``.
+    levels
+        The intensities of the fractiles, SI, ``(levels,)``.
+    fractiles
+        Name -> peaks, SI, ``(levels,)``; infinite where too many cases are without bound.
+    axis, peak
+        What the intensity and the peak are, and the units that they are shown in.
+    limits
+        Name -> a peak that is marked, SI.
+    furthest
+        The peak at which the axis ends, SI, so that figures can be compared; by default it holds all curves.
+    title
+        Above the figure.
+    colour
+        Of the fractiles.
     """
     x, y = np.atleast_2d(peaks), np.atleast_2d(intensity)
     with style.single_panel(3.1, title) as (fig, panel):
