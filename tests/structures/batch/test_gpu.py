@@ -17,7 +17,7 @@ from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, el_centro
 from dampyr.models import Damper
 from dampyr.structures import ensemble, two_storey
-from dampyr.structures.batch.gpu import OWN, missing
+from dampyr.structures.batch.gpu import ON_THE_CARD, missing
 
 CARDS = {
     "dahl": {"dahl.kx": 1400.0, "dahl.kw": 227.0, "dahl.rho": 18800.0},
@@ -81,7 +81,7 @@ def test_a_card_gives_what_the_processor_gives(name: str) -> None:
 
 def test_a_place_of_the_ring_is_a_whole_number_also_where_floor_gives_a_float() -> None:
     names: dict[str, Any] = {"floor_of": lambda t: float(math.floor(t)), "eighth": 0.125}
-    exec(OWN, names)
+    exec(ON_THE_CARD, names)
     for t, place in ((2.7, 2), (-0.5, -1)):
         assert (names["floor"](t), type(names["floor"](t))) == (place, int)
     assert names["eighth_over"](0.5) == 0.25
