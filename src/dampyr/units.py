@@ -195,14 +195,14 @@ def in_si(values: Any, si: str, name: str) -> Any:
     """What a caller gave, in the SI unit ``si``: the unit of a quantity (pint, astropy) or of a labelled array (xarray) counts.
 
     A labelled array has its unit in ``attrs["units"]`` or ``attrs["unit"]``; without one it is SI, as plain numbers are. A text
-    is a number with its unit. A list of quantities is one of numbers. Raises :class:`~dampyr.errors.InputError`, which begins
-    with ``name``, where the unit is unknown or measures something else.
+    is a number with its unit. A list of quantities or texts is one of numbers. Raises :class:`~dampyr.errors.InputError`,
+    which begins with ``name``, where the unit is unknown or measures something else.
     """
+    if isinstance(values, list | tuple) and any(isinstance(item, str) or _unit_of(item)[1] for item in values):
+        return np.array([in_si(item, si, name) for item in values], dtype=float)
     try:
         if isinstance(values, str):
             return parse(values, si)
-        if isinstance(values, list | tuple) and any(_unit_of(item)[1] for item in values):
-            return np.array([in_si(item, si, name) for item in values], dtype=float)
         numbers, unit = _unit_of(values)
         return to_si(numbers, unit, si) if unit else values
     except InputError as problem:

@@ -16,9 +16,9 @@ PARTS = {  # of a result that has them, or no result
     "Leaderboard": "in Fit",
     "Residuals": "in Fit",
     "Rig": "a rig; `diagnose` looks at it",
-    "Study": "a published benchmark beside ours",
     "Validation": "in Fit",
     "VirtualRun": "a loop that is all computed, with its stability",
+    "VrthsStudy": "a published benchmark beside ours",
 }
 
 
@@ -33,7 +33,7 @@ def has(kind: type, name: str) -> bool:
 
 
 def test_what_has_an_origin_has_findings_or_is_part_of_what_has() -> None:
-    for package in ("identification", "structures", "campaigns", "models", "records", "rig", "studies"):
+    for package in ("identification", "structures", "campaigns", "planning", "models", "records", "rig", "studies"):
         folder = importlib.import_module(f"dampyr.{package}")
         for module in pkgutil.walk_packages(folder.__path__, f"dampyr.{package}."):
             importlib.import_module(module.name)

@@ -11,6 +11,7 @@ import pytest
 
 import dampyr as dp
 from dampyr.errors import InputError
+from dampyr.identification.scoring.score import prediction
 
 RESULTS = {"CampaignRow", "Planned", "RecordedCampaign", "Round", "Rig"}  # what calls return: their fields hold paths
 
@@ -69,7 +70,7 @@ CALLS: dict[str, tuple[Callable[[], Any], str]] = {
     "score swapped": (lambda: ID.score(record(), damper()), r"arguments of score are swapped; write score\(damper, record\)"),
     "score of a file": (lambda: ID.score(damper(), "a.csv"), r"record is the text 'a.csv'; give a Record"),
     "score by a card's name": (lambda: ID.score("card.toml", record()), r"damper is the text 'card.toml'; give a Damper"),
-    "prediction": (lambda: ID.prediction(record(), damper()), "arguments of prediction are swapped"),
+    "prediction": (lambda: prediction(record(), damper()), "arguments of prediction are swapped"),
     "prediction_band": (lambda: ID.prediction_band(record(), damper()), "arguments of prediction_band are swapped"),
     "validate": (lambda: ID.validate([record()], damper()), "arguments of validate are swapped"),
     "accept": (lambda: ID.accept(damper(), record()), r"arguments of accept are swapped; write accept\(records, reference\)"),

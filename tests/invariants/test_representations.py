@@ -458,6 +458,7 @@ def test_a_table_without_pandas_says_what_to_install(made: SimpleNamespace, monk
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
+        (lambda m: m.fit.plot.loops(m.records[0].replace(name="no such")), "'no such' is not among the fitted records"),
         (lambda m: m.fit.plot.loops("no such"), "'no such' is not among the fitted records; choose from 5 mm at 0 V"),
         (lambda m: m.validated.plot.history("no such"), "'no such' is not among the records; choose from"),
         (lambda m: m.damper.plot.loops(amplitude=-1.0), "amplitude = -1 m is not allowed; it must be greater than 0"),

@@ -296,3 +296,11 @@ def test_a_composition_can_be_read() -> None:
     text = compose("dahl + spring").source()
     assert "def advance_0(s, x0, x1, v0, v1, dt, p):" in text
     compile(text, "<test>", "exec")
+
+
+def test_values_at_inputs_are_a_law_and_what_is_none_says_what_may_be_given() -> None:
+    damper = Damper("dahl", {"kx": {0.0: 900.0, 2.0: "3000 N s/m"}, "kw": 200.0, "rho": 9000.0})
+    assert damper.range == (0.0, 2.0)
+    assert [damper.at(u).kx for u in (0.0, 2.0)] == [900.0, 3000.0]
+    with pytest.raises(InputError, match=r"dahl.kx = \[1, 2\] is not a law; give a number, values at inputs such as"):
+        Damper("dahl", {"kx": [1, 2], "kw": 200.0, "rho": 9000.0})

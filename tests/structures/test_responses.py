@@ -122,6 +122,14 @@ def test_limits_of_an_ensemble_are_texts_with_units(cubics: Damper) -> None:
             ensemble(*given, **wrong)
 
 
+def test_a_case_is_taken_by_its_name(cubics: Damper) -> None:
+    responses = respond(two_storey(), el_centro(), cubics, voltage=[1.98])
+    assert list(responses) == ["no damper", "1.98 V"]
+    assert responses["1.98 V"] is responses.cases["1.98 V"]
+    with pytest.raises(InputError, match=r"'9 V' is not a case; choose from 'no damper', '1\.98 V'"):
+        responses["9 V"]
+
+
 def test_a_law_is_a_text_over_the_range_of_its_damper(cubics: Damper) -> None:
     assert law_of("on_off:lag=10ms", cubics) == control_law(
         "on_off", low=cubics.range[0], high=cubics.range[1], lag=0.01

@@ -75,3 +75,13 @@ def test_twenty_storeys_with_several_dampers(cubics, tangent):
 def test_a_pair_of_ratios_needs_two_modes():
     with pytest.raises(InputError, match=r"2 damping ratios are given; give one"):
         shear_building([1.0], [1.0], damping_ratio=(0.02, 0.03))
+
+
+def test_numbers_may_be_texts_with_units() -> None:
+    texts = shear_building(["0.4 t", "300 kg"], ["500 kN/m", 4e5], dashpots=["1 kN s/m", 900.0])
+    numbers = shear_building([400.0, 300.0], [5e5, 4e5], dashpots=[1000.0, 900.0])
+    assert np.array_equal(texts.M, numbers.M)
+    assert np.array_equal(texts.K, numbers.K)
+    assert np.array_equal(texts.C, numbers.C)
+    with pytest.raises(InputError, match=r"^masses: the unit 'm' does not measure what 'kg' measures"):
+        shear_building(["0.4 m"], ["500 kN/m"], damping_ratio=0.02)

@@ -92,7 +92,7 @@ def perform(
     Stopped
         It was asked for.
     FileError
-        The disk is full, or the file of a complete test is elapsed or broken: what is left is run, after a warning, before.
+        The disk is full, or the file of a complete test is gone or broken: what is left is run, after a warning, before.
 
     In every case the table is at rest, the coil at 0 V, and the journal records the reason.
 

@@ -13,7 +13,7 @@ from dampyr.ground_motions.builtin import el_centro
 from dampyr.ground_motions.cutting import followed_by_rest, padded, trimmed
 from dampyr.ground_motions.envelopes import RisePlateauDecay, ShinozukaSato, stationary
 from dampyr.ground_motions.filters import filtered
-from dampyr.ground_motions.intensity_measures import measures
+from dampyr.ground_motions.intensity_measures import measures, pgd, pgv, sa
 from dampyr.ground_motions.motion import GroundMotion
 from dampyr.ground_motions.motion_files import available_formats, read
 from dampyr.ground_motions.resampling import resampled
@@ -22,7 +22,8 @@ from dampyr.ground_motions.soils import FIRM, MEDIUM, SOFT, Soil
 from dampyr.ground_motions.synthetic import kanai_tajimi, synthetic_motions
 
 __all__ = [
-    "GroundMotion", "el_centro", "read", "available_formats", "spectrum", "measures", "corrected", "filtered", "resampled",
+    "GroundMotion", "el_centro", "read", "available_formats", "spectrum", "measures", "pgv", "pgd", "sa", "corrected",
+    "filtered", "resampled",
     "trimmed", "padded", "followed_by_rest", "kanai_tajimi", "synthetic_motions", "Soil", "FIRM", "MEDIUM", "SOFT",
     "RisePlateauDecay", "ShinozukaSato", "stationary",
 ]  # fmt: skip

@@ -9,7 +9,7 @@ on an actuator that is late by a fixed time.
 
 ::
 
-    setup = HybridSetup(structure, Specimen(29.13, 1.19e6, 0.0097), TransferSystem())
+    setup = HybridSetup(structure, PhysicalSubstructure(29.13, 1.19e6, 0.0097), TransferSystem())
     loop_stability(setup, compensator).stable       # told before anything runs
     run = perform_virtual(setup, compensator, motion)
     run.criteria()                                  # J1 to J9 of the benchmark, judged on the true displacement

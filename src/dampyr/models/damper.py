@@ -17,7 +17,7 @@ from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError, Range
 from dampyr.findings import Finding
 from dampyr.models import card
 from dampyr.models.codegen.composition import Composition, compose
-from dampyr.models.laws import Constant, Law, WithTemperature, onto_limits
+from dampyr.models.laws import Constant, Interpolation, Law, WithTemperature, onto_limits
 from dampyr.models.part import part_name
 from dampyr.models.prediction_error import (
     PredictionError,
@@ -123,7 +123,7 @@ class Damper(Shown):
         units = {name: quantity.unit or "dimensionless" for name, quantity in composition.quantities.items()}
         in_si_units = {name: in_si(self.laws[name], units[name], name) for name in composition.parameters}
         object.__setattr__(self, "laws", in_si_units)
-        laws = {name: self._law(law) for name, law in in_si_units.items()}
+        laws = {name: self._law(name, law) for name, law in in_si_units.items()}
         object.__setattr__(self, "laws", laws)
         for name, quantity in composition.quantities.items():
             low, high = laws[name].extremes()
@@ -181,12 +181,20 @@ class Damper(Shown):
                 f"{self.coefficients.size} coefficients"
             )
 
-    def _law(self, law: Law | float) -> Law:
+    def _law(self, name: str, law: Any) -> Law:
+        if isinstance(law, Mapping):
+            unit = self.composition.quantities[name].unit or "dimensionless"
+            return Interpolation(tuple(law), tuple(in_si(value, unit, name) for value in law.values()))
         if isinstance(law, int | float):
             ranged = [k for k in self.laws.values() if not isinstance(k, int | float)]
-            low = max((k.low for k in ranged), default=-np.inf)
-            high = min((k.high for k in ranged), default=np.inf)
+            low = max((min(k) if isinstance(k, Mapping) else k.low for k in ranged if k), default=-np.inf)
+            high = min((max(k) if isinstance(k, Mapping) else k.high for k in ranged if k), default=np.inf)
             return Constant(float(law), low, high)
+        if not hasattr(law, "extremes"):
+            raise InputError(
+                f"{name} = {law!r} is not a law; give a number, values at inputs such as {{0.0: 900.0, 2.0: 3000.0}}, or a law "
+                "such as dampyr.models.Polynomial(coefficients, low, high)"
+            )
         return law
 
     def to_dataframe(self, inputs: ArrayLike | None = None) -> Any:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import InputError
 from dampyr.structures.building import Building
 from dampyr.structures.damping import modal, rayleigh
+from dampyr.units import in_si
 
 Array = NDArray[np.float64]
 
@@ -28,7 +29,7 @@ def shear_building(
     Parameters
     ----------
     masses, stiffnesses
-        ``(n,)`` in kg and N/m, greater than 0: of each floor, and of the storey below it.
+        ``(n,)`` in kg and N/m, or quantities such as ``"0.4 t"``, greater than 0: of each floor, and of the storey below it.
     damping_ratio
         Of critical, from 0 to below 1 (0.02 is 2 %). With ``method="rayleigh"``, :math:`C = \alpha M + \beta K`, of two modes,
         one ratio for both or a pair; with ``method="modal"`` of every mode, one for all or n of them by rising frequency.
@@ -53,12 +54,13 @@ def shear_building(
     >>> building.frequencies.round(2)
     array([3.56, 8.72])
     """
-    mass, spring = _positive("masses", masses), _positive("stiffnesses", stiffnesses)
+    mass = _positive("masses", in_si(masses, "kg", "masses"))
+    spring = _positive("stiffnesses", in_si(stiffnesses, "N/m", "stiffnesses"))
     if len(mass) != len(spring):
         raise InputError(f"{len(mass)} masses and {len(spring)} stiffnesses do not match; give one of each per storey")
     M, K = np.diag(mass), _storeys(spring)
     if damping_ratio is None and dashpots is not None:
-        return Building(M, _storeys(_dashpots(dashpots, len(mass))), K, name)
+        return Building(M, _storeys(_dashpots(in_si(dashpots, "N s/m", "dashpots"), len(mass))), K, name)
     if damping_ratio is None or dashpots is not None:
         raise InputError("a shear building takes either damping_ratio= or dashpots=; give one of the two")
     if method not in ("rayleigh", "modal"):

@@ -14,6 +14,7 @@ from dampyr.errors import InputError
 from dampyr.findings import as_dicts
 from dampyr.identification.fits.result import Fit
 from dampyr.phrases import counted, extent, listing, percent, rounded
+from dampyr.records import Record
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
 from dampyr.show.figures.history import history
@@ -207,7 +208,9 @@ def _numbers(fit: Fit) -> dict[str, Any]:
     }
 
 
-def measured_and_fitted(fit: Fit, record: str | None = None) -> tuple[Array, Array, Array, dict[str, Array], str]:
+def measured_and_fitted(
+    fit: Fit, record: str | Record | None = None
+) -> tuple[Array, Array, Array, dict[str, Array], str]:
     """Displacement m, velocity m/s, measured force N, that of the fit by its name, and the record: what `loops` draws.
 
     ``record`` is the name of one of the fitted records; without it that with the median L1 ratio.
@@ -217,33 +220,34 @@ def measured_and_fitted(fit: Fit, record: str | None = None) -> tuple[Array, Arr
     return piece.x, piece.v, piece.force, {"fit": fit.forces[k]}, piece.name
 
 
-def number_of(fit: Fit, record: str | None) -> int:
-    """The place of a record among the fitted ones; without a name that of the one with the median L1 ratio."""
+def number_of(fit: Fit, record: str | Record | None) -> int:
+    """The place of a record, or of that name, among the fitted ones; without it that of the median L1 ratio."""
     names = [piece.name for piece in fit.problem.pieces]
     if record is None:
         errors = [score.l1 for score in fit.scores.values()]
         return int(np.argsort(errors)[len(errors) // 2])
-    if record not in names:
-        raise InputError(f"{record!r} is not among the fitted records; choose from {listing(names, 8)}")
-    return names.index(record)
+    name = record if isinstance(record, str) else record.name
+    if name not in names:
+        raise InputError(f"{name!r} is not among the fitted records; choose from {listing(names, 8)}")
+    return names.index(name)
 
 
 @dataclass(frozen=True)
 class FitPlots(Plots):
     """``fit.plot.loops()``, which is what ``fit.plot()`` draws, ``.history()``, ``.residual()`` and ``.laws()``.
 
-    ``record`` is the name of one of the fitted records; without it that with the median L1 ratio is drawn.
+    ``record`` is one of the fitted records, or its name; without it that with the median L1 ratio is drawn.
     """
 
     result: Fit
 
-    def loops(self, record: str | None = None) -> Any:
+    def loops(self, record: str | Record | None = None) -> Any:
         """Measured and fitted force over displacement and over velocity."""
         fit = self.result
         record_origin = fit.records[number_of(fit, record)].origin
         return style.in_pyplot(loops, *measured_and_fitted(fit, record), record_origin=record_origin, origin=fit.origin)
 
-    def history(self, record: str | None = None) -> Any:
+    def history(self, record: str | Record | None = None) -> Any:
         """Measured and fitted force over time, and the residual below."""
         fit = self.result
         k = number_of(fit, record)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from dampyr.errors import InputError
 from dampyr.findings import Finding, worst_first
 from dampyr.origin import Origin, combined
 from dampyr.shown import Shown
@@ -29,6 +30,15 @@ class Responses(Shown):
     intervals: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """90 % intervals (2, floors) or (2, sites) of the peaks of each case with a damper, by the names of `as_dict`, SI units."""
     draws: int = 0
+
+    def __getitem__(self, name: str) -> Response:
+        """The response of the case of this name."""
+        if name not in self.cases:
+            raise InputError(f"{name!r} is not a case; choose from {', '.join(map(repr, self.cases))}")
+        return self.cases[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.cases)
 
     @property
     def findings(self) -> tuple[Finding, ...]:
