@@ -73,7 +73,9 @@ class Options:
 
     def __post_init__(self) -> None:
         for option in options_of(type(self)):
-            object.__setattr__(self, option.name, option.checked(getattr(self, option.name)))
+            value = getattr(self, option.name)
+            if value is not option.default:  # which a test checks
+                object.__setattr__(self, option.name, option.checked(value))
         self.check()
 
     def check(self) -> None:

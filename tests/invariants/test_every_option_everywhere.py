@@ -94,6 +94,12 @@ def test_an_option_is_in_the_call(cls: type[Options], option: Option) -> None:
         assert f"\n{option.name} : {option.values(si=True)}\n" in (call.__doc__ or "")
 
 
+@pytest.mark.parametrize(("cls", "option"), fields(), ids=IDS)
+def test_a_default_is_allowed(cls: type[Options], option: Option) -> None:
+    """A value that nobody gave is not checked again."""
+    assert option.checked(option.default) == option.default
+
+
 def public_calls() -> list[Any]:
     modules = [import_module(f"dampyr.{package}") for package in PACKAGES]
     return [each for m in modules for name in m.__all__ if inspect.isfunction(each := getattr(m, name))]
