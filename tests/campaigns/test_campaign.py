@@ -122,7 +122,7 @@ def test_names_are_unique_and_fit_for_files():
             "rest_betwen is not known; did you mean 'rest_between'",
         ),
         ('[[steps]]\nkind = "rest"\nduration = 1', "steps is not known; did you mean 'step'"),
-        ("[[step]\n", "is no TOML"),
+        ("[[step]\n", "is not valid TOML"),
         ("a." * 30_000 + "a = 1", "line 1 has a key of more than 32 parts"),
         (f"seed = {'9' * 60_000}", "a number in it has thousands of digits"),
         ("x = " + "[" * 30_000, "nest too deeply"),

@@ -73,7 +73,7 @@ def test_no_test_begins_after_a_stroke_that_the_threshold_does_not_allow(tmp_pat
         ({"sudden_force": 0.0}, "sudden_force = 0 N is not allowed"),
         ({"spoiling_share": 1.5}, "spoiling_share = 1.5"),
         ({"cycles": 1}, "cycles = 1"),
-        ({"pass_shift": "3 mm"}, "pass_shift = '3 mm'"),
+        ({"pass_shift": "3 mm"}, "pass_shift: the unit 'mm' does not measure what 'N' measures"),
     ],
 )
 def test_a_value_outside_of_its_range_is_refused(values: dict[str, Any], sentence: str) -> None:

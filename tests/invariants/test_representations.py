@@ -138,6 +138,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "hybrid.PlantSpread": lambda made: hybrid.PlantSpread(),
     "hybrid.VirtualRun": lambda made: hybrid.perform_virtual(made.hybrid, made.compensator, made.shake),
     "campaigns.Campaign": lambda made: made.campaign,
+    "campaigns.CampaignThresholds": lambda made: dp.campaigns.CampaignThresholds(),
     "campaigns.RunControl": lambda made: dp.campaigns.RunControl(),
     "campaigns.Violation": lambda made: Violation("voltage", "needs 9 V; the limit is 4.4 V"),
     "campaigns.Header": lambda made: made.campaign.header,
@@ -179,6 +180,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "identification.Fit": lambda made: made.fit,
     "identification.Fold": lambda made: made.validation.folds[0],
     "identification.Identifiability": lambda made: dp.identification.identifiability(made.fit),
+    "identification.FitThresholds": lambda made: dp.identification.FitThresholds(),
     "identification.FitOptions": lambda made: dp.identification.FitOptions(),
     "identification.Leaderboard": lambda made: made.board,
     "identification.LimitCycle": lambda made: LimitCycle(
@@ -230,6 +232,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "records.Measured": lambda made: dp.records.measure(made.records[0]),
     "records.MovingAverage": lambda made: dp.records.MovingAverage(0.3),
     "records.Overview": lambda made: dp.records.overview(made.records[0]),
+    "records.RecordThresholds": lambda made: dp.records.RecordThresholds(),
     "records.ReadOptions": lambda made: dp.records.ReadOptions(voltage=1.98, smoothed="0.1 periods"),
     "records.Quality": lambda made: dp.records.quality(made.records[0]),
     "records.Recognised": lambda made: Recognised("force", 50, 0.1, 0.1, 15.2, 14.0),
@@ -458,7 +461,10 @@ def test_a_table_without_pandas_says_what_to_install(made: SimpleNamespace, monk
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
-        (lambda m: m.fit.plot.loops(m.records[0].replace(name="no such")), "'no such' is not among the fitted records"),
+        (
+            lambda m: m.fit.plot.loops(m.records[0].replace(note="renamed", name="no such")),
+            "'no such' is not among the fitted records",
+        ),
         (lambda m: m.fit.plot.loops("no such"), "'no such' is not among the fitted records; choose from 5 mm at 0 V"),
         (lambda m: m.validated.plot.history("no such"), "'no such' is not among the records; choose from"),
         (lambda m: m.damper.plot.loops(amplitude=-1.0), "amplitude = -1 m is not allowed; it must be greater than 0"),

@@ -64,7 +64,7 @@ def test_inputs_as_a_table_or_a_number(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("validation = [", "is no TOML"),
+        ("validation = [", "is not valid TOML"),
         ("valid = []", "'valid' is not known; choose from units, columns, voltage, current, dt, variable, header, "),
         ('validation = "quake*"', "is not a list of patterns"),
         ('validation = ["earth*"]', "'earth*' matches no file of the folder"),

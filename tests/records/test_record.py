@@ -60,7 +60,7 @@ def test_properties():
         ({"voltage": 1.0, "current": 1.0}, r"^voltage and current are both given"),
         ({"role": "both"}, r"^role = 'both' is not known; choose 'fit' or 'validation'$"),
         ({"force": np.ones((20, 1))}, r"^force has the shape \(20, 1\); give one column of 20 values$"),
-        ({"force": ["a"] * 20}, r"^force is not numbers; give an array of them in N$"),
+        ({"force": ["a"] * 20}, r"^force: 'a' is not a quantity; write a number and a unit, such as '12.4 mm'$"),
         ({"force": None}, r"^force is missing"),
     ],
 )

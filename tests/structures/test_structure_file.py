@@ -87,7 +87,7 @@ def test_the_structure_can_be_shaken(tmp_path: Path) -> None:
         ("[0.03, 0.05]", "[0.03, 1.5]", "damping_ratio = 1.5 is not allowed"),
         ("[0.03, 0.05]", '0.03\nmethod = "modl"', "did you mean 'modal'?"),
         ("[0.03, 0.05]", '0.03\nmethod = "rayleigh"\nmodes = [1]', "must be two modes"),
-        ("M =", "M ", "is no TOML that can be read"),
+        ("M =", "M ", "is not valid TOML"),
     ],
 )  # fmt: skip
 def test_each_mistake_has_its_sentence(tmp_path: Path, before: str, after: str, says: str) -> None:

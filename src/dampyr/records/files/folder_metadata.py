@@ -185,9 +185,9 @@ def reading_of(folder: Path) -> FolderReading:
     try:
         settings = parse_toml(path.read_text("utf-8"))
     except InputError as problem:
-        raise FileError(path, f"is no TOML that can be read: {problem}") from None
+        raise FileError(path, f"is not valid TOML: {problem}") from None
     except UnicodeDecodeError as problem:
-        raise FileError(path, f"is no TOML ({problem}); save it as UTF-8 text") from None
+        raise FileError(path, f"is not valid TOML ({problem}); save it as UTF-8 text") from None
     _check_keys(path, settings, (*KEYS, "validation", "ignore", "files"), "")
     tables = settings.get("files", [])
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
