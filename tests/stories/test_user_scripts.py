@@ -15,9 +15,9 @@ SCRIPTS = Path(__file__).parent / "user_scripts"
 RESULTS = {  # words of what each prints
     "acceptance": "weak",
     "campaign": "L1",
-    "controlled_building": "clipped_optimal",
+    "controlled_building": "clipped-optimal",
     "ensemble": "median",
-    "export": "export",
+    "export": "uniaxialMaterial BoucWen",
     "fit": "kx",
     "foreign_file": "Record",
     "own_building": "drift",
