@@ -36,6 +36,7 @@ import citations
 from sphinx.cmd.build import main as run_sphinx
 
 from dampyr import registry
+from dampyr.options import Options, options_of
 from dampyr.shown import Shown
 
 CHECKOUT = Path(__file__).resolve().parents[1]
@@ -272,6 +273,8 @@ def defined(module: ModuleType) -> list[str]:
 def described(owner: ModuleType, name: str) -> list[str]:
     """The directive that documents one name."""
     value: Any = getattr(owner, name)
+    if inspect.isclass(value) and issubclass(value, Options):
+        return [f".. autoclass:: {name}(**options)", "   :no-members:", "", *option_table(value), ""]
     if inspect.isclass(value):
         call = "()" if getattr(value, "_is_protocol", False) else ""  # nobody calls a protocol
         return [f".. autoclass:: {name}{call}", "   :members:", ""]
@@ -281,6 +284,24 @@ def described(owner: ModuleType, name: str) -> list[str]:
         return [f":doc:`{value.__name__}`: {registry.summary(value)}.", ""]
     words = citations.linked_in_rst(words_below(owner, name), citations.FROM_A_PACKAGE)
     return [f".. py:data:: {name}", "", *(f"   {line}" for line in words.splitlines()), ""]
+
+
+def option_table(cls: type[Options]) -> list[str]:
+    """The fields of a class of options or thresholds: an annotation that holds words and a quantity is no text for people."""
+    rows = [["field", "default", "value", "what"]]
+    rows += [
+        [f"``{o.name}``", escaped(str(o.default)), escaped(o.values(si=True)), escaped(o.words)]
+        for o in options_of(cls)
+    ]
+    lines = [".. list-table::", "   :header-rows: 1", ""]
+    for first, *others in rows:
+        lines += [f"   * - {first}", *(f"     - {cell}" for cell in others)]
+    return lines
+
+
+def escaped(text: str) -> str:
+    """A text in which reStructuredText sees no marks of its own."""
+    return re.sub(r"([\\*`|_])", r"\\\1", text)
 
 
 def words_below(owner: ModuleType, name: str) -> str:

@@ -31,89 +31,89 @@ class CampaignThresholds(Thresholds):
     stroke_error: Annotated[
         float,
         Quantity("", low=0.0, open_low=True, high=1.0),
-        "share of the slow stroke before the first test by which it may differ from the commanded one: a wrong scale of the "
+        "Share of the slow stroke before the first test by which it may differ from the commanded one: a wrong scale of the "
         "encoder differs by more; beyond, no test begins",
     ] = 0.2
     flat_steps: Annotated[
         float,
         Quantity("", low=0.0, open_low=True),
-        "steps of the converter that a force may stray and still counts as standing: the noise of a live cell is several",
+        "Steps of the converter that a force may stray and still counts as standing: the noise of a live cell is several",
     ] = 2.0
     leap: Annotated[
         float,
         Quantity("", low=0.0, open_low=True),
-        "size of a leap into a standing force, in steps of the converter and in usual changes between samples, beyond which "
+        "Size of a leap into a standing force, in steps of the converter and in usual changes between samples, beyond which "
         "the test is spoiled: no damper's force leaps so far",
     ] = 20.0
     reversal: Annotated[
         float,
         Quantity("m", low=0.0, open_low=True),
-        "way on either side of a reversal over which the force of any damper changes; one that stands over it spoils the test",
+        "Way on either side of a reversal over which the force of any damper changes; one that stands over it spoils the test",
     ] = 5.0e-4
     rest_drift: Annotated[
         float,
         Newtons,
-        "change of the force from the rest before the motion to that after it, beyond which it is marked",
+        "Change of the force from the rest before the motion to that after it, beyond which it is marked",
     ] = 10.0
     rest_drift_share: Annotated[
         float,
         Share,
-        "what the same may be more, as a share of half of the force's range: in a rest after a motion hysteresis holds a part",
+        "What the same may be more, as a share of half of the force's range: in a rest after a motion hysteresis holds a part",
     ] = 0.5
     cycle_drift: Annotated[
         float,
         Newtons,
-        "drift of the mean force of the cycles in the test, beyond which it is marked; in a good test it strays by 4 N",
+        "Drift of the mean force of the cycles in the test, beyond which it is marked; in a good test it strays by 4 N",
     ] = 10.0
-    cycle_drift_share: Annotated[float, Share, "what the same may be more, as a share of half of the force's range"] = (
+    cycle_drift_share: Annotated[float, Share, "What the same may be more, as a share of half of the force's range"] = (
         0.03
     )
     cycles: Annotated[
-        int, Quantity("", low=2), "number of inner cycles from which the drift of their mean is judged"
+        int, Quantity("", low=2), "Number of inner cycles from which the drift of their mean is judged"
     ] = 4
     pass_shift: Annotated[
         float,
         Newtons,
-        "shift of the force's zero between slow passes over the same place, beyond which it is marked: they agree to 1 N",
+        "Shift of the force's zero between slow passes over the same place, beyond which it is marked: they agree to 1 N",
     ] = 6.0
-    pass_shift_share: Annotated[float, Share, "what the same may be more, as a share of the force, peak to peak"] = (
+    pass_shift_share: Annotated[float, Share, "What the same may be more, as a share of the force, peak to peak"] = (
         0.005
     )
     shift_per_kelvin: Annotated[
         float,
         Quantity("N/K", low=0.0),
-        "what the same may be more for each kelvin of warming: a gas charge under 300 N gains a 293rd of its force a kelvin",
+        "What the same may be more for each kelvin of warming: a gas charge under 300 N gains a 293rd of its force a kelvin",
     ] = 1.0
     coil_voltage_share: Annotated[
-        float, Share, "share of the largest command by which the coil's voltage may differ, beyond which it is marked"
+        float, Share, "Share of the largest command by which the coil's voltage may differ, beyond which it is marked"
     ] = 0.05
-    coil_voltage: Annotated[float, Quantity("V", low=0.0), "what the same may be more, whatever the command is"] = 0.02
+    coil_voltage: Annotated[float, Quantity("V", low=0.0), "What the same may be more, whatever the command is"] = 0.02
     spoiling_share: Annotated[
         float,
         Quantity("", low=0.0, high=1.0),
-        "share of the commanded voltage or current that the coil may lack, beyond which the test is spoiled: it was not at its "
+        "Share of the commanded voltage or current that the coil may lack, beyond which the test is spoiled: it was not at its "
         "voltage",
     ] = 0.2
     coil_warmth: Annotated[
         float,
         Quantity("K", low=0.0),
-        "kelvin by which the coil may be warmer than the damper as estimated, beyond which it is marked: it is inside, where "
+        "Kelvin by which the coil may be warmer than the damper as estimated, beyond which it is marked: it is inside, where "
         "the heat arises",
     ] = 15.0
     sudden_force: Annotated[
         float,
         Quantity("N", low=0.0, open_low=True),
-        "change of the force from one sample to the next while nothing moves the damper, beyond which it is marked",
+        "Change of the force from one sample to the next while nothing moves the damper, beyond which it is marked",
     ] = 25.0
     sudden_rate: Annotated[
         float,
         Quantity("N/s", low=0.0),
-        "the same as a rate, where samples are further apart than a millisecond",
+        "The same as a rate, where samples are further apart than a millisecond",
     ] = 2.5e4
     created_force: Annotated[
         float,
         Newtons,
-        "energy that the damper gives in a cycle or in the test over its path, beyond which the test is spoiled: a damper that "
+        "Energy that the damper gives in a cycle or in the test over its path, beyond which the test is spoiled: a damper that "
         "is looser than this gives nothing to identify",
     ] = 5.0
 
