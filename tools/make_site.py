@@ -277,6 +277,8 @@ def described(owner: ModuleType, name: str) -> list[str]:
         return [f".. autoclass:: {name}(**options)", "   :no-members:", "", *option_table(value), ""]
     if inspect.isclass(value):
         call = "()" if getattr(value, "_is_protocol", False) else ""  # nobody calls a protocol
+        if any("Annotated[" in str(hint) for hint in vars(value).get("__annotations__", {}).values()):
+            call = "(**fields)"  # listed below with their words; an annotation with a quantity is no text for people
         return [f".. autoclass:: {name}{call}", "   :members:", ""]
     if callable(value):
         return [f".. autofunction:: {name}", ""]
@@ -287,7 +289,7 @@ def described(owner: ModuleType, name: str) -> list[str]:
 
 
 def option_table(cls: type[Options]) -> list[str]:
-    """The fields of a class of options or thresholds: an annotation that holds words and a quantity is no text for people."""
+    """The fields of a class of options or thresholds by their words, and what may be given."""
     rows = [["field", "default", "value", "what"]]
     rows += [
         [f"``{o.name}``", escaped(str(o.default)), escaped(o.values(si=True)), escaped(o.words)]

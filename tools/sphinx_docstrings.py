@@ -25,6 +25,8 @@ import citations
 import make_site
 from sphinx.util.inspect import TypeAliasForwardRef
 
+from dampyr.options import Options
+
 ENTRY = re.compile(r"(\*{0,2}\w+(?:, \*{0,2}\w+)*)(?: : (.*))?$")
 NAME = re.compile(r"(?<![`:\w])`(\w+)`(?![`_\w])")
 SPECIAL = re.compile(r"([\\*`|]|_(?=\W|$))")  # what reStructuredText would read as mark-up
@@ -47,7 +49,8 @@ def process(app: Any, what: str, name: str, value: Any, options: Any, lines: lis
     new = list(with_definitions(text.splitlines()))
     if what == "class" and is_dataclass(value):
         documented = {key for line in new if line.startswith("**") for key in re.findall(r"\w+", line)}
-        fields = [field for field in commented_fields(value) if field[0] not in documented]
+        listed = [] if issubclass(value, Options) else commented_fields(value)  # the site has a table of options
+        fields = [field for field in listed if field[0] not in documented]
         new += ["", *([".. rubric:: Fields", ""] if fields else [])]
         new += [line for field in fields for line in defined(*field)] + [""]
     lines[:] = new

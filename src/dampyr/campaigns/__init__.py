@@ -19,7 +19,6 @@ from dampyr.campaigns.recorded_campaign import RecordedCampaign
 from dampyr.campaigns.run_control import RunControl, Stopped
 
 __all__ = [
-    "CampaignThresholds",
     "Campaign", "read", "campaign_of", "available_steps", "Plan", "plan", "planned_hybrid", "hybrid_result", "perform",
-    "RecordedCampaign", "RunControl", "Stopped", "Journal", "read_journal",
+    "RecordedCampaign", "RunControl", "Stopped", "Journal", "read_journal", "CampaignThresholds",
 ]  # fmt: skip

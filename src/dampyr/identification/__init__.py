@@ -28,8 +28,7 @@ from dampyr.identification.scoring.score import Score, score
 from dampyr.identification.scoring.validate import ScoreOptions, validate
 
 __all__ = [
-    "FitThresholds",
-    "AcceptOptions", "FitOptions", "ScoreOptions", "accept", "validate", "prediction_band", "fit_specimens",
-    "identifiability", "profile", "sample_posterior", "compare_method", "Fit", "Leaderboard", "Score", "Tolerance",
-    "analyse", "fit", "limit_cycle", "plastic_region", "residuals", "score",
+    "fit", "score", "validate", "accept", "prediction_band", "identifiability", "profile", "sample_posterior",
+    "fit_specimens", "compare_method", "limit_cycle", "plastic_region", "residuals", "analyse", "Fit", "Leaderboard",
+    "Score", "FitOptions", "ScoreOptions", "AcceptOptions", "Tolerance", "FitThresholds",
 ]  # fmt: skip
