@@ -15,7 +15,7 @@ export PYTHONHASHSEED := 0
 # The tests start hundreds of interpreters: without bytecode each compiles all of dampyr, and each worker all of the tests.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help demo test prove endure check docs site bench pictures lock clean compiler octave chromium axe blas firmware firmware-tools
+.PHONY: help demo test prove endure quick check docs site bench pictures lock clean compiler octave chromium axe blas firmware firmware-tools
 
 help:
 	@echo "make demo    a simulated campaign, from records to a building in an earthquake, as one page in out/demo"
@@ -23,6 +23,7 @@ help:
 	@echo "make prove   the long proofs (fixed seeds)"
 	@echo "make endure  long campaigns and the bench in real time, for more than an hour, on a machine with nothing else to do"
 	@echo "make check   style, types, names, the layers of the packages, and no copyright notice of others"
+	@echo "make quick   the quick part of that: style, names and copyright, some seconds"
 	@echo "make firmware   the Arduino Uno's program, out/firmware/dampyr-uno.hex, with its size (BAUD=115200, DIRECTION_PIN=1)"
 	@echo "make docs    the generated lists and pages of docs, written again"
 	@echo "make site    the documentation as one site, out/site/index.html, without a network"
@@ -97,13 +98,15 @@ prove: $(READY) compiler firmware-tools octave blas chromium axe
 endure: $(READY) compiler firmware-tools octave blas chromium axe
 	$(BIN)/python -m pytest --endure -o faulthandler_timeout=0 -m "endure or by_hand"
 
-check: $(READY)
+quick: $(READY)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
-	$(BIN)/lint-imports
 	$(BIN)/python tools/check_names.py
 	$(BIN)/python tools/check_copyright.py
+
+check: quick
+	$(BIN)/mypy
+	$(BIN)/lint-imports
 
 docs: $(READY)
 	$(BIN)/python tools/make_docs.py

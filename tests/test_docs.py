@@ -11,6 +11,7 @@ import tomllib
 import warnings
 from collections.abc import Iterator
 from contextlib import redirect_stdout
+from importlib import import_module
 from io import StringIO
 from pathlib import Path
 
@@ -31,7 +32,7 @@ from dampyr.structures import available_control_laws, control_law
 Array = np.ndarray
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
-PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted(DOCS.rglob("*.md"))]
+PAGES = [*(ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")), *sorted(DOCS.rglob("*.md"))]
 FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 RUN_KINDS = ("sh", "python")
 DATA_KINDS = ("text", "toml", "bash", "c", "matlab")  # files, and what is printed; a file of commands has a name
@@ -550,3 +551,14 @@ def test_the_faults_of_the_simulated_rig_are_all_listed() -> None:
     assert re.findall(r"^\| `([\w-]+)` \|", page, re.MULTILINE) == list(KINDS)
     for name, fault in KINDS.items():
         assert f"| `{name}` | {fault.words} |" in page
+
+
+def test_what_contributing_names_is_there() -> None:
+    """Each module of a shared type, and each folder in which a new member is a file."""
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    for name, module in re.findall(r"^\| `([A-Z]\w+)`.*?\| `(dampyr[\w.]+)` \|", text, re.MULTILINE):
+        assert hasattr(import_module(module), name), f"{module}.{name}"
+    for place in re.findall(r"`((?:\w+/)+)NAME", text):
+        assert (ROOT / "src" / "dampyr" / place).is_dir() or place == "show/PACKAGE/", place
+    for file in re.findall(r"`?((?:tests|tools)/[\w/]+\.py)", text):
+        assert (ROOT / file).is_file(), file
