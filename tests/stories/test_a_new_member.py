@@ -20,7 +20,7 @@ pytest.importorskip("fastapi")
 
 ROOT = Path(__file__).resolve().parents[2]
 COPIED = ("src", "docs", "tools", "tests", "benchmarks", "examples")
-FILES = ("README.md", "CHANGELOG.md", "LICENSE", "Makefile", "pyproject.toml")
+FILES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "Makefile", "pyproject.toml")
 NAMES = "bent_dashpot or standstill or passive_on or example_2026 or one_spring or parts"
 
 STEP = r'''r"""Standstill: the table stands away from the middle, for what a specimen does at rest under pressure.
@@ -268,7 +268,8 @@ import pytest
 from click.testing import CliRunner
 from fastapi.testclient import TestClient
 
-from dampyr import campaigns, ground_motions, records, studies
+from dampyr import ground_motions, records, studies
+from dampyr.campaigns.kinds import kind
 from dampyr.cli import cli
 from dampyr.console import app
 from dampyr.console.damper_files import zipped_export
@@ -340,7 +341,7 @@ def test_python_takes_them(data):
     assert studies.published_damper("one_spring").composition.names == ("spring",)
     assert ground_motions.read(data / "motions" / "weak.acc").n == 500
     assert records.read_campaign(data)[0].voltage == 1.0
-    assert campaigns.kind("standstill")(place=0.004).place == 0.004
+    assert kind("standstill")(place=0.004).place == 0.004
 
 
 def test_the_console_offers_them(client):

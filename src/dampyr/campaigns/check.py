@@ -167,10 +167,12 @@ def largest(
     Examples
     --------
     >>> import dampyr as dp
-    >>> step = dp.campaigns.kind("sine")(amplitude=0.02, frequency=2.0)
-    >>> [violation.limit for violation in dp.campaigns.violations_of(step, dp.rig.RigSettings())]
+    >>> from dampyr.campaigns.check import largest, violations_of
+    >>> from dampyr.campaigns.kinds import kind
+    >>> step = kind("sine")(amplitude=0.02, frequency=2.0)
+    >>> [violation.limit for violation in violations_of(step, dp.rig.RigSettings())]
     ['speed']
-    >>> dp.campaigns.largest(step, "amplitude", dp.rig.RigSettings())
+    >>> largest(step, "amplitude", dp.rig.RigSettings())
     0.00539
     """
 

@@ -65,8 +65,9 @@ def tracking_criteria(
     --------
     >>> import numpy as np
     >>> import dampyr as dp
+    >>> from dampyr.hybrid.criteria import tracking_criteria
     >>> x = np.sin(0.02 * np.arange(4096))
-    >>> criteria = dp.hybrid.tracking_criteria(0.99 * x, x, x[None], x[None], 1, 1 / 4096)
+    >>> criteria = tracking_criteria(0.99 * x, x, x[None], x[None], 1, 1 / 4096)
     >>> criteria.J1, round(criteria.J2, 6)
     (0.0, 1.0)
     """

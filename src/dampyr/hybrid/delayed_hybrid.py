@@ -64,8 +64,9 @@ def delayed_result(
     Examples
     --------
     >>> import dampyr as dp
+    >>> from dampyr.hybrid.delayed_hybrid import delayed_result
     >>> damper, motion = dp.studies.load_damper("raminelli_2020"), dp.ground_motions.el_centro()
-    >>> result = dp.hybrid.delayed_result(dp.structures.two_storey(), motion, damper, 0.005)
+    >>> result = delayed_result(dp.structures.two_storey(), motion, damper, 0.005)
     >>> bool(abs(result.differences).max() < 0.001)
     True
     """

@@ -164,9 +164,10 @@ def lag_of(sent: Array, achieved: Array, h: float, largest: float) -> tuple[floa
     --------
     >>> import numpy as np
     >>> import dampyr as dp
+    >>> from dampyr.hybrid.substructure import lag_of
     >>> time = 0.002 * np.arange(200)
     >>> sent = 0.004 * np.sin(2 * np.pi * 2.0 * time)
-    >>> lag, gain = dp.hybrid.lag_of(sent, 0.9 * np.interp(time - 0.006, time, sent), 0.002, 0.02)
+    >>> lag, gain = lag_of(sent, 0.9 * np.interp(time - 0.006, time, sent), 0.002, 0.02)
     >>> round(lag, 4), round(gain, 3)
     (0.006, 0.9)
     """

@@ -92,10 +92,11 @@ class Trace(Shown):
     --------
     >>> import numpy as np
     >>> import dampyr as dp
+    >>> from dampyr.identification.fits.residuals import Trace
     >>> t = np.linspace(0.0, 10.0, 2001)
     >>> noise = np.random.default_rng(0).normal(0.0, 3.0, t.size)
     >>> x, v, force = np.sin(6.0 * t), 6.0 * np.cos(6.0 * t), 100.0 * np.cos(6.0 * t)
-    >>> trace = dp.identification.Trace("one", t, x, v, force, noise, 1.0, 2.0, 6.0 / (2.0 * np.pi))
+    >>> trace = Trace("one", t, x, v, force, noise, 1.0, 2.0, 6.0 / (2.0 * np.pi))
     >>> dp.identification.analyse([trace]).misfits
     ()
     """

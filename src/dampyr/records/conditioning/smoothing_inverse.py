@@ -91,9 +91,10 @@ def undo(smoothed: Array, before: int, after: int, rest: int = 0) -> Undone:
     --------
     >>> import numpy as np
     >>> import dampyr as dp
+    >>> from dampyr.records.conditioning.smoothing_inverse import undo
     >>> raw = np.r_[np.zeros(20), np.sin(0.3 * np.arange(100))]
     >>> smoothed = np.convolve(raw, np.ones(5) / 5, "same")
-    >>> undone = dp.records.undo(smoothed, 2, 2, rest=18)
+    >>> undone = undo(smoothed, 2, 2, rest=18)
     >>> bool(np.max(np.abs(undone.values - raw)[2:-2]) < 1e-12)
     True
     """

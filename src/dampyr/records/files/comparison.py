@@ -43,9 +43,10 @@ def write_comparison(record: Record, predicted: Array, path: str | Path, offset:
     --------
     >>> import numpy as np
     >>> import dampyr as dp
+    >>> from dampyr.records.files.comparison import write_comparison
     >>> t = np.linspace(0.0, 1.0, 101)
     >>> record = dp.records.Record(t, 0.01 * np.sin(6 * t), 50.0 * np.cos(6 * t))
-    >>> path = dp.records.write_comparison(record, 49.0 * np.cos(6 * t), "sine.csv")
+    >>> path = write_comparison(record, 49.0 * np.cos(6 * t), "sine.csv")
     >>> path.read_text().splitlines()[2]
     'time [s],displacement [m],measured force [N],predicted force [N]'
     """
