@@ -326,8 +326,22 @@ def tests(app: CurrentApp, folder: Annotated[str, Query(max_length=100)]) -> lis
     ]
 
 
+@router.post("/control")
+def control(request: ClientRequest, bench: CurrentBench) -> Done:
+    """Take control, from whoever has it; what they moved stops."""
+    bench.take_control(request.client)
+    return Done()
+
+
+@router.post("/connect")
+def connect(request: Connect, app: CurrentApp, bench: CurrentBench) -> Done:
+    """Connect a rig."""
+    rig_settings(app.data, request.rig)
+    bench.connect(request.client, request.rig, request.simulate)
+    return Done()
+
+
 COMMANDS: dict[str, tuple[type[ClientRequest], Callable[..., None], str]] = {
-    "control": (ClientRequest, Bench.take_control, "Take control, from whoever has it; what they moved stops."),
     "disconnect": (ClientRequest, Bench.disconnect, "Let go of the rig; an armed one is disarmed first."),
     "arm": (ClientRequest, Bench.arm, "Let energy in."),
     "disarm": (ClientRequest, Bench.disarm, "Bring the table to rest, and let no energy in."),
@@ -373,14 +387,6 @@ def acknowledge(request: AlarmRequest, bench: CurrentBench) -> Done:
 def dequeue(request: Number, bench: CurrentBench) -> Done:
     """Take a campaign out of the queue."""
     bench.dequeue(request.client, request.number)
-    return Done()
-
-
-@router.post("/connect")
-def connect(request: Connect, app: CurrentApp, bench: CurrentBench) -> Done:
-    """Connect a rig."""
-    rig_settings(app.data, request.rig)
-    bench.connect(request.client, request.rig, request.simulate)
     return Done()
 
 
