@@ -103,8 +103,15 @@ class Options:
 class Thresholds(Options):
     """Base of the dataclasses of judgements: numbers that someone chose, checked as options are, for calls in Python alone.
 
-    They change what is said of a result and no number in it. docs/reference/thresholds.md lists them.
+    They change what is said of a result and no number in it; what is judged by others than the usual ones says so, by
+    `changed`, in its provenance. docs/reference/thresholds.md lists them.
     """
+
+    @property
+    def changed(self) -> str:
+        """The thresholds that are not as usual, such as ``"misfit = 0.2"``, with their units; empty where all are."""
+        changed = [(option, getattr(self, option.name)) for option in options_of(type(self))]
+        return ", ".join(f"{o.name} = {value:g} {o.unit}".rstrip() for o, value in changed if value != o.default)
 
 
 @dataclass(frozen=True)

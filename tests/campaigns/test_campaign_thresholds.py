@@ -58,7 +58,8 @@ def test_a_campaign_is_judged_by_the_thresholds_that_it_is_given(tmp_path: Path)
         with simulated(faults=["drifting-cell=5@2s"]) as rig:
             [record] = perform(campaign, rig, tmp_path / f"marked {marked}", thresholds=thresholds)
         assert bool(record.marks) is marked
-        assert ("thresholds" in record.provenance) is not marked
+        changed = "" if marked else "rest_drift = 1000 N, cycle_drift = 1000 N, pass_shift = 1000 N"
+        assert record.provenance.get("thresholds", "") == changed
 
 
 def test_no_test_begins_after_a_stroke_that_the_threshold_does_not_allow(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from dampyr.identification import fit, identifiability
 from dampyr.identification.fit_thresholds import FitThresholds
 from dampyr.identification.fits.motion_coverage import list_motions_beyond
 from dampyr.models import Damper
+from dampyr.records import RecordThresholds
 
 DAHL = Damper("dahl", {"kx": 1500.0, "kw": 100.0, "rho": 400.0})
 
@@ -36,6 +37,18 @@ def test_a_changed_threshold_changes_the_verdict_and_no_number(records):
     assert any("does not describe" in words for words in said(strict))
     assert strict.damper is not None
     assert any("does not describe" in finding.words for finding in strict.damper.findings)
+    assert lax.damper is not None
+    assert lax.damper.provenance["thresholds"] == "good_misfit = 0.9, misfit = 0.95"
+    assert usual.damper is not None
+    assert "thresholds" not in usual.damper.provenance
+
+
+def test_thresholds_of_records_are_stated_by_what_is_fitted_to_them(records, tmp_path):
+    long = [record.replace(note="a bridge", thresholds=RecordThresholds(unlikely_stroke=4.0)) for record in records]
+    damper = fit(long, "dahl").damper
+    assert damper is not None
+    card = Damper.load(damper.save(tmp_path / "card.toml"))
+    assert card.provenance["thresholds"] == "unlikely_stroke = 4 m"
 
 
 def test_residuals_and_what_is_said_of_single_records_follow_the_thresholds(records):

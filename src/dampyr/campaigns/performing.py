@@ -151,8 +151,8 @@ def perform(
                     warnings.warn(f"{folder}: {lost}", DampyrWarning, stacklevel=2)
                 run.restore_temperature()
                 run.provenance = _note_changed_settings(journal, rig)
-                if run.thresholds != USUAL:
-                    run.provenance |= {"thresholds": as_json(run.thresholds)}
+                if changed := run.thresholds.changed:
+                    run.provenance |= {"thresholds": changed}
                 run.perform()
             tests = entries_with_files(journal.tests(), folder)
     if lost := describe_lost(tests):

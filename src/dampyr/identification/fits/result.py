@@ -275,7 +275,7 @@ def build_fit(
     stderr = _label_errors(labels, uncertainties.covariance, outcome.at_limit)
     few = zip(labels, uncertainties.within, uncertainties.records, strict=True)
     within = {label: int(count) for label, cycles_only, count in few if cycles_only and np.isfinite(stderr[label])}
-    damper, trouble = _make_damper(optimum, uncertainties, records, options.bandwidth, tuple(within))
+    damper, trouble = _make_damper(optimum, uncertainties, records, options, tuple(within))
     levels = None
     if damper is not None and all(np.all(np.isfinite(force)) for force in optimum.forces):
         levels, error = estimate_levels(optimum, uncertainties, records, options.session_prior)
@@ -369,7 +369,7 @@ def _make_damper(
     optimum: Optimum,
     uncertainty: Uncertainty,
     records: tuple[Record, ...],
-    bandwidth: float | None,
+    options: FitOptions,
     within: tuple[str, ...],
 ) -> tuple[Damper | None, str]:
     """The damper that the coefficients make, or None and why they make none."""
@@ -386,9 +386,9 @@ def _make_damper(
             input=problem.pieces[0].unit,
             ranges=_measure_ranges(records, problem.pieces),
             covariance=mapped_covariance(optimum.law_matrix, uncertainty.covariance),
-            bandwidth=bandwidth,
+            bandwidth=options.bandwidth,
             within_records=within,
-            provenance=_state_provenance(records),
+            provenance=_state_provenance(records, options.thresholds),
             origin=combined(record.origin for record in records),
         )
     except InputError as problem_:
@@ -414,11 +414,13 @@ def _measure_ranges(records: tuple[Record, ...], pieces: list[Piece]) -> dict[st
     return ranges
 
 
-def _state_provenance(records: tuple[Record, ...]) -> dict[str, str]:
+def _state_provenance(records: tuple[Record, ...], thresholds: FitThresholds) -> dict[str, str]:
     names, origins = [r.name for r in records], Counter(r.origin.kind for r in records)
+    unusual = dict.fromkeys([thresholds.changed, *(record.thresholds.changed for record in records)])
     shown = ", ".join(names) if len(names) <= 50 else f"{len(names)} records"
     return {
         "method": "least squares over whole records (dampyr.identification.fit)",
         "records": shown,
         **({"origins": ", ".join(f"{count} {kind}" for kind, count in origins.items())} if len(origins) > 1 else {}),
+        **({"thresholds": "; ".join(filter(None, unusual))} if any(unusual) else {}),
     }
