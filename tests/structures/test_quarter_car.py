@@ -81,3 +81,15 @@ def test_golden_car_has_the_frequencies_of_its_ratios():
 def test_wrong_cars_and_roads_are_refused(make, message):
     with pytest.raises(InputError, match=message):
         make()
+
+
+def test_numbers_may_be_texts_with_units() -> None:
+    car = quarter_car("0.4 t", 60.0, suspension="25 N/mm", tyre="260 kN/m", damping="1.5 kN s/m")
+    numbers = quarter_car(400.0, 60.0, suspension=25e3, tyre=260e3, damping=1500.0)
+    assert np.array_equal(car.M, numbers.M)
+    assert np.array_equal(car.K, numbers.K)
+    assert np.array_equal(car.C, numbers.C)
+    bump = road(["0 mm", "10 mm", "0 mm"], "0.1 m", "36 km/h")
+    assert np.array_equal(bump.acceleration, road([0.0, 0.01, 0.0], 0.1, 10.0).acceleration)
+    with pytest.raises(InputError, match="tyre: the unit 'kg' does not measure what 'N/m' measures"):
+        quarter_car(400.0, 60.0, suspension=25e3, tyre="5 kg")

@@ -85,3 +85,5 @@ def test_numbers_may_be_texts_with_units() -> None:
     assert np.array_equal(texts.C, numbers.C)
     with pytest.raises(InputError, match=r"^masses: the unit 'm' does not measure what 'kg' measures"):
         shear_building(["0.4 m"], ["500 kN/m"], damping_ratio=0.02)
+    tower = single_mass("20 t", frequency="1.5 Hz", damping_ratio=0.05)
+    assert np.array_equal(tower.K, single_mass(2e4, frequency=1.5, damping_ratio=0.05).K)

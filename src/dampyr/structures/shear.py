@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -54,13 +55,12 @@ def shear_building(
     >>> building.frequencies.round(2)
     array([3.56, 8.72])
     """
-    mass = _positive("masses", in_si(masses, "kg", "masses"))
-    spring = _positive("stiffnesses", in_si(stiffnesses, "N/m", "stiffnesses"))
+    mass, spring = _positive("masses", masses, "kg"), _positive("stiffnesses", stiffnesses, "N/m")
     if len(mass) != len(spring):
         raise InputError(f"{len(mass)} masses and {len(spring)} stiffnesses do not match; give one of each per storey")
     M, K = np.diag(mass), _storeys(spring)
     if damping_ratio is None and dashpots is not None:
-        return Building(M, _storeys(_dashpots(in_si(dashpots, "N s/m", "dashpots"), len(mass))), K, name)
+        return Building(M, _storeys(_dashpots(dashpots, len(mass))), K, name)
     if damping_ratio is None or dashpots is not None:
         raise InputError("a shear building takes either damping_ratio= or dashpots=; give one of the two")
     if method not in ("rayleigh", "modal"):
@@ -81,9 +81,9 @@ def single_mass(
     Parameters
     ----------
     mass
-        kg, greater than 0.
+        kg, or a quantity such as ``"1 t"``, greater than 0.
     frequency, stiffness
-        The natural frequency in Hz, or the stiffness in N/m. Give one of the two.
+        The natural frequency in Hz, or the stiffness in N/m; either may be a quantity. Give one of the two.
     damping_ratio
         Of critical, from 0 to below 1 (0.05 is 5 %); by default none.
     name
@@ -104,13 +104,13 @@ def single_mass(
     if (frequency is None) == (stiffness is None):
         raise InputError("a single mass takes either frequency= in Hz or stiffness= in N/m; give one of the two")
     if stiffness is None:
-        omega = 2 * np.pi * _positive("frequency", frequency)  # type: ignore[arg-type]
-        stiffness = float(_positive("mass", mass)[0] * omega[0] ** 2)
+        omega = 2 * np.pi * _positive("frequency", frequency, "Hz")
+        stiffness = float(_positive("mass", mass, "kg")[0] * omega[0] ** 2)
     return shear_building([mass], [stiffness], damping_ratio=damping_ratio, name=name)
 
 
 def _dashpots(values: ArrayLike, count: int) -> Array:
-    dashpots = np.asarray(values, dtype=float)
+    dashpots = np.asarray(in_si(values, "N s/m", "dashpots"), dtype=float)
     if dashpots.shape != (count,) or not np.all(np.isfinite(dashpots)) or dashpots.min() < 0:
         raise InputError(
             f"dashpots = {dashpots.tolist()} must be {count} finite numbers of at least 0 N s/m, one per storey"
@@ -125,8 +125,9 @@ def _storeys(values: Array) -> Array:
     return drift.T @ np.diag(values) @ drift
 
 
-def _positive(name: str, values: ArrayLike) -> Array:
-    array = np.atleast_1d(np.asarray(values, dtype=float))
+def _positive(name: str, values: Any, unit: str) -> Array:
+    """Numbers in SI of what a caller gave, each greater than 0."""
+    array = np.atleast_1d(np.asarray(in_si(values, unit, name), dtype=float))
     if array.ndim != 1 or not len(array) or not np.all(np.isfinite(array)) or array.min() <= 0:
         raise InputError(f"{name} = {array.tolist()} must be a list of finite numbers greater than 0, one per storey")
     return array

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.structures.building import Building
+from dampyr.units import in_si
 
 
 def quarter_car(
@@ -63,6 +64,9 @@ def quarter_car(
     >>> car.floors, car.frequencies.round(2)
     (('unsprung', 'sprung'), array([ 1.2 , 10.98]))
     """
+    sprung, unsprung = in_si(sprung, "kg", "sprung"), in_si(unsprung, "kg", "unsprung")
+    suspension, tyre = in_si(suspension, "N/m", "suspension"), in_si(tyre, "N/m", "tyre")
+    damping, tyre_damping = in_si(damping, "N s/m", "damping"), in_si(tyre_damping, "N s/m", "tyre_damping")
     positive = {"sprung": sprung, "unsprung": unsprung, "suspension": suspension, "tyre": tyre}
     for key, value in (positive | {"damping": damping, "tyre_damping": tyre_damping}).items():
         low = "greater than 0" if key in positive else "at least 0"
@@ -110,7 +114,8 @@ def road(height: ArrayLike, spacing: float, speed: float, name: str = "road") ->
     """
     from scipy.interpolate import CubicSpline
 
-    y = np.asarray(height, dtype=float)
+    y = np.asarray(in_si(height, "m", "height"), dtype=float)
+    spacing, speed = in_si(spacing, "m", "spacing"), in_si(speed, "m/s", "speed")
     if y.ndim != 1 or len(y) < 3 or not np.all(np.isfinite(y)):
         raise InputError(f"height has shape {y.shape}; it must be one row of at least 3 finite numbers in m")
     for key, value in (("spacing", spacing), ("speed", speed)):
