@@ -17,7 +17,7 @@ Each message is one sentence for a person. The command line prints it without a 
 A fit that does not converge is not an error: it is a value with a reason (``fit.converged``, ``fit.reason``).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -69,11 +69,15 @@ class FindingWarning(DampyrWarning):
     """Something to look at, which is among the ``findings`` of the result, too."""
 
 
+def did_you_mean(name: str, available: Iterable[str]) -> str:
+    """The question after the nearest name, with a space behind it; empty where none is near."""
+    close = get_close_matches(name, list(available), n=1)
+    return f"did you mean {close[0]!r}? " if close else ""
+
+
 def choose_from(name: str, available: Sequence[str]) -> str:
     """The repair for a name that is not known: the nearest one, and all that there are."""
-    close = get_close_matches(name, available, n=1)
-    hint = f"did you mean {close[0]!r}? " if close else ""
-    return f"{hint}choose from {', '.join(available)}"
+    return f"{did_you_mean(name, available)}choose from {', '.join(available)}"
 
 
 def one_line(problem: BaseException) -> str:

@@ -7,13 +7,12 @@ sets, by the command line and by the console; where it has ``STRUCTURES``, funct
 from __future__ import annotations
 
 from collections.abc import Callable
-from difflib import get_close_matches
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
 from dampyr import registry
-from dampyr.errors import MissingData
+from dampyr.errors import MissingData, did_you_mean
 
 if TYPE_CHECKING:
     from dampyr.models import Damper
@@ -71,8 +70,7 @@ def load_structure(name: str | Path) -> Building:
     published = _structures()
     if str(name) in published:
         return published[str(name)]()
-    close = get_close_matches(str(name), published, n=1)
-    hint = f"did you mean {close[0]!r}? " if close else ""
+    hint = did_you_mean(str(name), published)
     raise MissingData(
         f"{name}: there is no such file, and no published structure of this name; {hint}published are "
         f"{', '.join(sorted(published))}; docs/how-to/your-own-structure.md says how a file is written"

@@ -19,11 +19,10 @@ of its own in tables ``sets``.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from difflib import get_close_matches
 from functools import lru_cache, partial
 from pathlib import Path
 
-from dampyr.errors import InputError, MissingData
+from dampyr.errors import InputError, MissingData, choose_from, did_you_mean
 from dampyr.models.damper import Damper
 from dampyr.models.published._about import About, read_sets
 
@@ -44,9 +43,7 @@ def available_sets() -> list[str]:
 def about(name: str) -> About:
     """Where the set called ``name`` comes from; :class:`~dampyr.errors.InputError` lists the names if there is none."""
     if name not in _sets():
-        close = get_close_matches(name, available_sets(), n=1)
-        hint = f"did you mean {close[0]!r}? " if close else ""
-        raise InputError(f"{name!r} is not among the published sets; {hint}choose from {', '.join(available_sets())}")
+        raise InputError(f"{name!r} is not among the published sets; {choose_from(name, available_sets())}")
     return _sets()[name]
 
 
@@ -85,8 +82,7 @@ def card_or_published(
     files = sorted(file.name for file in path.parent.glob("*.toml")) if path.parent.is_dir() else []
     more = f" and {len(files) - MAX_FILES} more" if len(files) > MAX_FILES else ""
     there = f"{', '.join(files[:MAX_FILES])}{more}" if files else "no .toml file"
-    close = get_close_matches(str(name), [*published, *files], n=1)
-    hint = f"did you mean {close[0]!r}? " if close else ""
+    hint = did_you_mean(str(name), [*published, *files])
     raise MissingData(
         f"{path}: there is no such card, and no published damper of this name; {hint}in {path.parent} there is {there}, "
         f"published are {', '.join(sorted(published))}; `dampyr identify ... --save CARD` writes a card"

@@ -19,7 +19,6 @@ import hashlib
 import os
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from difflib import get_close_matches
 from functools import lru_cache
 from importlib import resources
 from pathlib import Path
@@ -28,7 +27,7 @@ from urllib.parse import quote
 
 from dampyr.atomic_write import whole_file
 from dampyr.config import fill, load_toml
-from dampyr.errors import FileError, InputError, MissingData, one_line
+from dampyr.errors import FileError, InputError, MissingData, choose_from, one_line
 from dampyr.records.files.folder_metadata import NAME as READING
 from dampyr.records.files.folder_metadata import TABLE
 from dampyr.source_file import SourceFile
@@ -143,9 +142,7 @@ def data_set(name: str) -> DataSet:
     """The data set called ``name``, or an :class:`InputError` that lists what there is."""
     if name in _sets():
         return _sets()[name]
-    close = get_close_matches(name, available_data_sets(), n=1)
-    hint = f"did you mean {close[0]!r}? " if close else ""
-    raise InputError(f"{name!r} is not a data set; {hint}choose from {', '.join(available_data_sets())}")
+    raise InputError(f"{name!r} is not a data set; {choose_from(name, available_data_sets())}")
 
 
 def _table_rows(table: str) -> list[dict[str, str]]:

@@ -47,7 +47,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
-from dampyr.config import parse_toml
+from dampyr.config import load_toml
 from dampyr.errors import FileError, InputError
 from dampyr.records.conditioning.moving_average import KEYS as WINDOW_KEYS
 from dampyr.records.conditioning.moving_average import Declaration
@@ -182,12 +182,7 @@ def reading_of(folder: Path) -> FolderReading:
     path = folder / NAME
     if not path.is_file():
         return FolderReading(path, PatternSection(path, (), {}))
-    try:
-        settings = parse_toml(path.read_text("utf-8"))
-    except InputError as problem:
-        raise FileError(path, f"is not valid TOML: {problem}") from None
-    except UnicodeDecodeError as problem:
-        raise FileError(path, f"is not valid TOML ({problem}); save it as UTF-8 text") from None
+    settings = load_toml(path)
     _check_keys(path, settings, (*KEYS, "validation", "ignore", "files"), "")
     tables = settings.get("files", [])
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
