@@ -27,6 +27,7 @@ import citations
 import click
 from page_notebook import notebook
 
+import dampyr as dp
 from dampyr import registry
 from dampyr.cli import cli
 from dampyr.cli._examples import examples_of
@@ -417,8 +418,8 @@ def option_sections() -> str:
 
 def threshold_sections() -> str:
     """Each class of judgements, and its fields."""
-    packages = [import_module(f"dampyr.{name}") for name in ("campaigns", "identification", "records")]
-    offered = [getattr(package, name) for package in packages for name in package.__all__]
+    packages = [import_module(f"dampyr.{name}") for name in sorted(dp._PACKAGES)]
+    offered = [getattr(package, name) for package in packages for name in getattr(package, "__all__", ())]
     classes = [cls for cls in offered if inspect.isclass(cls) and issubclass(cls, Thresholds)]
     return "\n".join(map(threshold_section, classes))
 

@@ -36,7 +36,7 @@ import citations
 from sphinx.cmd.build import main as run_sphinx
 
 from dampyr import registry
-from dampyr.options import Options, options_of
+from dampyr.options import Options, Thresholds
 from dampyr.shown import Shown
 
 CHECKOUT = Path(__file__).resolve().parents[1]
@@ -273,8 +273,10 @@ def defined(module: ModuleType) -> list[str]:
 def described(owner: ModuleType, name: str) -> list[str]:
     """The directive that documents one name."""
     value: Any = getattr(owner, name)
-    if inspect.isclass(value) and issubclass(value, Options):
-        return [f".. autoclass:: {name}(**options)", "   :no-members:", "", *option_table(value), ""]
+    if inspect.isclass(value) and issubclass(value, Options):  # its fields are on the page of all of them
+        page = "thresholds" if issubclass(value, Thresholds) else "options"
+        words = f"   The fields, each with its unit and range: :doc:`{page} <../{page}>`."
+        return [f".. autoclass:: {name}(**{page})", "   :no-members:", "", words, ""]
     if inspect.isclass(value):
         call = "()" if getattr(value, "_is_protocol", False) else ""  # nobody calls a protocol
         if any("Annotated[" in str(hint) for hint in vars(value).get("__annotations__", {}).values()):
@@ -286,24 +288,6 @@ def described(owner: ModuleType, name: str) -> list[str]:
         return [f":doc:`{value.__name__}`: {registry.summary(value)}.", ""]
     words = citations.linked_in_rst(words_below(owner, name), citations.FROM_A_PACKAGE)
     return [f".. py:data:: {name}", "", *(f"   {line}" for line in words.splitlines()), ""]
-
-
-def option_table(cls: type[Options]) -> list[str]:
-    """The fields of a class of options or thresholds by their words, and what may be given."""
-    rows = [["field", "default", "value", "what"]]
-    rows += [
-        [f"``{o.name}``", escaped(str(o.default)), escaped(o.values(si=True)), escaped(o.words)]
-        for o in options_of(cls)
-    ]
-    lines = [".. list-table::", "   :header-rows: 1", ""]
-    for first, *others in rows:
-        lines += [f"   * - {first}", *(f"     - {cell}" for cell in others)]
-    return lines
-
-
-def escaped(text: str) -> str:
-    """A text in which reStructuredText sees no marks of its own."""
-    return re.sub(r"([\\*`|_])", r"\\\1", text)
 
 
 def words_below(owner: ModuleType, name: str) -> str:

@@ -49,7 +49,7 @@ def process(app: Any, what: str, name: str, value: Any, options: Any, lines: lis
     new = list(with_definitions(text.splitlines()))
     if what == "class" and is_dataclass(value):
         documented = {key for line in new if line.startswith("**") for key in re.findall(r"\w+", line)}
-        listed = [] if issubclass(value, Options) else commented_fields(value)  # the site has a table of options
+        listed = [] if issubclass(value, Options) else commented_fields(value)  # the reference lists them
         fields = [field for field in listed if field[0] not in documented]
         new += ["", *([".. rubric:: Fields", ""] if fields else [])]
         new += [line for field in fields for line in defined(*field)] + [""]

@@ -79,6 +79,7 @@ CALLS: dict[str, tuple[Callable[[], Any], str]] = {
     "respond swapped": (lambda: S.respond(MOTION, BUILDING), r"swapped; write respond\(building, motion\)"),
     "respond to a file": (lambda: S.respond(BUILDING, "elcentro.dat"), "motion is the text 'elcentro.dat'"),
     "ensemble of arrays": (lambda: S.ensemble(BUILDING, np.zeros(9)), "motions"),
+    "a page of another choice": (lambda: dp.show.write_page(MOTION, "x.html", title=""), "no such choice; it has damp"),
     "export swapped": (lambda: dp.export.export("c", damper(), "out"), r"swapped; write export\(damper, to\)"),
     "export of a card's name": (lambda: dp.export.export("card.toml", "c", "out"), "damper is the text 'card.toml'"),
 }  # fmt: skip

@@ -55,8 +55,8 @@ class Damper(Shown):
         returns them: ``[Dahl(kx=800.0, kw=50.0, rho=900.0), Spring(k0=200.0)]``; their numbers are constant laws.
     laws
         one law per parameter that no part object has, by its name (``"kx"``, or ``"dahl.kx"`` where several parts have one of
-        that name), in SI units over the input; a number means a constant. A damper of numbers alone holds at every input and
-        needs none.
+        that name), in SI units over the input; a number means a constant, values at inputs such as
+        ``{0.0: 900.0, 2.0: 3000.0}`` an `Interpolation`. A damper of numbers alone holds at every input and needs none.
     input
         ``"V"``: the voltage at the coil, or ``"A"``: its current.
     ranges
@@ -95,7 +95,7 @@ class Damper(Shown):
     """
 
     parts: str | Sequence[Any]
-    laws: Mapping[str, Law | float] = field(default_factory=dict)
+    laws: Mapping[str, Law | float | Mapping[float, float]] = field(default_factory=dict)
     input: str = "V"
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     covariance: Array | None = None

@@ -72,12 +72,12 @@ class Validated(Shown):
         """That of the damper and the records together."""
         return combined([self.damper.origin, *(record.origin for record in self.records)])
 
-    def measured_and_predicted(self, record: str) -> tuple[Record, Array]:
-        """A record by its name and the force N that is predicted for it, with the record's offset."""
-        names = [listed.name for listed in self.records]
-        if record not in names:
-            raise InputError(f"{record!r} is not among the records; choose from {listing(names, 8)}")
-        return self.records[names.index(record)], self.forces[record] + self.scores[record].offset
+    def measured_and_predicted(self, record: str | Record) -> tuple[Record, Array]:
+        """A record, or the one of that name, and the force N that is predicted for it, with the record's offset."""
+        names, name = [listed.name for listed in self.records], record if isinstance(record, str) else record.name
+        if name not in names:
+            raise InputError(f"{name!r} is not among the records; choose from {listing(names, 8)}")
+        return self.records[names.index(name)], self.forces[name] + self.scores[name].offset
 
     @property
     def relevelled_l1(self) -> float:

@@ -11,6 +11,7 @@ from dampyr.findings import as_dicts
 from dampyr.identification.scoring.prediction_band import Band
 from dampyr.identification.scoring.validate import Validated
 from dampyr.phrases import counted, percent, sentence
+from dampyr.records import Record
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
 from dampyr.show.figures.history import history
@@ -175,18 +176,21 @@ def _columns(validated: Validated) -> DataFrameColumns:
 
 @dataclass(frozen=True)
 class ValidatedPlots(Plots):
-    """``validated.plot.history(name)``, ``.loops(name)`` and ``.scores()``, which is what ``validated.plot()`` draws."""
+    """``validated.plot.history(record)``, ``.loops(record)`` and ``.scores()``, which is what ``validated.plot()`` draws.
+
+    ``record`` is one of the records, or its name.
+    """
 
     result: Validated
 
-    def history(self, record: str) -> Any:
+    def history(self, record: str | Record) -> Any:
         """Measured and predicted force over time, the record's offset taken, and the residual below."""
         measured, predicted = self.result.measured_and_predicted(record)
         drawn, origin = (measured.time, measured.force, predicted), self.result.origin
         named = {"name": "predicted", "title": measured.name, "record_origin": measured.origin}
         return style.in_pyplot(history, *drawn, **named, origin=origin)
 
-    def loops(self, record: str) -> Any:
+    def loops(self, record: str | Record) -> Any:
         """Measured and predicted force over displacement, and over velocity where the record has it."""
         measured, predicted = self.result.measured_and_predicted(record)
         drawn = measured.displacement, measured.velocity, measured.force, {"predicted": predicted}

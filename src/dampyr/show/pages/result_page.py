@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -57,4 +58,11 @@ def write_page(result: Any, path: str | Path, **choices: Any) -> Path:
             f"write_page: {type(result).__name__} has no page; give one of {', '.join(PAGES)}, or the text that page() makes"
         )
     html = import_module(f"dampyr.show.pages.{PAGES[names[0]]}").html
+    offered = [name for name in list(signature(html).parameters)[1:] if name != "call"]
+    for name in choices:
+        if name not in offered:
+            raise InputError(
+                f"write_page(..., {name}=): the page of {names[0]} has no such choice; "
+                + (f"it has {', '.join(offered)}" if offered else "leave it out")
+            )
     return write_html(path, html(result, call=f"dampyr.show.write_page(result, {Path(path).name!r})", **choices))
