@@ -108,7 +108,8 @@ class Record(Shown):
     source_file
         The name and the SHA-256 of the file that it was read from, or None; reports list them.
     thresholds
-        From when on what it shows is a finding (`dampyr.records.RecordThresholds`). No file keeps them.
+        From when on what it shows is a finding (`dampyr.records.RecordThresholds`). No file of a record keeps them; a fit and
+        its card state those that are not as usual.
 
     Raises
     ------

@@ -86,7 +86,7 @@ class RecordPlots(Plots):
         )
 
     def loops(self) -> Any:
-        """Force over displacement, and over velocity where the record has it or its motion gives it."""
+        """Force over displacement, and over velocity where the record has one; `dampyr.records.with_velocity` derives one."""
         r = self.result
         return style.in_pyplot(loops, r.displacement, r.velocity, r.force, title=r.name, origin=r.origin)
 
