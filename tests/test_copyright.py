@@ -1,10 +1,11 @@
 """The check of copyright notices refuses those of others, wherever they stand."""
 
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+
+from tests.interpreters import run_file
 
 CHECKOUT = Path(__file__).parent.parent
 TOOL = CHECKOUT / "tools" / "check_copyright.py"
@@ -12,7 +13,7 @@ WORD, SIGN, YEAR = "Copy" + "right", "\N{COPYRIGHT SIGN}", "20" + "24"  # in par
 
 
 def check(root: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, str(TOOL), "--root", str(root)], capture_output=True, text=True)
+    return run_file(TOOL, "--root", root)
 
 
 def test_this_checkout_has_no_notice_of_others() -> None:

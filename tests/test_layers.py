@@ -2,10 +2,11 @@
 
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+
+from tests.interpreters import run_text
 
 ROOT = Path(__file__).resolve().parents[1]
 LINT = "from importlinter.cli import lint_imports; import sys; sys.exit(lint_imports(no_cache=True))"
@@ -14,7 +15,7 @@ LINT = "from importlinter.cli import lint_imports; import sys; sys.exit(lint_imp
 def lint(root: Path) -> subprocess.CompletedProcess[str]:
     """Check the contracts of ``root/pyproject.toml`` on the sources in ``root/src``."""
     code = f"import sys; sys.path.insert(0, {str(root / 'src')!r}); {LINT}"
-    return subprocess.run([sys.executable, "-c", code], cwd=root, capture_output=True, text=True, check=False)
+    return run_text(code, folder=root)
 
 
 @pytest.fixture

@@ -4,12 +4,11 @@ What is loaded is asserted, not how long it takes: a list of modules is the same
 """
 
 import json
-import subprocess
-import sys
 
 import pytest
 
 import dampyr
+from tests.interpreters import run_text
 
 HEAVY = {"numpy", "scipy", "xarray", "matplotlib", "pint", "numba", "h5py", "pandas", "pooch", "jinja2"}
 PACKAGES = [
@@ -29,7 +28,8 @@ PACKAGES = [
 def loaded_by(statement: str) -> set[str]:
     """The modules that a fresh interpreter holds after ``statement``."""
     code = f"{statement}\nimport sys, json; print(json.dumps(sorted(sys.modules)))"
-    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    run = run_text(code, loaded=())
+    assert run.returncode == 0, run.stderr
     return set(json.loads(run.stdout.splitlines()[-1]))
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
@@ -14,6 +13,7 @@ import pytest
 
 from dampyr import records
 from dampyr.models import Damper, Polynomial
+from tests.interpreters import run_text
 
 ROOT = Path(__file__).resolve().parents[1]
 EXTRAS = [
@@ -71,8 +71,8 @@ def run(folder: Path, names: list[str], text: str) -> subprocess.CompletedProces
     blocked.mkdir(exist_ok=True)
     (blocked / "sitecustomize.py").write_text(WITHOUT.format(names=names))
     path = os.pathsep.join([str(blocked), os.environ.get("PYTHONPATH", "")]).rstrip(os.pathsep)
-    command, environment = [sys.executable, "-c", text], {**os.environ, "PYTHONPATH": path}
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, env=environment)
+    text = f"{WITHOUT.format(names=names)}{text}"  # the processes that it starts find the same in their sitecustomize
+    return run_text(text, folder=folder, environment={**os.environ, "PYTHONPATH": path})
 
 
 @pytest.mark.parametrize(("extra", "names", "words"), BY_COMMAND)
@@ -99,7 +99,8 @@ def test_a_call_says_it_in_one_line(folder: Path, extra: str, names: list[str], 
 
 def test_the_doctor_lists_every_extra() -> None:
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
-    done = subprocess.run([sys.executable, "-m", "dampyr", "doctor"], capture_output=True, text=True, check=True)
+    done = run_text(COMMAND.format(words=["doctor"]))
+    assert done.returncode == 0, done.stderr
     assert not [extra for extra in extras if f"extra {extra}" not in done.stdout]
     [line] = [line for line in done.stdout.splitlines() if "extra interop" in line]
     assert "nptdms, openpyxl" in line.lower() or 'pip install "dampyr[interop]"' in line

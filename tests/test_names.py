@@ -1,16 +1,17 @@
 """The check of names refuses what it is there to refuse."""
 
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+
+from tests.interpreters import run_file
 
 TOOL = Path(__file__).parent.parent / "tools" / "check_names.py"
 
 
 def check(root: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, str(TOOL), "--root", str(root)], capture_output=True, text=True)
+    return run_file(TOOL, "--root", root)
 
 
 @pytest.mark.parametrize(

@@ -15,9 +15,11 @@ from packaging.version import Version
 
 import dampyr
 from dampyr.cli import cli
+from tests.interpreters import run_text
 
 ROOT = Path(__file__).resolve().parents[1]
 NOT_SHIPPED = {".gitignore"}
+DAMPYR = "from dampyr.cli import main\nmain()"
 
 
 def tracked(folder: str) -> set[str]:
@@ -122,16 +124,11 @@ def test_the_shell_completes_commands_and_options(shell: str, words: str, at: in
         "COMP_CWORD": last if shell == "fish" else str(at),
         "_DAMPYR_COMPLETE": f"{shell}_complete",
     }
-    done = subprocess.run(
-        [sys.executable, "-m", "dampyr"], env=os.environ | asks, capture_output=True, text=True, check=True
-    )
+    done = run_text(DAMPYR, ("dampyr",), environment=os.environ | asks)
     assert expected in done.stdout
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_the_shell_gets_its_script(shell: str) -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "dampyr"], env=os.environ | {"_DAMPYR_COMPLETE": f"{shell}_source"},
-        capture_output=True, text=True, check=True,
-    )  # fmt: skip
+    done = run_text(DAMPYR, ("dampyr",), environment=os.environ | {"_DAMPYR_COMPLETE": f"{shell}_source"})
     assert "_DAMPYR_COMPLETE" in done.stdout

@@ -95,9 +95,21 @@ def test_it_says_what_it_is(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", available_steps())
-@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=5, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_what_passes_the_check_stays_within_the_limits(name: str, data: st.DataObject) -> None:
+    stays_within_the_limits_if_it_passes_the_check(name, data)
+
+
+@pytest.mark.prove
+@pytest.mark.parametrize("name", available_steps())
+@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+@given(data=st.data())
+def test_what_passes_the_check_stays_within_the_limits_in_many_draws(name: str, data: st.DataObject) -> None:
+    stays_within_the_limits_if_it_passes_the_check(name, data)
+
+
+def stays_within_the_limits_if_it_passes_the_check(name: str, data: st.DataObject) -> None:
     """By the definition of each limit, computed here from the set points alone."""
     step = drawn(name, data)
     if step is None or violations_of(step, RIG, DAMPER):

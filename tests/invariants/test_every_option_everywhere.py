@@ -83,7 +83,14 @@ IDS = [f"{cls.__name__}.{option.name}" for cls, option in fields()]
 
 
 @pytest.mark.parametrize(("cls", "option"), fields(), ids=IDS)
-def test_an_option_is_in_the_call(cls: type[Options], option: Option) -> None:
+def test_an_option_is_everywhere(cls: type[Options], option: Option) -> None:
+    it_is_in_the_call(cls, option)
+    it_is_in_the_terminal_and_in_the_equivalent_command(cls, option)
+    it_is_in_the_request_and_the_form_of_the_console(cls, option)
+    it_is_on_the_reference_page(cls, option)
+
+
+def it_is_in_the_call(cls: type[Options], option: Option) -> None:
     """Its keyword argument is in the signature and in the docstring of every call that takes the class."""
     calls = [
         call for call in public_calls() if cls.__name__ in str(inspect.signature(call).parameters.get("options", ""))
@@ -108,8 +115,7 @@ def public_calls() -> list[Any]:
     return [each for m in modules for name in m.__all__ if inspect.isfunction(each := getattr(m, name))]
 
 
-@pytest.mark.parametrize(("cls", "option"), fields(), ids=IDS)
-def test_an_option_is_in_the_terminal_and_in_the_equivalent_command(cls: type[Options], option: Option) -> None:
+def it_is_in_the_terminal_and_in_the_equivalent_command(cls: type[Options], option: Option) -> None:
     """The words that the equivalent command has for a value are read as that value."""
     members = [command for _, command in commands() if cls in command.classes.values()]
     takers = [command for command in members if option in command.options_of(cls)]
@@ -141,8 +147,7 @@ def requests() -> dict[type[Options], Any]:
     return {each.OPTIONS: each for each in below(OptionsRequest) if "OPTIONS" in dir(each)}
 
 
-@pytest.mark.parametrize(("cls", "option"), fields(), ids=IDS)
-def test_an_option_is_in_the_request_and_the_form_of_the_console(cls: type[Options], option: Option) -> None:
+def it_is_in_the_request_and_the_form_of_the_console(cls: type[Options], option: Option) -> None:
     from_console = requests()[cls]
     from dampyr.console.option_schemas import form_of, request_of
 
@@ -157,8 +162,7 @@ def test_an_option_is_in_the_request_and_the_form_of_the_console(cls: type[Optio
     assert control["default"] == option.default
 
 
-@pytest.mark.parametrize(("cls", "option"), fields(), ids=IDS)
-def test_an_option_is_on_the_reference_page(cls: type[Options], option: Option) -> None:
+def it_is_on_the_reference_page(cls: type[Options], option: Option) -> None:
     page = (ROOT / "docs/reference/options.md").read_text("utf-8")
     [section] = [part for part in page.split("\n## ") if part.startswith(f"`{cls.__name__}`")]
     [row] = [line for line in section.splitlines() if line.startswith(f"| `{option.name}` ")]
