@@ -41,6 +41,9 @@ constants without a reason
     Module-level assignments of a number (or of arithmetic on numbers, or of a tuple, list or dictionary of them) that have
     no comment on the line, none in the line above and no docstring after them; comments for tools (``noqa``, ``fmt: skip``)
     give no reason: 178 of 382 [200 of 382].
+modules with a test file
+    Modules whose functions have five lines or more below their ``def`` lines, and how many of these have a file
+    ``test_<name>.py`` anywhere under ``tests/`` (without the leading underscore of a name); those without are listed.
 walks
     A stop is a function of ours that the call enters, a return is going back into a file that was left. Counted so: the
     call is traced (``sys.setprofile``), and of the functions of ``src/dampyr`` that it enters each counts once, where it is
@@ -154,6 +157,7 @@ def measure(root: Path) -> dict[str, Any]:
         "class names more than once": repeated_classes(modules),
         "module names more than once": repeated_names(modules),
         "import circles": import_circles(modules),
+        "modules with a test file": tested_modules(modules, root / "tests"),
         "numeric constants": len(constants),
         "constants without a reason": [place for place, has_reason in constants if not has_reason],
     }
@@ -253,6 +257,20 @@ def repeated_names(modules: Sequence[Module]) -> dict[str, int]:
     """File names that occur more than once, and how often."""
     counts = Counter(module.path.stem for module in modules if not module.path.stem.startswith("__"))
     return {name: count for name, count in sorted(counts.items()) if count > 1}
+
+
+def tested_modules(modules: Sequence[Module], tests: Path) -> dict[str, Any]:
+    """How many modules with behaviour there are, how many have a test file of their name, and the others."""
+    files = {path.stem.removeprefix("test_") for path in tests.rglob("test_*.py")}
+    behaving = [module for module in modules if not module.path.stem.startswith("__") and body_lines(module) >= 5]
+    without = [module.name for module in behaving if module.path.stem.lstrip("_") not in files]
+    return {"of": len(behaving), "with": len(behaving) - len(without), "without": without}
+
+
+def body_lines(module: Module) -> int:
+    """Lines of all functions of a module below their ``def`` lines."""
+    functions = (node for node in ast.walk(module.tree) if isinstance(node, Function))
+    return sum((node.end_lineno or node.lineno) - node.lineno for node in functions)
 
 
 def numeric_constants(module: Module) -> Iterator[tuple[str, bool]]:
@@ -553,6 +571,8 @@ def table(measures: dict[str, Any]) -> str:
             for place, counts in value.items():
                 words = ", ".join(f"{word} {counts.get(word, 0)}" for word in EMPTY_WORDS)
                 lines.append(f"{name}, {place}, per 1,000 lines: {counts['per 1,000 lines']} ({words})")
+        elif name == "modules with a test file":
+            lines.append(f"{name}: {value['with']} of {value['of']} ({value['with'] / value['of']:.0%})")
         elif name == "import circles":
             for when, groups in value.items():
                 text = "; ".join(" <-> ".join(group) for group in groups)
