@@ -21,7 +21,8 @@ help:
 	@echo "make demo    a simulated campaign, from records to a building in an earthquake, as one page in out/demo"
 	@echo "make test    the tests, without the long proofs"
 	@echo "make prove   the long proofs (fixed seeds)"
-	@echo "make endure  long campaigns and the bench in real time, for more than an hour, on a machine with nothing else to do"
+	@echo "make endure  statistics of many repeats and the bench in real time, hours on a machine with nothing else to do;"
+	@echo "             NAME=kills: the tests whose names hold that"
 	@echo "make check   style, types, names, the layers of the packages, and no copyright notice of others"
 	@echo "make quick   the quick part of that: style, names and copyright, some seconds"
 	@echo "make firmware   the Arduino Uno's program, out/firmware/dampyr-uno.hex, with its size (BAUD=115200, DIRECTION_PIN=1)"
@@ -96,7 +97,7 @@ prove: $(READY) compiler firmware-tools octave blas chromium axe
 	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "prove and not by_hand"
 
 endure: $(READY) compiler firmware-tools octave blas chromium axe
-	$(BIN)/python -m pytest --endure -o faulthandler_timeout=0 -m "endure or by_hand"
+	$(BIN)/python -m pytest --endure -o faulthandler_timeout=0 -m "endure or by_hand" $(if $(NAME),-k "$(NAME)")
 
 quick: $(READY)
 	$(BIN)/ruff check .

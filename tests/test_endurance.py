@@ -38,3 +38,10 @@ def test_workers_are_refused() -> None:
     done = subprocess.run(words, capture_output=True, text=True, check=False, cwd=endurance.REPOSITORY)
     assert done.returncode == pytest.ExitCode.USAGE_ERROR
     assert "--endure runs in one process; leave out -n" in done.stderr
+
+
+def test_one_statistic_is_asked_for_by_name() -> None:
+    words = ["make", "--dry-run", "--no-print-directory", "-C", str(endurance.REPOSITORY), "endure"]
+    named = subprocess.run([*words, "NAME=kills"], capture_output=True, text=True, check=True).stdout
+    assert '--endure -o faulthandler_timeout=0 -m "endure or by_hand" -k "kills"' in named
+    assert "-k" not in subprocess.run(words, capture_output=True, text=True, check=True).stdout.splitlines()[-1].split()
