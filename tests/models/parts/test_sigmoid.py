@@ -34,6 +34,7 @@ def test_its_letters_do_not_collide_with_the_motion() -> None:
     assert force[2] == pytest.approx((FT + C * 0.05) * np.tanh((0.05 - VH) / VK), rel=1e-12)
 
 
+@pytest.mark.prove
 def test_a_fit_gives_the_parameters_back() -> None:
     fit_result = fit(sine(damper(), 0.0), "sigmoid")
     assert fit_result.converged, fit_result.reason

@@ -36,6 +36,7 @@ def test_where_no_gas_volume_is_left_there_is_no_number() -> None:
     assert np.isnan(force[2])
 
 
+@pytest.mark.prove
 def test_a_fit_with_a_known_exponent_gives_the_gas_back() -> None:
     truth = damper(300.0, 0.04, 1.3)
     fit_result = fit(sine(truth, 0.0, amplitude=0.02), "gas_spring", fixed={"gas_spring.gamma": 1.3})

@@ -125,6 +125,7 @@ def test_it_is_passive_with_enough_sigma2() -> None:
     assert energy.min() > -1e-6 * energy.max()
 
 
+@pytest.mark.prove
 def test_a_fit_gives_the_parameters_back() -> None:
     truth = damper()
     fit_result = fit(sine(truth, 0.0), "lugre")

@@ -39,6 +39,7 @@ def test_a_fit_gives_the_parameters_back() -> None:
     assert list(fit_result.parameters.values()) == pytest.approx([C0, FC, 0.006], rel=1e-6)
 
 
+@pytest.mark.prove
 def test_the_published_model_is_fitted_by_holding_v0() -> None:
     fit_result = fit(sine(bingham(1e-5), 0.0), "bingham", fixed={"bingham.v0": 1e-5})
     assert [fit_result.parameters["bingham.c0"], fit_result.parameters["bingham.fc"]] == pytest.approx(
