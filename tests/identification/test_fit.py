@@ -95,6 +95,7 @@ def test_a_varying_voltage_gives_a_law_of_what_the_state_remembers() -> None:
     np.testing.assert_allclose(fit_result.damper.coefficients, truth.coefficients, rtol=1e-6)
 
 
+@pytest.mark.prove
 def test_the_first_try_composition_comes_back() -> None:
     laws = {"dahl.kx": 800.0, "dahl.kw": 60.0, "dahl.rho": 900.0, "spring.k0": 1500.0, "delay.tau": 0.0085}
     laws |= {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.ft": 90.0}

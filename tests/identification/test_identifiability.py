@@ -7,7 +7,6 @@ import pytest
 from tests.identification.synthetic import sine
 from tests.identification.test_profile_likelihood import DAMPER, noisy_records
 
-import dampyr as dp
 from dampyr.identification import Fit, fit, identifiability
 from dampyr.identification.parameter_uncertainty.candidate_motions import MotionReach, candidate_motions, measure_reach
 from dampyr.identification.parameter_uncertainty.identifiability import Inseparable
@@ -154,16 +153,20 @@ def test_the_envelope_is_that_of_the_records() -> None:
     assert one.speed == pytest.approx(2 * np.pi * 0.01, rel=0.1)
 
 
-def test_it_stands_in_json_page_and_text(alike: Fit, tmp_path: Path) -> None:
+def test_it_stands_in_json_and_text(alike: Fit) -> None:
     lines = identifiability(alike).lines
     assert len(lines) == len(alike.as_dict()["identifiability"]) >= 3
+
+
+@pytest.mark.prove
+def test_it_stands_in_the_page(alike: Fit, tmp_path: Path) -> None:
     page = write_page(alike, tmp_path / "fit.html").read_text(encoding="utf-8")
     assert "What these records cannot separate" in page
     assert "trade against each other" in page
 
 
-def test_on_the_campaign_it_names_what_is_known_of_it(campaign_folder: Path) -> None:
-    fitted = fit([r for r in dp.records.read_campaign(campaign_folder) if r.role == "fit"], "dahl")
+def test_on_the_campaign_it_names_what_is_known_of_it(published_fit: Fit) -> None:
+    fitted = published_fit
     first = identifiability(fitted)
     pairs = {one.labels: one for one in first.inseparable if one.kind == "pair"}
     one = pairs["dahl.kx @ 3.212 V", "dahl.kw @ 3.212 V"]

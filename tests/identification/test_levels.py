@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from dampyr.errors import InputError
 from dampyr.identification import Fit, ScoreOptions, fit, prediction_band, score, validate
 from dampyr.identification.parameter_uncertainty.levels import PRIOR_SESSION, _estimate_spread
 from dampyr.models import Damper, Interpolation
-from dampyr.records import Record, read_campaign
+from dampyr.records import Record
 from dampyr.show.descriptions import description_of
 
 VOLTS = (0.0, 1.0, 2.0)
@@ -69,8 +68,14 @@ def test_repeated_sessions_give_their_spread(repeated: Fit) -> None:
     assert levels.words in map(str, repeated.findings)
 
 
-def test_a_session_a_voltage_is_said_to_be_unknown() -> None:
-    done = fit(campaign({"Monday": 1.0, "Tuesday": 0.9, "Friday": 1.08}, repeated=False), "dahl")
+@pytest.fixture(scope="module")
+def apart() -> Fit:
+    """Of one session a voltage."""
+    return fit(campaign({"Monday": 1.0, "Tuesday": 0.9, "Friday": 1.08}, repeated=False), "dahl")
+
+
+def test_a_session_a_voltage_is_said_to_be_unknown(apart: Fit) -> None:
+    done = apart
     levels = done.levels
     assert levels is not None
     assert not levels.repeated
@@ -83,7 +88,7 @@ def test_a_session_a_voltage_is_said_to_be_unknown() -> None:
     assert all(level == pytest.approx(1.0, abs=1e-6) for level in levels.level.values())
 
 
-@pytest.mark.parametrize("prior", [0.02, 0.15])
+@pytest.mark.parametrize("prior", [0.02, pytest.param(0.15, marks=pytest.mark.prove)])
 def test_a_card_with_another_prior_is_that_of_a_fit_with_it(prior: float) -> None:
     records = campaign({"Monday": 1.0, "Tuesday": 0.9, "Friday": 1.08}, repeated=False)
     gains = 1.0 + np.random.default_rng(2).normal(0.0, 0.03, len(records))
@@ -114,8 +119,8 @@ def test_a_card_with_another_prior_is_that_of_a_fit_with_it(prior: float) -> Non
     assert line.endswith(f"with a stated prior of {100 * prior:.3g} % between sessions")
 
 
-def test_no_prior_is_stated_where_it_was_estimated_or_cannot_be_known() -> None:
-    estimated = fit(campaign({"Monday": 1.0, "Tuesday": 0.9, "Friday": 1.08}), "dahl").damper
+def test_no_prior_is_stated_where_it_was_estimated_or_cannot_be_known(repeated: Fit) -> None:
+    estimated = repeated.damper
     nothing = fit(campaign({"Monday": 1.0}), "dahl", session_prior=0.0).damper
     assert estimated is not None
     assert nothing is not None
@@ -142,8 +147,8 @@ def test_one_session_for_all_says_so() -> None:
     assert "all records are of one measurement session" in levels.words
 
 
-def test_intervals_between_sessions_widen_what_a_factor_on_the_force_changes() -> None:
-    done = fit(campaign({"Monday": 1.0, "Tuesday": 0.9, "Friday": 1.08}, repeated=False), "dahl")
+def test_intervals_between_sessions_widen_what_a_factor_on_the_force_changes(apart: Fit) -> None:
+    done = apart
     within, between = done.intervals(), done.intervals(between="sessions")
     for label, value in done.parameters.items():
         half = 0.5 * (between[label][1] - between[label][0])
@@ -232,8 +237,8 @@ def test_a_varying_input_counts_at_every_input_that_it_passes() -> None:
     assert levels.session_reml == pytest.approx(0.1, abs=0.05)
 
 
-def test_the_published_campaign_is_told_that_level_and_voltage_cannot_be_told_apart(campaign_folder: Path) -> None:
-    done = fit(read_campaign(campaign_folder), "dahl")
+def test_the_published_campaign_is_told_that_level_and_voltage_cannot_be_told_apart(published_fit: Fit) -> None:
+    done = published_fit
     assert any(
         "level and voltage cannot be told apart" in note and "0.8712 V" in note for note in map(str, done.findings)
     )

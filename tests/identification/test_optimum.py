@@ -57,6 +57,7 @@ def calls(monkeypatch: pytest.MonkeyPatch) -> dict[str, list[int]]:
     return seen
 
 
+@pytest.mark.prove
 def test_a_page_of_a_fit_linearises_nothing_but_the_tests_that_it_proposes(
     tmp_path: Path, calls: dict[str, list[int]]
 ) -> None:
@@ -68,6 +69,17 @@ def test_a_page_of_a_fit_linearises_nothing_but_the_tests_that_it_proposes(
     assert len(calls["products"]) == 1  # the floor: below 10
     assert calls["products"][0] > 100  # all tests that could be proposed, at all voltages, together
     assert len(fitted.records) not in calls["modelled_force"]  # the forces of the fit are those of its optimum
+
+
+def test_what_records_cannot_separate_is_worked_out_with_one_linearisation_of_the_tests(
+    calls: dict[str, list[int]],
+) -> None:
+    fitted = fit(campaign(Damper("dahl", DAHL), noise=20.0), "dahl")
+    for some in calls.values():
+        some.clear()
+    assert identifiability(fitted).inseparable
+    assert len(calls["products"]) <= 1
+    assert len(fitted.records) not in calls["products"] + calls["modelled_force"]
 
 
 def test_a_fit_works_its_forces_and_derivatives_out_once_at_its_end(calls: dict[str, list[int]]) -> None:

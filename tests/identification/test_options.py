@@ -47,7 +47,7 @@ def test_without_outliers_the_losses_agree_within_their_errors(loss: str) -> Non
     assert np.all(np.abs(values(robust) - values(squares)) < 3 * errors)
 
 
-@pytest.mark.parametrize("loss", ["huber", "l1"])
+@pytest.mark.parametrize("loss", ["huber", pytest.param("l1", marks=pytest.mark.prove)])
 def test_the_errors_of_the_robust_losses_are_of_the_right_size(loss: str) -> None:
     numbers, errors, naive = [], [], []
     for seed in range(20):
@@ -74,7 +74,7 @@ def test_l1_minimises_the_sum_of_the_ratios_that_are_scored() -> None:
         return fit_result.parameters.get("dahl.kw", 0.0), total
 
     best, least = ratios(None)
-    grid = np.arange(302.0, 329.0, 2.0)
+    grid = np.arange(303.0, 330.0, 4.0)
     assert abs(grid[np.argmin([ratios(kw)[1] for kw in grid])] - best) <= 3.0
     assert min(ratios(kw)[1] for kw in (best - 4.0, best + 4.0)) > least
 
@@ -219,6 +219,7 @@ TWO_MINIMA = {
 }
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize("model", TWO_MINIMA)
 def test_several_starts_find_the_lower_of_two_minima(model: str) -> None:
     truth = {f"{model}.{name}": value for name, value in TWO_MINIMA[model].items()}

@@ -12,6 +12,7 @@ from tests.identification.test_profile_likelihood import noisy_records
 import dampyr as dp
 from dampyr.errors import InputError
 from dampyr.identification import Fit, fit, profile, sample_posterior
+from dampyr.identification.parameter_uncertainty import posterior
 from dampyr.identification.parameter_uncertainty.posterior import Posterior, split_r_hat
 
 pytest.importorskip("emcee", reason="the extra bayes is not installed: pip install dampyr[bayes]")
@@ -23,9 +24,21 @@ def linear() -> Fit:
     return fit(noisy_records(count=5, seconds=3.0), "dahl", fixed={"dahl.rho": 4000.0}, nuisances=("offset",))
 
 
-@pytest.fixture(scope="module")
-def normal(linear: Fit) -> Posterior:
-    return sample_posterior(linear, tails="normal", lengths=40.0)
+#: of the chains, with what mean and covariance may differ by: four standard errors of about 250 and 600 independent draws
+LENGTHS = [(16.0, 0.25), pytest.param((40.0, 0.15), marks=pytest.mark.prove)]
+
+
+@pytest.fixture(scope="module", params=LENGTHS, ids=["16", "40"])
+def normal(linear: Fit, request: pytest.FixtureRequest) -> tuple[Posterior, float]:
+    lengths, within = request.param
+    return sample_posterior(linear, tails="normal", lengths=lengths), within
+
+
+@pytest.fixture
+def brief(monkeypatch: pytest.MonkeyPatch) -> int:
+    """So few steps that nothing has converged, for what does not depend on it."""
+    monkeypatch.setattr(posterior, "CHUNK", 20)
+    return 20
 
 
 def covariance_of(fitted: Fit) -> np.ndarray:
@@ -42,19 +55,38 @@ def differs_from_normal(samples: Posterior, fitted: Fit) -> float:
     return float(max(means.max(), spreads.max()))
 
 
-def test_of_a_linear_model_it_is_normal_with_the_covariance_of_the_fit(linear: Fit, normal: Posterior) -> None:
-    assert normal.converged, normal.reason
-    assert differs_from_normal(normal, linear) < 0.15  # of about 600 independent draws: four standard errors
-    for label, values in normal.samples.items():
+def test_of_a_linear_model_it_is_normal_with_the_covariance_of_the_fit(
+    linear: Fit, normal: tuple[Posterior, float]
+) -> None:
+    samples, within = normal
+    assert samples.converged, samples.reason
+    assert differs_from_normal(samples, linear) < within
+    for label, values in samples.samples.items():
         every = values[::4]  # nearly independent draws
         assert kstest((every - linear.parameters[label]) / linear.stderr[label], "norm").pvalue > 1e-3
 
 
-def test_a_covariance_that_is_wrong_is_seen(linear: Fit, normal: Posterior) -> None:
+def test_a_covariance_that_is_wrong_is_seen(linear: Fit, normal: tuple[Posterior, float]) -> None:
     wrong = replace(linear, stderr={label: 1.3 * error for label, error in linear.stderr.items()})
-    assert differs_from_normal(normal, wrong) > 0.3
+    assert differs_from_normal(normal[0], wrong) > 0.3
 
 
+@pytest.mark.parametrize("tails", ["t", "normal"])
+def test_its_density_is_that_of_the_tails_in_closed_form(linear: Fit, tails: str) -> None:
+    """Of a linear model: q = d' C^-1 d, the density of Student's t in p dimensions, or the normal one, less that at the top."""
+    [block] = linear.optimum.blocks
+    target = posterior._Target(linear, block, tails, [])
+    precision, freedom = np.linalg.inv(covariance_of(linear)), min(linear.freedom.values())
+    errors = np.array(list(linear.stderr.values()))
+    for d in np.random.default_rng(0).uniform(-3.0, 3.0, (5, errors.size)) * errors:
+        q = d @ precision @ d
+        expected = -0.5 * q if tails == "normal" else -0.5 * (freedom + d.size) * np.log1p(q / freedom)
+        assert target.log_density(target.best + d) - target.log_density(target.best) == pytest.approx(
+            expected, rel=0.01
+        )
+
+
+@pytest.mark.prove
 def test_its_tails_are_those_of_student(linear: Fit) -> None:
     samples = sample_posterior(linear, lengths=30.0, seed=1)
     freedom = min(linear.freedom.values())
@@ -63,19 +95,20 @@ def test_its_tails_are_those_of_student(linear: Fit) -> None:
         assert 0.5 * (high - low) == pytest.approx(reach, rel=0.15)
 
 
-def test_the_same_seed_gives_the_same_samples(linear: Fit) -> None:
-    one, same, other = (sample_posterior(linear, lengths=2.0, steps=100, seed=seed) for seed in (3, 3, 4))
+def test_the_same_seed_gives_the_same_samples(linear: Fit, brief: int) -> None:
+    one, same, other = (sample_posterior(linear, lengths=2.0, steps=brief, seed=seed) for seed in (3, 3, 4))
     assert all(np.array_equal(one.samples[label], same.samples[label]) for label in one.samples)
     assert not np.array_equal(one.samples["dahl.kx"], other.samples["dahl.kx"])
 
 
-def test_chains_that_are_too_short_are_a_value_with_a_reason(linear: Fit) -> None:
-    short = sample_posterior(linear, lengths=500.0, steps=100)
+def test_chains_that_are_too_short_are_a_value_with_a_reason(linear: Fit, brief: int) -> None:
+    short = sample_posterior(linear, lengths=500.0, steps=brief)
     assert not short.converged
-    assert "autocorrelation times long, not 500; give more steps than 100" in short.reason
+    assert "autocorrelation times long, not 500; give more steps than 20" in short.reason
     assert "not converged" in repr(short)
 
 
+@pytest.mark.usefixtures("brief")
 def test_progress_ends_at_one(linear: Fit) -> None:
     shares: list[float] = []
     sample_posterior(linear, lengths=2.0, progress=lambda stage, done: shares.append(done))
@@ -83,9 +116,9 @@ def test_progress_ends_at_one(linear: Fit) -> None:
     assert all(0.0 <= share <= 1.0 for share in shares)
 
 
-def test_its_dampers_are_admissible_and_go_into_an_ensemble() -> None:
+def test_its_dampers_are_admissible_and_go_into_an_ensemble(brief: int) -> None:
     vague = fit(noisy_records(count=4, amplitude=(2e-5, 6e-5), seed=3, seconds=3.0), "dahl")
-    samples = sample_posterior(vague, lengths=2.0, steps=100)
+    samples = sample_posterior(vague, lengths=2.0, steps=brief)
     assert all(np.all(values > 0.0) for values in samples.samples.values())
     dampers = samples.dampers(3, seed=1)
     assert len({damper.values(0.0).tobytes() for damper in dampers}) > 1
@@ -101,18 +134,18 @@ def test_its_dampers_are_admissible_and_go_into_an_ensemble() -> None:
     assert samples.as_dict()["draws"] == samples.size
 
 
-def test_few_records_leave_a_direction_and_a_note() -> None:
+def test_few_records_leave_a_direction_and_a_note(brief: int) -> None:
     three = fit(noisy_records(count=3, seconds=3.0), "dahl")
-    samples = sample_posterior(three, lengths=2.0, steps=100)
+    samples = sample_posterior(three, lengths=2.0, steps=brief)
     assert any(
         "3 records show no variance between them in 1 of 3 directions" in note for note in map(str, samples.findings)
     )
     assert all(np.all(np.isfinite(values)) for values in samples.samples.values())
 
 
-def test_a_number_at_its_limit_is_held() -> None:
+def test_a_number_at_its_limit_is_held(brief: int) -> None:
     limited = fit(noisy_records(count=4, seconds=3.0), "dahl + inertia")
-    samples = sample_posterior(limited, lengths=2.0, steps=100)
+    samples = sample_posterior(limited, lengths=2.0, steps=brief)
     assert samples.held == {"inertia.m": 0.0}
     assert "inertia.m" not in samples.samples
     assert len(samples.dampers(2)) == 2
@@ -130,7 +163,8 @@ def test_a_missing_extra_says_how_to_install_it(linear: Fit, monkeypatch: pytest
         sample_posterior(linear)
 
 
-def test_wrong_calls_say_what_is_wrong(linear: Fit, normal: Posterior) -> None:
+def test_wrong_calls_say_what_is_wrong(linear: Fit, brief: int) -> None:
+    samples = sample_posterior(linear, lengths=2.0, steps=brief)
     for wrong, words in (
         ({"tails": "cauchy"}, "'cauchy'"),
         ({"lengths": 0.0}, "lengths = 0"),
@@ -139,9 +173,9 @@ def test_wrong_calls_say_what_is_wrong(linear: Fit, normal: Posterior) -> None:
         with pytest.raises(InputError, match=words):
             sample_posterior(linear, **wrong)
     with pytest.raises(InputError, match="n = 0"):
-        normal.dampers(0)
+        samples.dampers(0)
     with pytest.raises(InputError, match="level = 2"):
-        normal.intervals(2.0)
+        samples.intervals(2.0)
 
 
 def test_r_hat_sees_walkers_that_stay_apart() -> None:

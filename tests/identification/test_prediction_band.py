@@ -256,6 +256,7 @@ def test_a_motion_that_does_not_repeat_gives_its_level_by_its_first_fifth(fitted
     assert one.relevelled_l1 < 0.01
 
 
+@pytest.mark.prove
 def test_the_published_campaign_beside_its_relevelled_errors(campaign_folder: Path) -> None:
     """Five-fold and leave-voltage errors of Dahl (11.92 and 11.09 % at d63df51, too), and with the level of each
     record's first cycles."""

@@ -3,14 +3,12 @@
 import math
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.signal import lfilter
 from tests.identification.synthetic import sine
 
-import dampyr as dp
 from dampyr.errors import InputError
 from dampyr.identification import Fit, fit, profile
 from dampyr.identification.parameter_uncertainty import profile_likelihood as module
@@ -155,8 +153,10 @@ def test_inverse_of_numbers_with_units_of_their_own() -> None:
     np.testing.assert_allclose(module.scaled_inverse(matrix), expected, rtol=1e-9)
 
 
-def test_on_the_campaign_profiles_agree_with_the_intervals_of_linear_numbers(campaign_folder: Path) -> None:
-    records = [r for r in dp.records.read_campaign(campaign_folder) if r.voltage == 3.212 and r.role == "fit"]
+def test_on_the_campaign_profiles_agree_with_the_intervals_of_linear_numbers(
+    published_fit_records: list[Record],
+) -> None:
+    records = [r for r in published_fit_records if r.voltage == 3.212]
     fitted = fit(records, "dahl")
     for label, interval in fitted.intervals().items():
         one = profile(fitted, label)

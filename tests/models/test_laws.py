@@ -116,7 +116,7 @@ def looked_up(damper: Damper, inputs: np.ndarray) -> np.ndarray:
 
 def test_a_fitted_line_that_ends_at_a_limit_makes_a_damper() -> None:
     rng = np.random.default_rng(0)
-    for k in range(300):
+    for k in range(100):
         low, high = np.sort(rng.uniform(0.0, 3.0, 2))
         ends = (1.0, rng.uniform(1.0, 3.0)) if k % 2 else (rng.uniform(1.0, 3.0), 1.0)
         column = Column("bouc_wen.n", AT_LEAST_ONE, "polynomial", (low, high))

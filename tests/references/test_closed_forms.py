@@ -61,8 +61,14 @@ def test_the_ultimate_state_of_figure_2_2() -> None:
     assert far[-1] == pytest.approx(0.1 * figure.z_max, rel=1e-9)
 
 
-@pytest.mark.parametrize("n", [1.0, 1.3, 2.0, 3.7])
-@pytest.mark.parametrize("sigma", [0.5, 1.0, 1.9, 8.0, 600.0])
+@pytest.mark.parametrize(
+    ("n", "sigma"),
+    [
+        pytest.param(n, sigma, marks=[] if (n, sigma) in ((1.3, 0.5), (2.0, 1.9), (3.7, 8.0)) else [pytest.mark.prove])
+        for n in (1.0, 1.3, 2.0, 3.7)
+        for sigma in (0.5, 1.0, 1.9, 8.0, 600.0)
+    ],
+)
 def test_bouc_wen_along_a_path_against_an_independent_solver(n: float, sigma: float) -> None:
     from scipy.integrate import solve_ivp
 

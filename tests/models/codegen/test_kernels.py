@@ -47,6 +47,24 @@ def test_a_kernel_is_cached_and_an_edited_model_is_compiled_anew(tmp_path: Path)
     assert (hits, misses) == (0, 1)
 
 
+def test_where_the_cache_cannot_be_written_kernels_go_to_a_temporary_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    blocked = tmp_path / "a-file"
+    blocked.write_text("")
+    monkeypatch.setenv("DAMPYR_CACHE", str(blocked))
+    kernels.cache_folder.cache_clear()
+    try:
+        folder = kernels.cache_folder()
+    finally:
+        kernels.cache_folder.cache_clear()
+    assert folder.is_dir()
+    assert blocked not in folder.parents
+    assert blocked.read_text() == ""
+    folder.rmdir()
+
+
+@pytest.mark.prove
 def test_a_cache_that_cannot_be_written_is_no_obstacle(tmp_path: Path) -> None:
     blocked = tmp_path / "a-file"
     blocked.write_text("")
