@@ -8,7 +8,7 @@ from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
 from dampyr.identification import fit, score
-from dampyr.models import Damper, Interpolation, Polynomial, compose
+from dampyr.models import Damper, Interpolation, Polynomial
 from dampyr.records import Record
 from dampyr.to_json import plain
 
@@ -165,13 +165,6 @@ def test_of_two_dashpots_one_is_held_and_the_note_says_which() -> None:
     assert any(
         note.startswith("hyperbolic_tangent.c is held at 0, as dahl.kx") for note in map(str, fit_result.findings)
     )
-
-
-def test_what_has_the_same_effect_is_seen_from_the_formulas() -> None:
-    assert compose("dahl + hyperbolic_tangent").twins == {"hyperbolic_tangent.c": "dahl.kx"}
-    assert compose("bouc_wen + spring").twins == {"spring.k0": "bouc_wen.k0"}
-    assert compose("dahl + biviscous + sigmoid").twins == {"biviscous.c": "dahl.kx"}
-    assert compose("dahl + spring + inertia + compliance + delay").twins == {}
 
 
 def test_every_record_counts_the_same_or_every_sample() -> None:

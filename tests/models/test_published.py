@@ -16,7 +16,6 @@ from dampyr import ground_motions, structures
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.export import export
 from dampyr.models import Damper, published
-from dampyr.models.published._about import read_sets
 from dampyr.models.published._conversion import ratio
 
 Array = NDArray[np.float64]
@@ -302,22 +301,6 @@ def test_the_capacities_that_the_sources_state() -> None:
 def test_the_a_of_the_damper_lab_scales_the_hysteretic_force() -> None:
     ratio_of_kw = made("spencer_1997_damper_lab").at(1.0)[0].kw / made("spencer_1997").at(1.0)[0].kw
     assert ratio_of_kw == pytest.approx(np.sqrt(58 / 301), rel=1e-12)
-
-
-def test_an_unknown_set_lists_the_others() -> None:
-    with pytest.raises(
-        InputError, match=r"'spencer_97' is not among the published sets; did you mean 'spencer_1997'\?"
-    ):
-        published.damper("spencer_97")
-    with pytest.raises(InputError, match=r"choose from .*azimi_2020"):
-        published.about("_about")
-
-
-def test_a_file_is_a_set(tmp_path: Path) -> None:
-    folder = Path(published.__file__).parent
-    (tmp_path / "another_2026.toml").write_bytes((folder / "azimi_2020.toml").read_bytes())
-    assert read_sets(tmp_path / "another_2026.toml") == {"another_2026": published.about("azimi_2020")}
-    assert set(read_sets(folder / "eldorado.toml")) == {"eldorado_as_noted", "eldorado_as_run"}
 
 
 def test_the_page_is_what_the_sets_say() -> None:

@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 
 import dampyr
-from dampyr.models.codegen import batched_path, kernels
-from dampyr.models.codegen.composition import compose
+from dampyr.models.codegen import kernels
 
 PROBE = """
 import sys, numpy as np
@@ -92,9 +91,3 @@ def test_two_processes_that_save_at_once_never_exchange_their_code(monkeypatch: 
     for signature in ("float64", "float32"):
         assert first.load(signature) in (None, f"code of {signature}")
     assert look()
-
-
-def test_a_composition_is_written_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    rows = compose("dahl + spring").workspace_rows
-    monkeypatch.setattr(batched_path, "write_step_block", lambda layout: pytest.fail("written again"))
-    assert compose("dahl + spring").workspace_rows == rows

@@ -6,10 +6,9 @@ import pytest
 from scipy.signal import StateSpace, lsim
 from tests.identification.synthetic import sine
 
-from dampyr.errors import InputError
 from dampyr.ground_motions import el_centro
 from dampyr.identification import fit
-from dampyr.models import Damper, compose
+from dampyr.models import Damper
 from dampyr.structures import respond, two_storey
 
 DASHPOT = {
@@ -80,8 +79,3 @@ def test_a_fit_gives_it_back() -> None:
     assert fit_result.converged, fit_result.reason
     for name, value in laws.items():
         assert fit_result.parameters[name] == pytest.approx(value, abs=5 * fit_result.stderr[name] + 0.01 * value)
-
-
-def test_something_must_push() -> None:
-    with pytest.raises(InputError, match="nothing that stretches it"):
-        compose("inertia + compliance")
