@@ -1,46 +1,17 @@
 """Acceptance against closed forms of friction and a dashpot, and on repeated real tests."""
 
-import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.identification.judged_runs import CARD, HZ, KW, KX, RHO, A, dry, judge, measured, run
 
-from dampyr.errors import ExtrapolationWarning, InputError
+from dampyr.errors import InputError
 from dampyr.identification import AcceptOptions, accept, fit
-from dampyr.identification.acceptance_tests.acceptance import Acceptance
-from dampyr.models import Constant, Damper, published
+from dampyr.models import published
 from dampyr.records import Record
 from dampyr.show.identification.acceptance import band
 from dampyr.studies import load_damper
-
-KX, KW, RHO = 900.0, 150.0, 3000.0
-A, HZ = 0.010, 1.0
-CARD = Damper("dahl", {"dahl.kx": Constant(KX, 0.0, 0.0), "dahl.kw": KW, "dahl.rho": RHO})
-
-
-def measured(force, name="test", amplitude=A, hz=HZ, offset=0.0, voltage=0.0, current=None, seconds=6.3):
-    """A sine from its middle; ``force(x, v)`` in N."""
-    t = np.arange(0.0, seconds / hz, 0.002 / hz)
-    x, v = amplitude * np.sin(2 * np.pi * hz * t), 2 * np.pi * hz * amplitude * np.cos(2 * np.pi * hz * t)
-    return Record(t, x, force(x, v) + offset, velocity=v, voltage=voltage, current=current, name=name)
-
-
-def run(card=CARD, share=1.0, **more):
-    """What a damper gives that is ``share`` times as strong as the card."""
-    made = measured(lambda x, v: 0.0 * x, **more)
-    force = card.force(made.time, made.displacement, voltage=0.0, velocity=made.velocity)
-    return replace(made, force=share * force + more.get("offset", 0.0))
-
-
-def dry(c, f):
-    return lambda x, v: c * v + f * np.sign(v)
-
-
-def judge(record, reference, **options) -> Acceptance:
-    """The judgement of one record."""
-    [result] = accept(record, reference, **options).results
-    return result
 
 
 def of(acceptance, quantity):
@@ -105,81 +76,11 @@ def test_one_cycle_outside_is_outside_and_is_named():
     assert one.deviation == pytest.approx(0.3, abs=0.02)
 
 
-def test_tests_of_a_reference_are_interpolated_over_speed_in_each_direction():
-    def uneven(x, v):
-        return np.where(v > 0, 2000.0, 1200.0) * v + 40.0 * np.sign(v)
-
-    references = [measured(uneven, f"at {hz} Hz", hz=hz) for hz in (0.5, 1.0, 2.0)]
-    for amplitude, hz in ((A, 0.7), (1.07 * A, 1.4)):
-        tested = measured(uneven, "tested", amplitude, hz)
-        acceptance = judge(tested, references, tolerance=0.03, offset=0.0)
-        assert (acceptance.verdict, len(acceptance.judged)) == ("passed", len(acceptance.points))
-        assert abs(acceptance.worst.deviation) < 5e-3
-        weak = judge(replace(tested, force=0.96 * tested.force), references, tolerance=0.03, offset=0.0)
-        assert len(weak.outside) == len(weak.points)
-
-
-def test_faster_slower_and_another_stroke_are_not_judged_and_say_why():
-    references = [measured(dry(500.0, 50.0), hz=hz) for hz in (0.5, 1.0)]
-    fast = judge(measured(dry(500.0, 50.0), "fast", hz=1.1), references)
-    assert (fast.passed, fast.judged, fast.worst) == (None, (), None)
-    assert fast.reason == "faster than the reference (up to 62.83 mm/s)"
-    assert fast.reasons == {fast.reason: len(fast.points)}
-    slow = judge(measured(dry(500.0, 50.0), "slow", hz=0.4), references)
-    assert slow.reason == "slower than the reference (from 31.42 mm/s)"
-    barely = judge(measured(dry(500.0, 50.0), "barely", hz=1.015), references)
-    assert barely.passed is True
-    wide = judge(measured(dry(500.0, 50.0), "wide", 2 * A, 0.4), references)
-    assert wide.reason == "energy: the reference has another stroke at this speed (20 mm)"
-    assert wide.passed is None
-    assert len(wide.judged) == 2 * len(wide.points) // 3
-    assert judge(measured(dry(500.0, 50.0), "wide", 2 * A, 0.4), references, quantities=["extension"]).passed is True
-
-
 def test_what_is_outside_fails_even_where_the_rest_is_not_judged():
     references = [measured(dry(500.0, 50.0), hz=hz) for hz in (0.5, 1.0)]
     acceptance = judge(measured(dry(700.0, 70.0), "wide", 2 * A, 0.4), references)
     assert acceptance.passed is False
     assert acceptance.reason.startswith("energy: ")
-
-
-def test_another_input_is_not_judged():
-    reference = measured(dry(500.0, 50.0), voltage=1.0)
-    other = judge(measured(dry(500.0, 50.0), voltage=2.0), reference)
-    assert other.reason == "no reference at this input: 2 V here, 1 V there"
-    assert judge(measured(dry(500.0, 50.0), voltage=1.01, seconds=7.0), reference).passed is True
-    assert judge(measured(dry(500.0, 50.0), voltage=None, current=1.0), reference).passed is None
-    assert judge(measured(dry(500.0, 50.0), voltage=None), reference).reason.startswith(
-        "no reference at this input: no input known"
-    )
-    ramp = replace(reference, force=1.01 * reference.force, voltage=np.linspace(0.0, 2.0, reference.n))
-    assert "a varying input in V" in judge(ramp, reference).reason
-    passive = measured(dry(500.0, 50.0), voltage=None)
-    assert judge(replace(passive, force=1.01 * passive.force), passive).passed is True
-
-
-def test_a_record_is_never_its_own_reference():
-    one, other = measured(dry(500.0, 50.0), "one"), measured(dry(400.0, 40.0), "other")
-    assert judge(one, replace(one, name="copy")).reason == "the reference is this record itself"
-    assert judge(one, [one, other]).verdict == "failed"
-
-
-def test_what_a_card_does_not_know_is_not_judged():
-    beyond = judge(replace(run(), voltage=1.0), CARD)
-    assert beyond.reason == "voltage 1 V is outside the calibrated range 0 to 0 V"
-    with pytest.warns(ExtrapolationWarning):
-        assert judge(replace(run(), voltage=1.0), CARD, allow_extrapolation=True).passed is True
-    of_current = judge(measured(dry(1.0, 1.0), voltage=None, current=1.0), CARD)
-    assert of_current.reason == "the reference is over the voltage; 1 A here"
-    assert "no input known here" in judge(measured(dry(1.0, 1.0), voltage=None), CARD).reason
-    slow = replace(CARD, ranges={"velocity": (0.0, 0.05)})
-    narrow = replace(CARD, ranges={"displacement": (0.0, 0.005)})
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        assert judge(run(), slow).reason == "faster than the reference was calibrated (up to 50 mm/s)"
-        assert "wider stroke" in judge(run(), narrow).reason
-        assert judge(run(), narrow).passed is None
-    assert judge(run(hz=0.5), slow).passed is True
 
 
 def test_a_record_without_cycles_is_not_judged():
@@ -249,12 +150,14 @@ def test_json_holds_what_was_found():
 EVERY = pytest.mark.parametrize("every", [4, pytest.param(1, marks=pytest.mark.prove)])
 
 
-@EVERY
-def test_repeated_real_tests_judge_each_other(published_records, every):
+@pytest.mark.parametrize(
+    "volts", [(1.98,), pytest.param((0.8712, 1.98, 3.212), marks=pytest.mark.prove)], ids=["one input", "all"]
+)
+def test_repeated_real_tests_judge_each_other(published_records, volts):
     """At 0.87 V and above the forces of one test follow from the others' to 15 %; a weak damper does not pass."""
     records = published_records
     forces = ("extension", "compression")
-    judged = [r for r in records if r.voltage != 0.0]
+    judged = [r for r in records if r.voltage in volts]
     results = accept(judged, records, quantities=forces).results
     acceptances = {r.name: result for r, result in zip(judged, results, strict=True)}
     assert not [name for name, one in acceptances.items() if one.passed is False]
@@ -265,11 +168,12 @@ def test_repeated_real_tests_judge_each_other(published_records, every):
         "ensaio.B.10",
         "ensaio.A.10",
     }  # fastest and slowest of their input
-    assert undecided == ends
-    weak = [r.replace(note="a leaking seal", force=0.8 * r.force) for r in judged if r.name not in ends][::every]
+    assert undecided == ends & acceptances.keys()
+    weak = [r.replace(note="a leaking seal", force=0.8 * r.force) for r in judged if r.name not in ends]
     assert {result.passed for result in accept(weak, records, quantities=forces).results} == {False}
 
 
+@pytest.mark.prove
 def test_a_card_of_the_campaign_judges_the_validation_record(published_records):
     records = published_records
     at = [r for r in records if r.voltage == 0.8712]
@@ -353,7 +257,7 @@ def test_without_the_largest_level_judged_there_is_no_verdict():
 
 def test_a_good_damper_passes_at_seven_percent_noise_however_long_the_test_and_a_wrong_one_never():
     """White noise of 7 % of the peak force, 1.5 Hz, 200 samples a second; single samples passed one damper in four."""
-    for cycles in (3, 40):
+    for cycles in (3, 60):
         noisy, clean = ladder([(0.6, cycles)], hz=1.5, noise=0.07), ladder([(0.6, cycles)], hz=1.5).force
         for share, verdict in ((1.0, "passed"), (1.1, "passed"), (0.9, "passed"), (1.2, "failed"), (0.8, "failed")):
             tested = replace(noisy, force=noisy.force + (share - 1.0) * (clean - np.mean(clean)))

@@ -4,22 +4,20 @@ import importlib
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import nullcontext
 from dataclasses import replace
-from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from threading import Thread
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from tests.identification.synthetic import sine
+from tests.identification.tangent_campaign import NAME, campaign, without_velocity
 
 from dampyr.errors import InputError
 from dampyr.identification import FitOptions, Leaderboard, Score, fit
 from dampyr.identification.fits.result import reasons_of_choice
-from dampyr.identification.model_choice import parallel, screening
+from dampyr.identification.model_choice import parallel
 from dampyr.identification.model_choice.leaderboard import (
     Finalist,
     SearchTimedOut,
@@ -28,32 +26,13 @@ from dampyr.identification.model_choice.leaderboard import (
     optimism,
     standard_error,
 )
-from dampyr.identification.model_choice.screening import CUT, NOT_BEGUN, Trial, screen_all, screening_set, shortened
+from dampyr.identification.model_choice.screening import CUT, NOT_BEGUN, Trial
 from dampyr.identification.scoring.scoring_window import Window
 from dampyr.identification.scoring.validation import Fold, Validation, cross_validate
-from dampyr.models import Damper, Interpolation, available_parts, compose
-from dampyr.records import Record, read_campaign, with_velocity
+from dampyr.models import Damper, compose
+from dampyr.records import read_campaign
 from dampyr.show.identification.leaderboard import choice_in_words, velocity_in_words
 from dampyr.to_json import plain
-
-VOLTS = (0.0, 1.0, 2.0)
-NAME = "hyperbolic_tangent"
-LAWS = {
-    f"{NAME}.c": Interpolation(VOLTS, (700.0, 1200.0, 1700.0)),
-    f"{NAME}.ft": Interpolation(VOLTS, (60.0, 210.0, 360.0)),
-    f"{NAME}.v0": 0.006,
-    f"{NAME}.s": 0.0,
-    "compliance.s": 3e-6,
-}
-
-
-def campaign(per_input: int = 4) -> list[Record]:
-    truth = Damper(f"{NAME} + compliance", LAWS)
-    return [
-        sine(truth, u, f"{u:g}V-{k}", 0.004 + 0.002 * k, 1.4 - 0.2 * k, noise=2.0, seed=k)
-        for u in VOLTS
-        for k in range(per_input)
-    ]
 
 
 @pytest.fixture(scope="module")
@@ -137,17 +116,8 @@ def test_the_order_in_which_workers_end_changes_nothing(board: Leaderboard, monk
     assert {what for what, _ in calls} == {"choosing the velocity", "screening models", "validating the best"}
 
 
-def test_forked_workers_are_refused() -> None:
-    from multiprocessing import get_all_start_methods, get_context
-
-    if "fork" not in get_all_start_methods():
-        return  # nothing can fork here
-    with ProcessPoolExecutor(1, mp_context=get_context("fork")) as executor, pytest.raises(InputError, match="spawn"):
-        leaderboard(campaign(), FitOptions(models=(NAME,), add_ons=()), executor=executor)
-
-
 def test_what_cannot_be_fitted_says_why_and_does_not_stop_the_rest() -> None:
-    flat = [r.replace(note="one voltage", voltage=1.0) for r in campaign() if r.voltage == 1.0]
+    flat = [r.thinned(2).replace(note="one voltage", voltage=1.0) for r in campaign() if r.voltage == 1.0]
     ranking = leaderboard(
         [*flat, *(r.replace(note="again", name=r.name + "b") for r in flat)],
         FitOptions(models=("dahl", NAME), add_ons=(), budget=None),
@@ -157,34 +127,6 @@ def test_what_cannot_be_fitted_says_why_and_does_not_stop_the_rest() -> None:
         leaderboard(flat)
     with pytest.raises(InputError, match="not among the parts"):
         leaderboard(campaign(), FitOptions(models=("no_such_model",)))
-
-
-def test_the_screening_set_is_small_and_holds_every_input() -> None:
-    many = campaign(9)
-    small = screening_set(many)
-    assert {r.voltage for r in small} == set(VOLTS)
-    assert len(small) == 12
-    slow = sine(
-        Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0}), 0.0, frequency=0.2, seconds=60.0
-    )
-    short = shortened(slow)
-    assert short.n < 2000 < slow.n
-    assert short.time[-1] >= 4 / 0.2
-
-
-def without_velocity(rate: float = 200.0, seconds: float = 45.0) -> list[Record]:
-    """Dahl at two voltages, sines of 0.1 to 5 Hz whose displacement alone was recorded."""
-    laws = {"dahl.kx": Interpolation((0.0, 2.0), (900.0, 1900.0)), "dahl.kw": Interpolation((0.0, 2.0), (70.0, 300.0))}
-    truth = Damper("dahl", laws | {"dahl.rho": 2500.0})
-    made = []
-    for u in (0.0, 2.0):
-        for f in (0.1, 0.7, 5.0):
-            t = np.arange(0.0, seconds if f < 1.0 else 8.0, 1.0 / rate)
-            run = np.maximum(t - 0.5, 0.0)
-            x = 0.006 * np.minimum(run * f, 1.0) * np.sin(2.0 * np.pi * f * run)
-            force = truth.force(t, x, voltage=u) + np.random.default_rng(int(10 * f)).normal(100.0, 1.0, t.size)
-            made.append(Record(t, x, force, voltage=u, name=f"{u:g}V-{f:g}Hz"))
-    return made
 
 
 @pytest.mark.parametrize("bandwidth", [None, pytest.param(20.0, marks=pytest.mark.prove)])
@@ -201,15 +143,7 @@ def test_records_without_velocity_may_differ_in_speed(bandwidth: float | None) -
     assert ranking.screened[0].bare.error < 0.05
 
 
-def test_samples_are_left_out_after_the_velocity_is_derived() -> None:
-    slow = without_velocity()[0]
-    [thin] = screening_set([slow], 40.0)
-    assert thin.n < slow.n / 5
-    whole = with_velocity(slow, 40.0)
-    at = np.searchsorted(whole.time, thin.time)
-    np.testing.assert_array_equal(thin.velocity, whole.velocity[at])
-
-
+@pytest.mark.prove
 def test_records_whose_rates_no_bandwidth_serves_have_each_its_own() -> None:
     records = without_velocity()
     coarse = [r.thinned(20).replace(note="a slow logger", name=r.name) if "0.1Hz" in r.name else r for r in records]
@@ -382,24 +316,6 @@ def test_a_choice_on_one_long_record_fits_the_record_itself() -> None:
     assert board.winner.fit.within_records  # one record says nothing of how records differ
 
 
-def test_work_without_news_is_heard_of_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    from concurrent.futures import ThreadPoolExecutor
-    from threading import Event
-
-    monkeypatch.setattr(parallel, "HEARTBEAT", 0.01)
-    heard, ended = [], Event()
-
-    def progress(done: float) -> None:
-        heard.append(done)
-        if len(heard) > 5:
-            ended.set()
-
-    with ThreadPoolExecutor(1) as executor:
-        assert parallel.run_all([lambda: ended.wait(60.0)], executor, progress) == [True]
-    assert heard[:5] == [0.0] * 5
-    assert heard[-1] == 1.0
-
-
 def test_what_takes_too_much_work_is_stopped_and_says_so() -> None:
     ranking = leaderboard(
         campaign(2), FitOptions(models=(NAME,), add_ons=("spring", "compliance"), budget=1e-6, bandwidth=15.0)
@@ -497,63 +413,6 @@ def test_processes_choose_the_same_model_and_write_the_same_card(tmp_path: Path)
         assert reported(ranked(executor), tmp_path) == reported(ranked(None), tmp_path)
 
 
-def test_results_after_the_one_that_is_enough_do_not_count_whoever_is_first() -> None:
-    def job(k: int, delay: float) -> int:
-        time.sleep(delay)
-        return k
-
-    for delays in ((0.0,) * 6, (0.05, 0.03, 0.06, 0.0, 0.0, 0.0), (0.0, 0.0, 0.02, 0.01, 0.06, 0.0)):
-        jobs = [partial(job, k, delay) for k, delay in enumerate(delays)]
-        heard: list[int] = []
-
-        def enough(k: int, heard: list[int] = heard) -> bool:
-            heard.append(k)
-            return k == 2
-
-        with ThreadPoolExecutor(4) as executor:
-            done = parallel.run_all(jobs, executor, lambda share: None, enough)
-        assert done == parallel.run_all(jobs, None, lambda share: None, lambda k: k == 2) == [0, 1, 2, None, None, None]
-        assert heard == [0, 1, 2]
-
-
-@pytest.mark.parametrize("workers", [0, 2])
-def test_no_job_begins_after_the_deadline(workers: int) -> None:
-    begun: list[float] = []
-
-    def job() -> None:
-        begun.append(time.time())
-        time.sleep(0.05)
-
-    with ThreadPoolExecutor(workers) if workers else nullcontext() as executor:
-        parallel.run_all([job] * 200, executor, lambda share: None, deadline=time.time() + 0.1)
-    assert 0 < len(begun) < 200
-
-
-def test_every_part_of_the_catalogue_has_a_cost_and_work_counts_evaluations_times_samples() -> None:
-    from dampyr.identification.fits.least_squares import prepared
-    from dampyr.identification.search.work import COSTS, EVALUATION, Work
-
-    assert sorted(COSTS) == sorted(available_parts())
-    problem, work = prepared("dahl + spring", campaign(1)), Work()
-    for _ in range(3):
-        work.count(problem)
-    samples = sum(piece.t.size for piece in problem.pieces)
-    assert work.spent == pytest.approx(3 * (1e-9 * samples * (COSTS["dahl"] + COSTS["spring"]) + EVALUATION))
-
-
-def test_a_fit_stops_where_its_work_is_spent_however_fast_the_machine() -> None:
-    record = campaign(1)[0]
-    stopped = fit(record, NAME, budget=1e-9)
-    assert not stopped.converged
-    assert stopped.reason == "did not converge: its share of the work was used up"
-    whole = fit(record, NAME, budget=60.0)
-    assert whole.converged
-    assert 0.0 < stopped.outcome.work < whole.outcome.work < 60.0
-    assert whole.parameters == fit(record, NAME).parameters
-    with pytest.raises(InputError, match="budget = 0 s is not allowed; it must be greater than 0"):
-        fit(record, NAME, budget=0.0)
-
-
 def test_a_limit_in_seconds_ends_the_search_and_chooses_nothing() -> None:
     board = leaderboard(campaign(2), FitOptions(models=(NAME,), add_ons=("spring",), seconds=1e-9, bandwidth=15.0))
     assert board.cut.startswith("the search was cut after 1e-09 s, 0 of 2 trials done")
@@ -572,6 +431,7 @@ def test_a_limit_in_seconds_ends_the_search_and_chooses_nothing() -> None:
         leaderboard(campaign(2), FitOptions(models=(NAME,), seconds=-1.0))
 
 
+@pytest.mark.prove
 def test_finalists_that_were_finished_in_time_are_shown(monkeypatch: pytest.MonkeyPatch) -> None:
     plain_run = parallel.run_all
 
@@ -589,31 +449,12 @@ def test_finalists_that_were_finished_in_time_are_shown(monkeypatch: pytest.Monk
         _ = board.winner
 
 
-@pytest.mark.parametrize(("deadline", "limit", "reason"), [(10.0, np.inf, CUT), (np.inf, 2.5, NOT_BEGUN)])
-def test_a_search_that_ends_between_two_rounds_says_which_limit_ended_it(
-    deadline: float, limit: float, reason: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Each add-on halves the error and each trial spends 1 s of work; the clock jumps after the first round."""
-    now = [0.0]
-    monkeypatch.setattr(parallel, "time", SimpleNamespace(time=lambda: now[0]))
-    monkeypatch.setattr(screening, "trial", lambda model, *_: Trial(model, 0.5 ** model.count("+"), 0.0, "", 1.0))
-
-    def progress(done: float) -> None:
-        now[0] = 100.0 if done >= 1 / 3 else 0.0
-
-    add_ons = ("spring", "compliance", "delay")
-    [screened], unfinished = screen_all(["dahl"], [], FitOptions(add_ons=add_ons), None, progress, limit, deadline)
-    done = [trial.model for trial in screened.trials if not trial.reason]
-    assert done == ["dahl", "dahl + spring", "dahl + compliance", "dahl + delay"][: 3 if np.isfinite(limit) else 4]
-    assert {trial.reason for trial in screened.trials} == {"", reason}
-    assert unfinished == ["dahl"]
-
-
 def test_a_fit_without_a_model_says_what_starts_and_knows_its_leaderboard(capsys: pytest.CaptureFixture[str]) -> None:
     options = FitOptions(models=(NAME,), add_ons=(), bandwidth=15.0)
-    chosen = fit(campaign(2), options=options)
+    records = [record.thinned(2) for record in campaign(2)]
+    chosen = fit(records, options=options)
     stated = capsys.readouterr().err
-    assert f"no model is named, so 1 model will be tried, with add-ons, on {len(campaign(2))} records" in stated
+    assert f"no model is named, so 1 model will be tried, with add-ons, on {len(records)} records" in stated
     assert "up to about 8 min of one core. Name a model to fit that one alone, as in fit(records, 'dahl')" in stated
     assert isinstance(chosen.leaderboard, Leaderboard)
     assert str(chosen.problem.composition) == chosen.leaderboard.winner.model == NAME
@@ -622,6 +463,6 @@ def test_a_fit_without_a_model_says_what_starts_and_knows_its_leaderboard(capsys
     assert [validation.split for validation in chosen.validations] == ["record", "input"][: len(chosen.validations)]
     assert chosen.as_dict()["leaderboard"]["chosen"]
     assert "chosen" in str(chosen)
-    fit(campaign(2), options=options, progress=lambda stage, done: None)
+    fit(records, options=options, progress=lambda stage, done: None)
     assert capsys.readouterr().err == ""
-    assert fit(campaign(2), NAME).leaderboard is None
+    assert fit(records, NAME).leaderboard is None

@@ -92,6 +92,18 @@ def of_a_sensor(record: Record, noise: float, false: float = 0.0) -> Record:
     return record.replace(note="of a sensor", force=record.force + rng.normal(0.0, noise, record.n) + off)
 
 
+def test_false_samples_are_not_drawn_as_noise_of_the_sensor() -> None:
+    """Two samples in a thousand that are 200 N off would be 9 N of white noise; 3 N are there."""
+    whites = []
+    for false in (0.0, 0.002):
+        damper = fit([of_a_sensor(record, 3.0, false) for record in campaign(2, True, 3)], "dahl").damper
+        assert damper is not None
+        assert damper.prediction_error is not None
+        whites.append([shape.white for shape in damper.prediction_error.shapes])
+    np.testing.assert_allclose(whites[1], whites[0], rtol=0.5)
+
+
+@pytest.mark.prove
 def test_false_samples_in_the_fitted_records_spoil_no_band_of_clean_ones() -> None:
     """Two samples in a thousand. Drawn as white noise and maximised, they made the bands of 12 clean peaks hold 2."""
     new = [of_a_sensor(unseen(seed), 3.0) for seed in range(12)]

@@ -153,6 +153,7 @@ def test_inverse_of_numbers_with_units_of_their_own() -> None:
     np.testing.assert_allclose(module.scaled_inverse(matrix), expected, rtol=1e-9)
 
 
+@pytest.mark.prove
 def test_on_the_campaign_profiles_agree_with_the_intervals_of_linear_numbers(
     published_fit_records: list[Record],
 ) -> None:

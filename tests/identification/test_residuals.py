@@ -4,42 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
-from scipy.stats import spearmanr
+from tests.identification.residual_traces import DT, NOISE, RNG, F, N, T, V, ar1, trace
 from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
 from dampyr.identification import analyse, fit
-from dampyr.identification.fits.diagnostics import findings, residual_findings, trends
+from dampyr.identification.fits.diagnostics import findings, residual_findings
 from dampyr.identification.fits.residuals import (
     SIDES,
-    Residuals,
-    Trace,
     autocorrelation,
     correlation_intervals,
     motion,
     noise_of,
 )
 from dampyr.models import Damper
-
-DT, F = 0.005, 1.25
-N = 8000  # 50 whole periods
-T = DT * np.arange(N)
-X = 0.01 * np.sin(2 * np.pi * F * T) + 4e-4 * T  # drifts by more than its amplitude
-V = 0.01 * 2 * np.pi * F * np.cos(2 * np.pi * F * T)
-RNG = np.random.default_rng(7)
-NOISE = RNG.normal(0.0, 2.0, N)
-
-
-def trace(residual: np.ndarray, name: str = "a", u: float = 1.0, **changes: object) -> Trace:
-    finite = {"stroke": 0.02, "frequency": F} | changes
-    return Trace(name, T, X, V, 100.0 * np.sign(V) + residual, residual, u, **finite)
-
-
-def ar1(phi: float, sigma: float, n: int = N, seed: int = 3) -> np.ndarray:
-    """Noise of standard deviation ``sigma`` with the autocorrelation phi**k."""
-    white = np.random.default_rng(seed).normal(0.0, sigma * np.sqrt(1 - phi**2), n + 500)
-    return np.asarray(lfilter([1.0], [1.0, -phi], white)[500:])
 
 
 def test_white_noise_is_noise_and_nothing_else() -> None:
@@ -122,28 +100,6 @@ def test_each_quarter_of_the_cycle_has_its_own_side_in_spite_of_drift() -> None:
     assert means == pytest.approx(expected, abs=0.08)
 
 
-def test_a_part_that_does_not_turn_round_is_uneven_and_one_that_does_is_not() -> None:
-    """A dashpot harder in one direction leaves c|v|: both means are 0 once the offset is taken, and it is still found."""
-    harder = 200.0 * np.abs(V)
-    harder -= harder.mean()
-    analysis = analyse([trace(harder + 0.2 * NOISE)])
-    group = analysis.groups[0]
-    assert abs(group.sides["out"].mean - group.sides["in"].mean) < 0.2
-    assert group.asymmetry == pytest.approx(np.std(harder), rel=0.05)
-    assert any(
-        "at 1 V" in text and "does not change its sign" in text for text in map(str, residual_findings(analysis))
-    )
-    odd = analyse([trace(4000.0 * V**3 + 0.2 * NOISE)])
-    assert odd.groups[0].asymmetry < 0.1 * odd.whole.rms
-    assert not any("does not change its sign" in text for text in map(str, residual_findings(odd)))
-
-
-@pytest.mark.parametrize("phi", [pytest.param(phi, marks=pytest.mark.prove) for phi in (0.0, 0.95, 0.999)] + [0.99])
-def test_chance_alone_seldom_looks_uneven(phi: float) -> None:
-    odd = [analyse([trace(ar1(phi, 1.0, seed=s))]) for s in range(100)]
-    assert sum("change its sign" in text for analysis in odd for text in map(str, residual_findings(analysis))) <= 5
-
-
 def test_curves_hold_the_quartiles() -> None:
     curve = analyse([trace(100.0 * V + NOISE)]).whole.curves["before the middle"]
     finite = np.isfinite(curve.median)
@@ -151,64 +107,6 @@ def test_curves_hold_the_quartiles() -> None:
     np.testing.assert_allclose(curve.median[finite], 100.0 * curve.velocity[finite], atol=1.2)
     spread = np.median((curve.upper - curve.lower)[finite])
     assert spread == pytest.approx(2 * 0.6745 * 2.0, rel=0.15)
-
-
-def campaign(
-    sizes: np.ndarray, frequencies: np.ndarray, inputs: np.ndarray, strokes: np.ndarray | None = None
-) -> Residuals:
-    """Records of the given rms over spread; the series themselves are all alike."""
-    strokes = 0.02 + 0.0 * frequencies if strokes is None else strokes
-    named = [f"r{k}" for k in range(sizes.size)]
-    base = analyse([trace(NOISE[:N], name, u=float(u)) for name, u in zip(named, inputs, strict=True)])
-    records = tuple(
-        replace(r, relative=float(s), frequency=float(f), stroke=float(x))
-        for r, s, f, x in zip(base.records, sizes, frequencies, strokes, strict=True)
-    )
-    return replace(base, records=records)
-
-
-def test_a_trend_is_spearmans_and_is_told_with_its_probability() -> None:
-    f = np.linspace(0.5, 1.4, 10)
-    size = np.array([5, 4, 6, 7, 9, 8, 10, 12, 11, 13.0]) / 100
-    analysis = campaign(size, f, np.zeros(10))
-    (one,) = trends(analysis)
-    expected = spearmanr(f, size)
-    assert (one.rank, one.p, one.records) == (pytest.approx(expected[0]), pytest.approx(expected[1]), 10)
-    assert one.counts
-    assert any(
-        "at 0 V the residual relative to the force grows with frequency (rank correlation 0.96" in t
-        for t in findings(analysis)
-    )
-
-
-def test_what_goes_together_in_the_records_is_not_told_apart() -> None:
-    f = np.linspace(0.5, 1.4, 10)
-    analysis = campaign(0.05 + 0.02 * f, f, np.zeros(10), strokes=0.03 / f)
-    statements = [text for text in findings(analysis) if "rank correlation" in text]
-    assert len(statements) == 1
-    assert "grows with frequency" in statements[0]
-    assert "or with stroke: in these records the two go together (−1.00)" in statements[0]
-
-
-def test_among_campaigns_without_trend_few_are_told_of_one() -> None:
-    rng = np.random.default_rng(11)
-    base = campaign(np.ones(32), np.ones(32), np.repeat([0.0, 1.0, 2.0, 3.0], 8))
-    alarms = 0
-    for _ in range(150):
-        drawn = rng.uniform(size=(32, 3))
-        records = tuple(
-            replace(r, relative=a, frequency=b, stroke=c)
-            for r, (a, b, c) in zip(base.records, drawn.tolist(), strict=True)
-        )
-        campaign_trends = trends(replace(base, records=records))
-        assert len(campaign_trends) == 9
-        alarms += any(one.counts for one in campaign_trends)
-    assert alarms <= 14  # 7.5 are expected of 150 at 5 %; 15 or more by chance in 1 %
-
-
-def test_few_records_make_no_trend() -> None:
-    analysis = campaign(np.array([1.0, 2, 3, 4]), np.array([1.0, 2, 3, 4]), np.arange(4.0))
-    assert trends(analysis) == ()
 
 
 def test_groups_are_the_inputs_and_the_whole_is_all() -> None:

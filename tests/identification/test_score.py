@@ -2,17 +2,13 @@
 
 import numpy as np
 import pytest
-from tests.identification.synthetic import sine
+from tests.identification.synthetic import DAHL, sine
 
 from dampyr.errors import InputError
 from dampyr.identification import score
 from dampyr.identification.scoring.score import compare
-from dampyr.identification.scoring.scoring_window import list_unscorable, scoring_window
 from dampyr.models import Constant, Damper
 from dampyr.records import Record
-from dampyr.records.checks.quality import motion_start
-
-DAHL = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
 
 
 def square(n: int = 800) -> Record:
@@ -54,21 +50,6 @@ def test_energy_of_a_scaled_force() -> None:
     assert score_result.energy == pytest.approx(0.2, rel=1e-6)
 
 
-def test_the_window_starts_two_seconds_after_the_motion_and_is_told() -> None:
-    record = sine(DAHL, 0.0)
-    window = score(DAHL, record).window
-    assert window.start == pytest.approx(motion_start(record) + 2.0, abs=record.dt)
-    assert window.end == record.time[-1]
-    assert scoring_window(record, settling=0.5).start < window.start
-
-
-def test_a_window_without_samples_is_refused() -> None:
-    with pytest.raises(
-        InputError, match=r"holds 0 samples; the record ends at 5\.99\d* s|holds 0 samples; the record ends"
-    ):
-        score(DAHL, sine(DAHL, 0.0), window=(50.0, 60.0))
-
-
 def test_the_wrong_input_is_refused() -> None:
     record = sine(DAHL, 0.0).replace(note="", voltage=None, current=0.2)
     over_voltage = Damper("dahl", {**DAHL.laws, "dahl.kx": Constant(900.0, 0.0, 3.0)})
@@ -98,13 +79,3 @@ def test_false_samples_of_the_load_cell_do_not_improve_the_score(false_samples: 
     assert after.l1 > before.l1
     assert after.nrmse > before.nrmse
     assert compare(worse, model, centre="midrange").l1 < 0.9 * before.l1  # the definition to the letter
-
-
-def test_a_record_that_is_too_short_is_refused_with_its_numbers() -> None:
-    record = sine(DAHL, 0.0, seconds=2.7)
-    with pytest.raises(InputError, match=r"its motion lasts 2\.19 s .* give a settling of at most 1\.6 s"):
-        score(DAHL, record)
-    assert score(DAHL, record, settling=1.0).l1 < 1e-9
-    assert list_unscorable([record, sine(DAHL, 0.0, "long")]).keys() == {"test"}
-    with pytest.raises(InputError, match="no record is long enough to be scored; test: its motion"):
-        list_unscorable([record])
