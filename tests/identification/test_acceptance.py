@@ -150,14 +150,12 @@ def test_json_holds_what_was_found():
 EVERY = pytest.mark.parametrize("every", [4, pytest.param(1, marks=pytest.mark.prove)])
 
 
-@pytest.mark.parametrize(
-    "volts", [(1.98,), pytest.param((0.8712, 1.98, 3.212), marks=pytest.mark.prove)], ids=["one input", "all"]
-)
-def test_repeated_real_tests_judge_each_other(published_records, volts):
+@pytest.mark.prove
+def test_repeated_real_tests_judge_each_other(published_records):
     """At 0.87 V and above the forces of one test follow from the others' to 15 %; a weak damper does not pass."""
     records = published_records
     forces = ("extension", "compression")
-    judged = [r for r in records if r.voltage in volts]
+    judged = [r for r in records if r.voltage != 0.0]
     results = accept(judged, records, quantities=forces).results
     acceptances = {r.name: result for r, result in zip(judged, results, strict=True)}
     assert not [name for name, one in acceptances.items() if one.passed is False]
@@ -168,7 +166,7 @@ def test_repeated_real_tests_judge_each_other(published_records, volts):
         "ensaio.B.10",
         "ensaio.A.10",
     }  # fastest and slowest of their input
-    assert undecided == ends & acceptances.keys()
+    assert undecided == ends
     weak = [r.replace(note="a leaking seal", force=0.8 * r.force) for r in judged if r.name not in ends]
     assert {result.passed for result in accept(weak, records, quantities=forces).results} == {False}
 
@@ -255,15 +253,15 @@ def test_without_the_largest_level_judged_there_is_no_verdict():
     assert (random.verdict, random.reason.partition(":")[0]) == ("not judged", "the motion does not repeat itself")
 
 
-def test_a_good_damper_passes_at_seven_percent_noise_however_long_the_test_and_a_wrong_one_never():
+@pytest.mark.parametrize("cycles", [3, 20, pytest.param(60, marks=pytest.mark.prove)])
+def test_a_good_damper_passes_at_seven_percent_noise_however_long_the_test_and_a_wrong_one_never(cycles):
     """White noise of 7 % of the peak force, 1.5 Hz, 200 samples a second; single samples passed one damper in four."""
-    for cycles in (3, 60):
-        noisy, clean = ladder([(0.6, cycles)], hz=1.5, noise=0.07), ladder([(0.6, cycles)], hz=1.5).force
-        for share, verdict in ((1.0, "passed"), (1.1, "passed"), (0.9, "passed"), (1.2, "failed"), (0.8, "failed")):
-            tested = replace(noisy, force=noisy.force + (share - 1.0) * (clean - np.mean(clean)))
-            judged = judge(tested, PUBLISHED)
-            assert judged.verdict == verdict, (cycles, share, judged)
-            assert judged.judged_cycles == cycles
+    noisy, clean = ladder([(0.6, cycles)], hz=1.5, noise=0.07), ladder([(0.6, cycles)], hz=1.5).force
+    for share, verdict in ((1.0, "passed"), (1.1, "passed"), (0.9, "passed"), (1.2, "failed"), (0.8, "failed")):
+        tested = replace(noisy, force=noisy.force + (share - 1.0) * (clean - np.mean(clean)))
+        judged = judge(tested, PUBLISHED)
+        assert judged.verdict == verdict, (cycles, share, judged)
+        assert judged.judged_cycles == cycles
     for p in (p for p in judged.points if p.quantity != "energy" and p.cycle > 1):
         # 13 samples of 133 lie in the window: 7 % of the peak force over the root of 13
         assert p.error == pytest.approx(0.07 / np.sqrt(13.0) * abs(p.expected), rel=0.2)

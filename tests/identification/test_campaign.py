@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dampyr.identification import FitOptions, fit, plastic_region, score
+from dampyr.identification import FitOptions, fit, score
 from dampyr.identification.scoring.validation import cross_validate
 from dampyr.models import Interpolation, Polynomial
 from dampyr.records.files.campaign_folder import campaign_rows
@@ -59,17 +59,6 @@ def test_records_and_voltages_that_it_never_saw_are_predicted_as_the_readme_says
     assert {u: 100 * l1 for u, l1 in by_record.items()} == pytest.approx(printed, abs=0.06)
     by_voltage = cross_validate(records, WINNER, "input", FitOptions(**options)).by_input
     assert {u: 100 * l1 for u, l1 in by_voltage.items()} == pytest.approx({0.8712: 8.7, 1.98: 9.8}, abs=0.06)
-
-
-def test_the_plastic_region_gives_the_published_friction_without_a_window(records) -> None:
-    published = {row.file.stem: row.published for row in campaign_rows() if row.file} or {
-        row.file_name.removesuffix(".mat"): row.published for row in campaign_rows() if row.file_name
-    }
-    ours = {r.name: plastic_region(r) for r in records}
-    for voltage, tolerance in ((0.0, 0.15), (0.8712, 0.05), (1.98, 0.07), (3.212, 0.04)):
-        group = [r.name for r in records if r.voltage == pytest.approx(voltage)]
-        mean = np.mean([ours[name].kw for name in group])
-        assert mean == pytest.approx(np.mean([published[name]["kw"] for name in group]), rel=tolerance)
 
 
 def test_the_cubics_pass_through_the_table_means_at_the_true_voltages() -> None:

@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 from scipy.stats import spearmanr
 from tests.identification.residual_traces import NOISE, N, V, ar1, trace
+from tests.identification.synthetic import DAHL, sine
 
-from dampyr.identification import analyse
+from dampyr.identification import analyse, fit
 from dampyr.identification.fits.diagnostics import findings, residual_findings, trends
 from dampyr.identification.fits.residuals import (
     Residuals,
 )
+from dampyr.models import Damper
 
 
 def test_a_part_that_does_not_turn_round_is_uneven_and_one_that_does_is_not() -> None:
@@ -99,3 +101,26 @@ def test_among_campaigns_without_trend_few_are_told_of_one(campaigns: int, most:
 def test_few_records_make_no_trend() -> None:
     analysis = campaign(np.array([1.0, 2, 3, 4]), np.array([1.0, 2, 3, 4]), np.arange(4.0))
     assert trends(analysis) == ()
+
+
+def test_an_inverted_force_is_no_fit() -> None:
+    record = sine(DAHL, 0.0, noise=1.0)
+    fit_result = fit(record.replace(note="turned round", force=-record.force), "dahl")
+    assert not fit_result.converged
+    assert "the force sign is inverted" in fit_result.reason
+
+
+def test_motion_inside_pre_sliding_is_told() -> None:
+    stiff = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 30.0})
+    fit_result = fit(sine(stiff, 0.0, amplitude=0.002, noise=0.3), "dahl")
+    assert any(
+        "never leaves pre-sliding" in note and "larger amplitudes" in note for note in map(str, fit_result.findings)
+    )
+    assert not any("pre-sliding" in note for note in map(str, fit(sine(DAHL, 0.0), "dahl").findings))
+
+
+def test_an_amplitude_of_a_few_steps_of_the_encoder_is_told() -> None:
+    record = sine(DAHL, 0.0, amplitude=0.00004, noise=1.0)
+    rough = record.replace(note="5 um steps", displacement=np.round(record.displacement / 5e-6) * 5e-6)
+    fit_result = fit(rough, "dahl")
+    assert any("takes only 17 values over 0.08 mm" in note for note in map(str, fit_result.findings))

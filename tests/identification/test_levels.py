@@ -34,7 +34,7 @@ def campaign(levels: dict[str, float], each: int = 3, repeated: bool = True) -> 
             for k in range(each):
                 record = sine(
                     Damper("dahl", LAWS), u, f"{u:g}V-{session}-{k}", 0.004 + 0.002 * k, 1.2 - 0.2 * k, offset=90.0
-                ).thinned(2)
+                )
                 force = 90.0 + level * (record.force - 90.0)
                 records.append(record.replace(note="of a session", force=force, measurement_session=session))
     return records

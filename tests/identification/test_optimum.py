@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.identification.campaign_of_dahl import VOLTS, campaign
 from tests.identification.synthetic import sine
-from tests.identification.test_fit import VOLTS, campaign
 
 from dampyr.errors import InputError
 from dampyr.identification import Fit, fit, identifiability, profile

@@ -144,3 +144,79 @@ def test_the_pieces_of_one_record_are_no_records_of_their_own() -> None:
     assert fit(others, "dahl").clusters == "record"
     three = [*pieces, *records(2.0, 2)]
     assert fit(three, "dahl").within_records == {}
+
+
+def test_errors_with_noise_are_of_the_right_size() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    numbers, errors = [], []
+    for seed in range(16):
+        fit_result = fit(sine(truth, 0.0, noise=4.0, seed=seed, seconds=12.0), "dahl")
+        numbers.append(list(fit_result.parameters.values()))
+        errors.append(list(fit_result.stderr.values()))
+    ratio = np.std(numbers, axis=0) / np.mean(errors, axis=0)
+    assert np.all((ratio > 0.6) & (ratio < 1.7)), ratio
+    np.testing.assert_allclose(np.mean(numbers, axis=0), [900.0, 70.0, 2500.0], rtol=0.02)
+
+
+def test_correlated_residuals_widen_the_errors() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    records = []
+    for k in range(12):
+        record = sine(truth, 0.0, f"r{k}")
+        rng = np.random.default_rng(k)
+        gain = 1.0 + 0.05 * rng.standard_normal()
+        records.append(record.replace(note="another gain", force=record.force * gain))
+    fit_result = fit(records, "dahl")
+    assert fit_result.clusters == "record"
+    assert fit_result.stderr["dahl.kw"] > 5 * fit_result.naive_stderr["dahl.kw"]
+    assert fit_result.stderr["dahl.kw"] == pytest.approx(70.0 * 0.05 / np.sqrt(12), rel=0.5)
+
+
+def test_what_the_records_do_not_determine_has_an_infinite_error() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    fixed = {"hyperbolic_tangent.ft": 1e-3, "hyperbolic_tangent.v0": 0.01, "hyperbolic_tangent.s": 0.0}
+    laws = {"hyperbolic_tangent.c": "constant"}
+    fit_result = fit(sine(truth, 0.0, noise=1.0), "dahl + hyperbolic_tangent", fixed=fixed, laws=laws)
+    assert fit_result.stderr["dahl.kx"] == np.inf
+    assert fit_result.stderr["hyperbolic_tangent.c"] == np.inf
+    assert np.isfinite(fit_result.stderr["dahl.kw"])
+    assert any("do not determine" in note for note in map(str, fit_result.findings))
+
+
+def test_a_record_without_reversal_does_not_give_rho() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    t = np.arange(0.0, 5.0, 0.01)
+    x = 0.004 * t
+    v = np.full(t.size, 0.004)
+    force = truth.force(t, x, voltage=0.0, velocity=v, state0=[1.0])
+    record = Record(t, x, force + np.random.default_rng(0).normal(0, 1, t.size), velocity=v, voltage=0.0)
+    fit_result = fit(record, "dahl")
+    assert not np.isfinite(fit_result.stderr["dahl.rho"])
+
+
+def test_clustered_errors_are_those_of_the_mean_of_independent_records() -> None:
+    truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+    gains = 1.0 + 0.02 * np.array([-1.3, 0.4, 0.9, -0.2, 1.6, -1.4])
+    records = []
+    for k, gain in enumerate(gains):
+        record = sine(truth, 0.0, f"r{k}", offset=0.0)
+        records.append(record.replace(note="another gain", force=record.force * gain))
+    fixed = {"dahl.kx": 0.0, "dahl.rho": 2500.0}
+    pure = [
+        r.replace(note="friction only", force=(r.force - gain * 900.0 * r.velocity))
+        for r, gain in zip(records, gains, strict=True)
+    ]
+    fit_result = fit(pure, "dahl", fixed=fixed)
+    assert fit_result.clusters == "record"
+    assert fit_result.stderr["dahl.kw"] == pytest.approx(70.0 * np.std(gains, ddof=1) / np.sqrt(gains.size), rel=0.03)
+
+
+def test_errors_pay_for_the_offset() -> None:
+    rng = np.random.default_rng(5)
+    t = np.arange(0.0, 20.0, 0.01)
+    x = 0.05 + 0.01 * np.sin(2 * np.pi * t)
+    force = 4000.0 * x + rng.normal(0.0, 2.0, t.size)
+    fit_result = fit(Record(t, x, force, velocity=np.gradient(x, t), voltage=0.0), "spring")
+    exact = 2.0 / np.sqrt(np.sum((x - x.mean()) ** 2))
+    assert fit_result.naive_stderr["spring.k0"] == pytest.approx(exact, rel=0.06)
+    assert fit_result.parameters["spring.k0"] == pytest.approx(4000.0, abs=4 * exact)

@@ -8,7 +8,6 @@ from tests.identification.synthetic import sine
 
 from dampyr.identification.fits.least_squares import prepared
 from dampyr.identification.search import variable_projection
-from dampyr.identification.search.fit_data import first_part
 from dampyr.identification.search.initial_guess import begin
 from dampyr.identification.search.normal_equations import linearise
 from dampyr.identification.search.problem import Problem
@@ -45,15 +44,6 @@ def test_a_long_record_is_searched_on_its_first_part_to_the_same_end(
         np.testing.assert_allclose(outcome.point.theta, whole.point.theta, rtol=1e-4)
 
 
-def test_the_first_part_holds_the_motion_or_it_is_the_whole() -> None:
-    one = prepared("dahl", [sine(DAHL, 0.0, seconds=60.0)]).pieces[0]
-    assert first_part(one, 1500).t.size == 1500
-    growing = replace(one, x=one.x * np.linspace(0.0, 1.0, one.t.size), v=one.v * np.linspace(0.0, 1.0, one.t.size))
-    assert first_part(growing, 1500).t.size == growing.t.size
-    late = replace(one, x=np.where(one.t < 20.0, 0.1 * one.x, one.x), v=np.where(one.t < 20.0, 0.1 * one.v, one.v))
-    assert first_part(late, 1500).t.size == 6000
-
-
 def test_few_steps_are_few_with_an_opening_too() -> None:
     problem = prepared("dahl", [sine(DAHL, 0.0, noise=2.0, seconds=60.0)])
     iterations: list[int] = []
@@ -83,22 +73,3 @@ def test_a_damping_that_changes_nothing_ends_the_search() -> None:
     here = linearise(problem, begin(problem))
     still = replace(here.solve(), theta=np.zeros(3), local=np.zeros((1, problem.locals)))
     assert more_damping(replace(here, sums=np.zeros_like(here.sums)), still, 1.0) > 1e8
-
-
-def test_an_elongation_begins_within_the_stroke_of_the_records() -> None:
-    damper = Damper("dahl", {"dahl.kx": 800.0, "dahl.kw": 55.0, "dahl.rho": 2500.0})
-    records = [sine(damper, 0.0, "small", 0.002), sine(damper, 0.0, "large", 0.011)]
-    problem = prepared("modified_bouc_wen + delay", records)
-    low, high = problem.local_limits
-    stroke = max(float(np.ptp(one.x)) for one in problem.pieces)
-    assert list(problem.composition.states) == ["modified_bouc_wen.w", "modified_bouc_wen.e"]
-    np.testing.assert_allclose(low, [-np.inf, -1.0, -stroke])
-    np.testing.assert_allclose(high, [np.inf, 1.0, stroke])
-    assert stroke == pytest.approx(0.022, rel=0.02)
-
-
-def test_a_ratio_that_may_be_zero_is_searched_in_its_logarithm() -> None:
-    problem = prepared("modified_bouc_wen", [sine(DAHL, 0.0)])
-    chosen = dict(zip([c.name.partition(".")[2] for c in problem.columns], problem.is_logarithmic, strict=True))
-    assert [name for name, flag in chosen.items() if flag] == ["vc", "r", "rho", "sigma"]
-    assert np.all(problem.inside(np.zeros(problem.size))[problem.is_logarithmic] > 0.0)
