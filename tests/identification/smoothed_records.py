@@ -1,8 +1,8 @@
 """Records whose force went through a moving average, declared so."""
 
 import numpy as np
+from tests.identification.search.test_normal_equations import LAWS, VOLTS
 from tests.identification.synthetic import sine
-from tests.identification.test_normal_equations import LAWS, VOLTS
 
 from dampyr.models import Damper
 from dampyr.records import Declaration, Record, with_smoothing

@@ -4,9 +4,9 @@ import warnings
 
 import numpy as np
 import pytest
+from tests.identification.search.test_normal_equations import DAHL, LAWS, numeric, somewhere
 from tests.identification.smoothed_records import SAMPLES, records, smoothed
 from tests.identification.synthetic import sine
-from tests.identification.test_normal_equations import DAHL, LAWS, numeric, somewhere
 
 from dampyr.identification import FitOptions, accept, fit, score, validate
 from dampyr.identification.fits.least_squares import prepared

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from tests.identification.parameter_uncertainty.test_profile_likelihood import DAMPER
 from tests.identification.synthetic import sine
-from tests.identification.test_profile_likelihood import DAMPER
 
 from dampyr.identification.parameter_uncertainty.candidate_motions import MotionReach, candidate_motions, measure_reach
 from dampyr.identification.search.fit_data import piece

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.identification.parameter_uncertainty.test_profile_likelihood import noisy_records
 from tests.identification.synthetic import sine
-from tests.identification.test_profile_likelihood import noisy_records
 
 from dampyr.identification import Fit, fit, identifiability
 from dampyr.identification.parameter_uncertainty.identifiability import Inseparable

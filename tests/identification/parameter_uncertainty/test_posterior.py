@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.stats import kstest, t
-from tests.identification.test_profile_likelihood import noisy_records
+from tests.identification.parameter_uncertainty.test_profile_likelihood import noisy_records
 
 import dampyr as dp
 from dampyr.errors import InputError
