@@ -12,6 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from tests.models.plain_kernels import run_as_plain_python
 from tests.references.series_march import (
     EQUATIONS,
     NO_FORCE,
@@ -27,8 +28,8 @@ from tests.references.series_march import (
 
 from dampyr.errors import DampyrWarning
 from dampyr.ground_motions import GroundMotion
-from dampyr.models import Damper, Polynomial, available_parts, path_integration
-from dampyr.models.codegen import kernels, series
+from dampyr.models import Damper, Polynomial, available_parts
+from dampyr.models.codegen import series
 from dampyr.models.part import part
 from dampyr.structures import respond, shear_building
 
@@ -119,10 +120,7 @@ def late(t: np.ndarray, force: np.ndarray, tau: float) -> np.ndarray:
 @pytest.fixture
 def plain(monkeypatch: pytest.MonkeyPatch) -> None:
     """The kernels as plain Python: the generated text and the drivers as they are written."""
-    monkeypatch.setattr(kernels, "jit", lambda function, *_, **__: function)
-    monkeypatch.setattr(kernels, "_shared", {})
-    monkeypatch.setattr(kernels, "bind", kernels.bind.__wrapped__)
-    monkeypatch.setattr(path_integration, "bind", kernels.bind)
+    run_as_plain_python(monkeypatch)
 
 
 def test_every_part_has_a_reference() -> None:

@@ -19,6 +19,7 @@ DASHPOT = {
 }
 
 
+@pytest.mark.usefixtures("plain")
 def test_a_dashpot_with_compliance_is_maxwells_element() -> None:
     s, omega, reach = 8e-6, 12.0, 0.01
     damper = Damper("hyperbolic_tangent + compliance", DASHPOT | {"compliance.s": s})
@@ -33,6 +34,7 @@ def test_a_dashpot_with_compliance_is_maxwells_element() -> None:
     assert errors[1] == pytest.approx(0.5 * errors[0], rel=0.05)  # of first order in the step
 
 
+@pytest.mark.usefixtures("plain")
 def test_without_compliance_it_is_the_damper_itself() -> None:
     laws = {"dahl.kx": 800.0, "dahl.kw": 90.0, "dahl.rho": 3000.0}
     t = np.linspace(0.0, 3.0, 700)
@@ -42,6 +44,7 @@ def test_without_compliance_it_is_the_damper_itself() -> None:
     np.testing.assert_allclose(same[1:], rigid[1:], atol=1e-9)
 
 
+@pytest.mark.usefixtures("plain")
 def test_a_spring_in_series_with_a_spring() -> None:
     damper = Damper("spring + compliance", {"spring.k0": 4e4, "compliance.s": 2.5e-5})
     t = np.linspace(0.0, 1.0, 50)

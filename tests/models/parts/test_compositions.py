@@ -2,11 +2,13 @@
 """Published models that are compositions of the catalogue's parts, in the letters of their sources."""
 
 import numpy as np
+import pytest
 from scipy.integrate import solve_ivp
 
 from dampyr.models import Damper
 
 
+@pytest.mark.usefixtures("plain")
 def test_the_modified_dahl_model_is_dahl_with_spring_and_offset() -> None:
     K0, C0, Fd, sigma, f0 = 500.0, 700.0, 90.0, 1200.0, 35.0
     t = np.linspace(0.0, 2.0, 4001)
@@ -22,6 +24,7 @@ def test_the_modified_dahl_model_is_dahl_with_spring_and_offset() -> None:
     np.testing.assert_allclose(ours, K0 * x + C0 * v + Fd * z + f0, atol=2e-3)
 
 
+@pytest.mark.usefixtures("plain")
 def test_the_viscoelastic_plastic_model_is_the_hyperbolic_tangent_with_a_spring() -> None:
     f0, Vref, Dref, c, k = 110.0, 0.02, 0.03, 400.0, 800.0
     t = np.linspace(0.0, 2.0, 401)

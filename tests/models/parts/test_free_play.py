@@ -7,6 +7,7 @@ import pytest
 from dampyr.models import Damper
 
 
+@pytest.mark.usefixtures("plain")
 def test_a_spring_pushes_only_beyond_the_gap() -> None:
     k, g = 5e4, 0.002
     damper = Damper("spring + free_play", {"spring.k0": k, "free_play.g": g, "free_play.fc": 1e-3})
@@ -16,6 +17,7 @@ def test_a_spring_pushes_only_beyond_the_gap() -> None:
     np.testing.assert_allclose(damper.force(t, x, voltage=0.0), exact, atol=0.2)
 
 
+@pytest.mark.usefixtures("plain")
 def test_friction_crosses_the_gap_at_each_reversal() -> None:
     laws = {"dahl.kx": 0.0, "dahl.kw": 200.0, "dahl.rho": 1e6}
     t = np.linspace(0.0, 4.0, 8001)
@@ -26,6 +28,7 @@ def test_friction_crosses_the_gap_at_each_reversal() -> None:
     assert x[late][np.argmax(force[late] > 199.0)] == pytest.approx(-0.01 + 0.002, abs=3e-5)
 
 
+@pytest.mark.usefixtures("plain")
 def test_a_tight_joint_changes_nothing() -> None:
     laws = {"dahl.kx": 800.0, "dahl.kw": 90.0, "dahl.rho": 3000.0}
     t = np.linspace(0.0, 3.0, 700)

@@ -3,11 +3,14 @@
 
 import numpy as np
 import pytest
+from tests.identification.search.test_normal_equations import numeric, somewhere
 from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
 from dampyr.export import export
-from dampyr.identification import fit
+from dampyr.identification import FitOptions, fit
+from dampyr.identification.fits.least_squares import prepared
+from dampyr.identification.search.normal_equations import products
 from dampyr.models import Damper, Polynomial
 from dampyr.models.input_lag import lagged
 from dampyr.records import Record
@@ -26,6 +29,7 @@ def path(n: int = 4000) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
     return t, 0.01 * np.sin(6 * t), 0.06 * np.cos(6 * t), command
 
 
+@pytest.mark.usefixtures("plain")
 def test_the_force_has_the_parameters_of_the_lagging_input() -> None:
     t, x, v, command = path()
     ours = Damper("bingham + lag", LAWS).force(t, x, voltage=command, velocity=v)
@@ -33,6 +37,21 @@ def test_the_force_has_the_parameters_of_the_lagging_input() -> None:
     np.testing.assert_allclose(ours, same.force(t, x, voltage=lagged(t, command, 0.03), velocity=v), atol=1e-9)
 
 
+@pytest.mark.usefixtures("plain")
+def test_the_sums_of_a_fit_have_the_derivative_by_the_lag() -> None:
+    """Against central differences of the modelled force, as in the proofs that fit it."""
+    t, x, v, command = path(400)
+    force = Damper("bingham + lag", LAWS).force(t, x, voltage=command, velocity=v)
+    record = Record(time=t, displacement=x, velocity=v, force=force, voltage=command, name="steps")
+    problem = prepared("bingham + lag", [record], FitOptions(laws={"bingham.v0": "constant", "*": "polynomial:1"}))
+    point = somewhere(problem)
+    table, sums = numeric(problem, point, 0), products(problem, point)[0].sum(axis=0)
+    np.testing.assert_allclose(sums, table.T @ table, rtol=2e-4, atol=2e-5 * np.abs(table.T @ table).max())
+    place = problem.locals + [column.name for column in problem.columns for _ in range(column.size)].index("lag.tau")
+    assert sums[place, place] > 1e-6 * np.abs(np.diag(sums)).max()
+
+
+@pytest.mark.prove
 def test_a_fit_of_records_with_steps_of_the_command_gives_it_back() -> None:
     rng = np.random.default_rng(1)
     t, x, v, command = path()
@@ -49,6 +68,7 @@ def test_a_fit_of_records_with_steps_of_the_command_gives_it_back() -> None:
     assert fit_result.damper is not None
 
 
+@pytest.mark.prove
 def test_constant_inputs_say_nothing_about_it() -> None:
     truth = Damper("bingham", {"bingham.c0": 500.0, "bingham.fc": 90.0, "bingham.v0": 0.004})
     fit_result = fit(sine(truth, 0.0), "bingham + lag")
