@@ -49,6 +49,7 @@ def records(published_fit_records: list[Record]) -> list[Record]:
     return published_fit_records
 
 
+@pytest.mark.prove
 def test_the_plastic_region_gives_the_published_friction_without_a_window(records) -> None:
     published = {row.file.stem: row.published for row in campaign_rows() if row.file} or {
         row.file_name.removesuffix(".mat"): row.published for row in campaign_rows() if row.file_name

@@ -315,8 +315,9 @@ def test_a_choice_on_one_long_record_fits_the_record_itself() -> None:
 
 
 def test_what_takes_too_much_work_is_stopped_and_says_so() -> None:
+    records = [record.thinned(2) for record in campaign(2)]
     ranking = leaderboard(
-        campaign(2), FitOptions(models=(NAME,), add_ons=("spring", "compliance"), budget=1e-6, bandwidth=15.0)
+        records, FitOptions(models=(NAME,), add_ons=("spring", "compliance"), budget=1e-6, bandwidth=15.0)
     )
     [screened] = ranking.screened
     assert [one.reason for one in screened.trials[1:]] == [NOT_BEGUN] * 2  # the bare model is tried whatever it takes
@@ -461,6 +462,14 @@ def test_a_fit_without_a_model_says_what_starts_and_knows_its_leaderboard(capsys
     assert [validation.split for validation in chosen.validations] == ["record", "input"][: len(chosen.validations)]
     assert chosen.as_dict()["leaderboard"]["chosen"]
     assert "chosen" in str(chosen)
+    assert fit(records, NAME).leaderboard is None
+
+
+@pytest.mark.prove
+def test_where_progress_is_heard_nothing_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    records, options = (
+        [record.thinned(2) for record in campaign(2)],
+        FitOptions(models=(NAME,), add_ons=(), bandwidth=15.0),
+    )
     fit(records, options=options, progress=lambda stage, done: None)
     assert capsys.readouterr().err == ""
-    assert fit(records, NAME).leaderboard is None

@@ -48,7 +48,7 @@ def linear(records: list[Record]) -> Fit:
     return fit(records, "dahl", fixed={"dahl.rho": 4000.0}, nuisances=("offset",))
 
 
-@pytest.mark.parametrize("level", [0.8, 0.95])
+@pytest.mark.parametrize("level", [pytest.param(0.8, marks=pytest.mark.prove), 0.95])
 def test_where_the_model_is_linear_the_profile_gives_the_intervals_of_the_fit(linear: Fit, level: float) -> None:
     for label, interval in linear.intervals(level).items():
         one = profile(linear, label, level)

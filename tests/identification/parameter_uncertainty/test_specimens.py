@@ -65,6 +65,7 @@ def five() -> Specimens:
     return fit_specimens(specimens(0, number=5, count=4), "dahl")
 
 
+@pytest.mark.prove
 def test_of_records_without_spread_too() -> None:
     result = fit_specimens(specimens(3, spread=0.0, number=6), "dahl")
     for one in result.spreads.values():
@@ -179,6 +180,7 @@ def test_bands_of_a_type_hold_the_records_of_a_new_specimen(endurance: Endurance
     assert 0.85 - few <= np.mean(samples) <= 0.97 + few
 
 
+@pytest.mark.prove
 def test_what_goes_together_between_specimens_is_seen() -> None:
     rng, records = np.random.default_rng(5), []
     for n in range(8):
@@ -250,13 +252,18 @@ def test_the_command_prints_mean_and_spread(tmp_path: Path) -> None:
     assert done.exit_code == 0, done.output
     assert "3 specimens (damper 1, damper 2, damper 3): mean and spread between them" in done.stdout
     assert dp.models.Damper.load(card).provenance["covariance"] == "of a new specimen"
-    done = run.invoke(cli, ["identify", str(folder), "--model", "dahl", "--by-specimen", "--json"])
-    data = json.loads(done.stdout)
-    assert set(data["parameters"]) == set(TRUTH)
-    assert data["parameters"]["dahl.kw"]["relative"] is True
     refused = run.invoke(cli, ["identify", str(folder), "--by-specimen"])
     assert refused.exit_code == 2
     assert "--by-specimen makes one fit of the --model per specimen" in refused.output
+
+
+@pytest.mark.prove
+def test_the_command_gives_them_as_json(tmp_path: Path) -> None:
+    folder = written(specimens(9, number=3, count=4), tmp_path)
+    done = CliRunner().invoke(cli, ["identify", str(folder), "--model", "dahl", "--by-specimen", "--json"])
+    data = json.loads(done.stdout)
+    assert set(data["parameters"]) == set(TRUTH)
+    assert data["parameters"]["dahl.kw"]["relative"] is True
 
 
 @pytest.mark.prove
