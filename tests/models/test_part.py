@@ -35,7 +35,9 @@ def test_traits_of_the_states_are_read_off_the_arguments_of_their_formula() -> N
 
 def test_behind_what_stretches_the_force_is_the_plain_one_unless_the_file_has_another() -> None:
     assert part("dahl").force_in_series is part("dahl").force
-    assert part("sigmoid").force_in_series.name == "sigmoid_force_in_series"
+    own = part("sigmoid").force_in_series
+    assert own is not None
+    assert own.name == "sigmoid_force_in_series"
 
 
 def test_parameters_are_those_of_the_dataclass_in_its_order() -> None:

@@ -28,6 +28,7 @@ def test_dry_friction_and_a_dashpot_are_read_off_the_fast_samples() -> None:
     """Friction that turns at once: its force at speed is offset + kx v + kw sign(v), by least squares."""
     record = sine(DAHL, 0.0, seconds=10.0)
     v = record.velocity
+    assert v is not None
     dry = record.replace(note="dry", force=33.0 + 1400.0 * v + 210.0 * np.tanh(v / 1e-3))
     found = plastic_region(dry)
     assert (found.offset, found.kx, found.kw) == pytest.approx((33.0, 1400.0, 210.0), rel=1e-3)

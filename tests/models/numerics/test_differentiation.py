@@ -9,7 +9,7 @@ import pytest
 from dampyr.errors import InputError
 from dampyr.models.numerics.differentiation import carried, differentiate, response, smooth, window
 
-T = 0.005 * np.arange(601)
+T: np.ndarray = 0.005 * np.arange(601)
 
 
 @pytest.mark.parametrize("t", [T, np.sort(0.9 * T + 0.1 * np.random.default_rng(0).uniform(0.0, 3.0, T.size))])
@@ -20,7 +20,7 @@ def test_a_cubic_goes_through_unchanged_to_its_ends(t: np.ndarray) -> None:
 
 @pytest.mark.parametrize("frequency", [2.0, 8.0, 14.0])
 def test_a_sine_keeps_the_share_that_is_stated(frequency: float) -> None:
-    sine = np.sin(2 * np.pi * frequency * T)
+    sine: np.ndarray = np.sin(2 * np.pi * frequency * T)
     inner = slice(100, -100)
     np.testing.assert_allclose(smooth(T, sine, 8.0)[inner], float(response(frequency, 8.0)) * sine[inner], atol=1e-4)
     assert float(response(8.0, 8.0)) == pytest.approx(np.sqrt(0.5), rel=1e-12)
@@ -28,7 +28,8 @@ def test_a_sine_keeps_the_share_that_is_stated(frequency: float) -> None:
 
 def test_windows_one_by_one_give_what_the_convolution_gives() -> None:
     """Samples that are not even are fitted window by window; all but the first are even here."""
-    sine, nudged = np.sin(2 * np.pi * 7.0 * T), T.copy()
+    sine: np.ndarray = np.sin(2 * np.pi * 7.0 * T)
+    nudged = T.copy()
     nudged[0] -= 1e-4
     np.testing.assert_allclose(smooth(nudged, sine, 8.0)[100:], smooth(T, sine, 8.0)[100:], atol=1e-9)
 
