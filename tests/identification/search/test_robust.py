@@ -64,7 +64,7 @@ def test_l1_minimises_the_sum_of_the_ratios_that_are_scored() -> None:
         return fit_result.parameters.get("dahl.kw", 0.0), total
 
     best, least = ratios(None)
-    grid = np.arange(303.0, 330.0, 4.0)
+    grid = np.arange(302.0, 329.0, 2.0)
     assert abs(grid[np.argmin([ratios(kw)[1] for kw in grid])] - best) <= 3.0
     assert min(ratios(kw)[1] for kw in (best - 4.0, best + 4.0)) > least
 
