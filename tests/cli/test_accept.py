@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from tests.identification.acceptance_tests.test_acceptance import THREE, ladder
 from tests.identification.synthetic import sine
-from tests.identification.test_acceptance import THREE, ladder
 
 from dampyr.cli import cli
 from dampyr.models import Damper

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
-from tests.identification.test_leaderboard import without_velocity
-from tests.identification.test_uncertainty import records
+from tests.identification.parameter_uncertainty.test_uncertainty import records
+from tests.identification.tangent_campaign import without_velocity
 
 from dampyr.cli import cli
 from dampyr.models import Damper

@@ -5,6 +5,8 @@ import numpy as np
 from dampyr.models import Damper
 from dampyr.records import Record
 
+DAHL = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
+
 
 def sine(
     damper: Damper,

@@ -1,24 +1,22 @@
 """The published campaign, fitted: figures to beat on real records."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from dampyr.identification import FitOptions, fit, plastic_region, score
+from dampyr.identification import FitOptions, fit, score
 from dampyr.identification.scoring.validation import cross_validate
 from dampyr.models import Interpolation, Polynomial
-from dampyr.records import read_campaign
 from dampyr.records.files.campaign_folder import campaign_rows
 
 FLOORS = {0.0: 8.8, 0.8712: 8.0, 1.98: 12.7, 3.212: 14.3}  # %, mean L1 of the plain Dahl model fitted per record
 
 
 @pytest.fixture(scope="module")
-def records(campaign_folder: Path):
-    return read_campaign(campaign_folder)
+def records(published_fit_records):
+    return published_fit_records
 
 
+@pytest.mark.prove
 def test_all_38_files_are_fitted_each_to_the_floors(records) -> None:
     fits = {record.name: fit(record, "dahl") for record in records}
     assert len(fits) == 38
@@ -31,8 +29,8 @@ def test_all_38_files_are_fitted_each_to_the_floors(records) -> None:
         assert 100 * np.mean(free) <= floor
 
 
-def test_a_joint_fit_is_one_call_and_close_to_the_separate_ones(records) -> None:
-    fit_result = fit(records, "dahl")
+def test_a_joint_fit_is_one_call_and_close_to_the_separate_ones(records, published_fit) -> None:
+    fit_result = published_fit
     assert fit_result.converged
     assert fit_result.clusters == "record"
     means = [np.mean([fit_result.scores[r.name].l1 for r in records if r.voltage == pytest.approx(u)]) for u in FLOORS]
@@ -40,6 +38,7 @@ def test_a_joint_fit_is_one_call_and_close_to_the_separate_ones(records) -> None
     assert fit_result.damper.range == (0.0, 3.212)
 
 
+@pytest.mark.prove
 def test_the_first_try_composition_beats_plain_dahl_by_far(records) -> None:
     fit_result = fit(
         [r for r in records if r.voltage > 3],
@@ -60,17 +59,6 @@ def test_records_and_voltages_that_it_never_saw_are_predicted_as_the_readme_says
     assert {u: 100 * l1 for u, l1 in by_record.items()} == pytest.approx(printed, abs=0.06)
     by_voltage = cross_validate(records, WINNER, "input", FitOptions(**options)).by_input
     assert {u: 100 * l1 for u, l1 in by_voltage.items()} == pytest.approx({0.8712: 8.7, 1.98: 9.8}, abs=0.06)
-
-
-def test_the_plastic_region_gives_the_published_friction_without_a_window(records) -> None:
-    published = {row.file.stem: row.published for row in campaign_rows() if row.file} or {
-        row.file_name.removesuffix(".mat"): row.published for row in campaign_rows() if row.file_name
-    }
-    ours = {r.name: plastic_region(r) for r in records}
-    for voltage, tolerance in ((0.0, 0.15), (0.8712, 0.05), (1.98, 0.07), (3.212, 0.04)):
-        group = [r.name for r in records if r.voltage == pytest.approx(voltage)]
-        mean = np.mean([ours[name].kw for name in group])
-        assert mean == pytest.approx(np.mean([published[name]["kw"] for name in group]), rel=tolerance)
 
 
 def test_the_cubics_pass_through_the_table_means_at_the_true_voltages() -> None:

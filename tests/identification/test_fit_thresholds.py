@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from tests.identification.campaign_of_dahl import campaign
 from tests.identification.synthetic import sine
-from tests.identification.test_fit import campaign
 
 from dampyr.errors import InputError
 from dampyr.identification import fit, identifiability

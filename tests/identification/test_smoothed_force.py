@@ -1,47 +1,21 @@
 """A force that went through a moving average: the model's goes through the same in fit, score, prediction and acceptance."""
 
 import warnings
-from dataclasses import replace
 
 import numpy as np
 import pytest
+from tests.identification.search.test_normal_equations import DAHL, LAWS, numeric, somewhere
+from tests.identification.smoothed_records import SAMPLES, records, smoothed
 from tests.identification.synthetic import sine
-from tests.identification.test_normal_equations import DAHL, LAWS, VOLTS, numeric, somewhere
 
 from dampyr.identification import FitOptions, accept, fit, score, validate
 from dampyr.identification.fits.least_squares import prepared
 from dampyr.identification.scoring.score import prediction
-from dampyr.identification.scoring.scoring_window import too_short
 from dampyr.identification.scoring.validation import cross_validate
-from dampyr.identification.search.fit_data import piece, thinned, weighted
 from dampyr.identification.search.normal_equations import products
 from dampyr.models import Constant, Damper, WithTemperature
-from dampyr.records import Declaration, MovingAverage, Record, cut, with_smoothing
+from dampyr.records import MovingAverage
 from dampyr.records.checks.quality import motion_start
-
-SAMPLES = 21  # of 200 a second: about a tenth of the period
-
-
-def smoothed(record: Record, samples: int = SAMPLES, trailing: bool = False, motion: bool = False) -> Record:
-    """The record with its force averaged, window by window, and declared so."""
-    before, after = (samples - 1, 0) if trailing else (samples // 2, (samples - 1) // 2)
-
-    def mean(values: np.ndarray) -> np.ndarray:
-        return np.array([values[max(i - before, 0) : i + after + 1].mean() for i in range(values.size)])
-
-    channels = ("displacement", "velocity", "force") if motion else ("force",)
-    made = record.replace(note="", **{c: mean(getattr(record, c)) for c in channels})
-    return with_smoothing(made, Declaration(samples=samples, trailing=trailing, channels=channels, undo=False))
-
-
-def records(noise: float = 0.0, count: int = 2) -> list[Record]:
-    damper = Damper("dahl", LAWS)
-    return [
-        sine(damper, u, f"{u:g}-{k}", 0.004 + 0.003 * k, 1.0 - 0.2 * k, noise, seed=k)
-        for u in VOLTS
-        for k in range(count)
-    ]
-
 
 CASES = {
     "dahl": ("dahl", {}),
@@ -144,27 +118,7 @@ def test_the_score_of_a_record_at_its_temperature_from_any_centre_and_settling()
     assert score(damper, warmer).l1 > 0.01
 
 
-def test_whole_windows_decide_whether_a_record_is_too_short() -> None:
-    record = smoothed(sine(DAHL, 0.0, seconds=6.0), 41)
-    end, start = float(record.time[-1]), motion_start(record)
-    whole = end - 20 * record.dt - start
-    assert not too_short(record, 0.74 * whole)
-    reason = too_short(record, 0.76 * whole)
-    assert f"its motion less what its moving average of 0.205 s leaves out lasts {whole:.3g} s" in reason
-    assert not too_short(record.replace(note="", smoothed=None), 0.76 * whole)
-    part = cut(record, 45 * record.dt)[0]
-    assert "45 samples hold 5 with a whole window; give a longer record" in too_short(part)
-
-
-def test_records_weigh_by_the_samples_that_are_compared() -> None:
-    plain, other, *_ = records(1.0)
-    pieces = [piece(plain, None), piece(smoothed(other, 101), None)]
-    for one, by_record in zip(pieces, weighted(pieces, "records"), strict=True):
-        share = float(by_record.weight[0] ** 2 * one.spread**2) * (one.comparable.stop - one.comparable.start)
-        assert share == pytest.approx(sum(p.count for p in pieces) / 2)
-
-
-@pytest.mark.parametrize("loss", ["huber", "l1"])
+@pytest.mark.parametrize("loss", ["huber", pytest.param("l1", marks=pytest.mark.prove)])
 def test_what_has_no_whole_window_has_no_part_in_a_robust_loss(loss: str) -> None:
     """Whatever stands in the first and last half window, the fit and its errors are the same."""
     made = [smoothed(record) for record in records(2.0)]
@@ -213,16 +167,6 @@ def test_a_smoothed_displacement_is_told_in_the_notes() -> None:
     fitted = fit(made, "dahl")
     [note] = [note for note in map(str, fitted.findings) if "less sharp" in note]
     assert "is smoothed (over up to 0.105 s) and that is not undone" in note
-
-
-def test_parts_of_a_smoothed_record_hold_whole_windows() -> None:
-    one = piece(smoothed(records()[0]), None)
-    assert thinned(one, 100) is one
-    assert one.shortest == 4 * SAMPLES
-    ordinary = replace(one, average=None)
-    assert ordinary.shortest == 0
-    assert thinned(ordinary, 100).t.size <= 100
-    assert ordinary.comparable == slice(0, one.t.size)
 
 
 def test_ordinary_records_take_the_compiled_sums(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -71,6 +71,7 @@ def test_records_are_predicted_at_their_own_temperature(records: list[Record]) -
         score(damper, bare)
 
 
+@pytest.mark.prove
 def test_its_errors_are_those_of_repeated_fits() -> None:
     values, errors = [], []
     for seed in range(12):

@@ -98,7 +98,9 @@ def test_a_short_pulse_is_a_command_and_two_false_samples_are_none() -> None:
     assert (meant.low, meant.high) == pytest.approx((0.0, 2.0), abs=0.02)
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(
+    "command", [pytest.param(c, marks=[] if c in ("random steps", "sine") else [pytest.mark.prove]) for c in COMMANDS]
+)
 def test_laws_and_card_end_at_the_command_and_the_notes_say_so(command: str) -> None:
     records = [record(command, seed) for seed in range(2)]
     result = fit(records, "dahl", laws={"*": "polynomial:1", "dahl.rho": "constant"})

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.models.exponent_of_bouc_wen import of_exponent
 
 from dampyr.errors import InputError
-from dampyr.identification.search.parametrisation import Column
 from dampyr.models import Constant, Damper, Interpolation, Polynomial, WithTemperature
 from dampyr.models.damper import Law
 from dampyr.models.laws import from_card, look_up, polynomial_table
-from dampyr.units import OPEN_MARGIN, Quantity
+from dampyr.units import OPEN_MARGIN
 
 VALUES = st.lists(st.floats(-1e3, 1e3), min_size=2, max_size=6)
 
@@ -95,50 +95,6 @@ def test_a_table_gives_what_the_laws_give():
 
 
 # a limit that a law misses by rounding
-
-AT_LEAST_ONE = Quantity("", low=1.0, high=50.0)
-OTHERS = {"bouc_wen.c0": 600.0, "bouc_wen.k0": 0.0, "bouc_wen.kw": 60.0, "bouc_wen.rho": 2500.0, "bouc_wen.sigma": 1.0}
-
-
-def of_exponent(law: Law) -> Damper:
-    """A damper whose exponent n, which is at least 1, follows ``law``."""
-    return Damper("bouc_wen", OTHERS | {"bouc_wen.n": law})
-
-
-def looked_up(damper: Damper, inputs: np.ndarray) -> np.ndarray:
-    """n at these inputs as a kernel of a structure looks it up."""
-    knots, coefficients = polynomial_table(damper)
-    out = np.empty((inputs.size, len(knots)))
-    for row, u in zip(out, inputs, strict=True):
-        look_up(knots, coefficients, float(u), row)
-    return out[:, list(damper.all_laws).index("bouc_wen.n")]
-
-
-def test_a_fitted_line_that_ends_at_a_limit_makes_a_damper() -> None:
-    rng = np.random.default_rng(0)
-    for k in range(300):
-        low, high = np.sort(rng.uniform(0.0, 3.0, 2))
-        ends = (1.0, rng.uniform(1.0, 3.0)) if k % 2 else (rng.uniform(1.0, 3.0), 1.0)
-        column = Column("bouc_wen.n", AT_LEAST_ONE, "polynomial", (low, high))
-        damper = of_exponent(column.law(np.array(ends), low, high))
-        inputs = np.linspace(low, high, 50)
-        values = damper.values(inputs)[:, -1]
-        np.testing.assert_allclose(values, np.interp(inputs, (low, high), ends), rtol=1e-9)
-        assert values.min() >= 1.0
-        assert looked_up(damper, inputs).min() >= 1.0
-
-
-@pytest.mark.parametrize("degree", [1, 2, 3])
-def test_a_fitted_polynomial_that_stands_at_a_limit_everywhere_makes_a_damper(degree: int) -> None:
-    rng = np.random.default_rng(degree)
-    for _ in range(50):
-        knots = tuple(np.sort(rng.uniform(0.0, 3.0, degree + 1)))
-        column = Column("bouc_wen.n", AT_LEAST_ONE, "polynomial", knots)
-        damper = of_exponent(column.law(np.ones(degree + 1), knots[0], knots[-1]))
-        values = damper.values(np.linspace(knots[0], knots[-1], 200))[:, -1]
-        assert values.min() >= 1.0
-        assert values.max() < 1.0 + 1e-6
-        assert np.min(damper.all_laws["bouc_wen.n"].extremes()) >= 1.0
 
 
 JUST_BELOW = float(np.nextafter(1.0, 0.0))

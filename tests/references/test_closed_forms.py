@@ -5,31 +5,10 @@ import math
 
 import numpy as np
 import pytest
+from tests.models.parts.dahl_and_bouc_wen import bouc_wen, cycle, dahl
 
 from dampyr.models import Damper
-from dampyr.models.parts.bouc_wen import BoucWen, PrintedBoucWen, from_printed, to_printed
-
-
-def dahl(kx: float, kw: float, rho: float) -> Damper:
-    return Damper("dahl", {"dahl.kx": kx, "dahl.kw": kw, "dahl.rho": rho})
-
-
-def bouc_wen(model: BoucWen) -> Damper:
-    return Damper("bouc_wen", {f"bouc_wen.{key}": value for key, value in vars(model).items()})
-
-
-@pytest.mark.parametrize("pieces", [1, 7, 1000])
-@pytest.mark.parametrize("direction", [1.0, -1.0])
-def test_a_monotone_piece_of_dahl_is_exact_whatever_the_step(pieces: int, direction: float) -> None:
-    rho, path, w0 = 700.0, 0.0031, 0.37
-    x = direction * np.linspace(0.0, path, pieces + 1)
-    force = dahl(0.0, 1.0, rho).force(np.arange(pieces + 1.0), x, voltage=0.0, state0=[w0])
-    assert force[-1] == pytest.approx(direction + (w0 - direction) * math.exp(-rho * path), rel=1e-9)
-
-
-def cycle(A: float, omega: float, n: int, cycles: int = 2) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    t = np.linspace(0.0, cycles * 2 * math.pi / omega, cycles * n + 1)
-    return t, A * np.cos(omega * t), -A * omega * np.sin(omega * t)
+from dampyr.models.parts.bouc_wen import BoucWen, PrintedBoucWen, from_printed
 
 
 def test_the_limit_cycle_of_dahl_turns_at_minus_tanh() -> None:
@@ -61,8 +40,14 @@ def test_the_ultimate_state_of_figure_2_2() -> None:
     assert far[-1] == pytest.approx(0.1 * figure.z_max, rel=1e-9)
 
 
-@pytest.mark.parametrize("n", [1.0, 1.3, 2.0, 3.7])
-@pytest.mark.parametrize("sigma", [0.5, 1.0, 1.9, 8.0, 600.0])
+@pytest.mark.parametrize(
+    ("n", "sigma"),
+    [
+        pytest.param(n, sigma, marks=[] if (n, sigma) in ((1.3, 0.5), (2.0, 1.9), (3.7, 8.0)) else [pytest.mark.prove])
+        for n in (1.0, 1.3, 2.0, 3.7)
+        for sigma in (0.5, 1.0, 1.9, 8.0, 600.0)
+    ],
+)
 def test_bouc_wen_along_a_path_against_an_independent_solver(n: float, sigma: float) -> None:
     from scipy.integrate import solve_ivp
 
@@ -97,18 +82,3 @@ def test_a_time_warp_of_the_same_path_gives_the_same_state(parts: str) -> None:
     straight = damper.force(path, x, voltage=0.0)
     warped = damper.force(np.expm1(3 * path**2) + path, x, voltage=0.0)
     np.testing.assert_allclose(warped, straight, atol=1e-12)
-
-
-def test_dahl_is_bouc_wen_with_n_and_sigma_one() -> None:
-    t, x, v = cycle(0.006, 5.0, 333)
-    one = dahl(700.0, 60.0, 2000.0).force(t, x, voltage=0.0, velocity=v)
-    other = bouc_wen(BoucWen(700.0, 0.0, 60.0, 2000.0, 1.0, 1.0)).force(t, x, voltage=0.0, velocity=v)
-    np.testing.assert_allclose(other, one, atol=1e-10)
-
-
-@pytest.mark.parametrize("A", [0.3, 1.0, 250.0])
-def test_printed_letters_come_back(A: float) -> None:
-    model = BoucWen(c0=500.0, k0=900.0, kw=120.0, rho=3000.0, sigma=1.2, n=1.6)
-    there = to_printed(model, A=A)
-    again = from_printed(there.c0, there.k0, there.alpha, there.A, there.beta, there.gamma, there.n)
-    assert vars(again) == pytest.approx(vars(model), rel=1e-12)

@@ -41,8 +41,16 @@ def test_the_published_values_are_sampled_and_use_another_g(period: float, publi
     assert float(result.displacement) == pytest.approx(published, abs=6e-8)
 
 
-@pytest.mark.parametrize("damping", [0.0, 0.05, 1.0, 1.7])
-@pytest.mark.parametrize("period", [0.03, 0.21, 1.0, 8.0])
+@pytest.mark.parametrize(
+    ("period", "damping"),
+    [
+        pytest.param(
+            period, damping, marks=[] if damping == 0.05 or (period, damping) == (0.21, 1.7) else [pytest.mark.prove]
+        )
+        for damping in (0.0, 0.05, 1.0, 1.7)
+        for period in (0.03, 0.21, 1.0, 8.0)
+    ],
+)
 def test_all_peaks_agree_with_an_independent_solver(period: float, damping: float) -> None:
     motion = GroundMotion(el_centro().acceleration[:500], 0.02)
     result = spectrum(motion, period, damping)
@@ -60,9 +68,10 @@ def test_a_finer_step_changes_nothing() -> None:
         np.testing.assert_allclose(getattr(coarse, name), getattr(fine, name), rtol=1e-11)
 
 
-def test_nor_does_it_where_responses_turn_and_turn_back_within_a_step() -> None:
+@pytest.mark.parametrize("repeats", [30, pytest.param(160, marks=pytest.mark.prove)])
+def test_nor_does_it_where_responses_turn_and_turn_back_within_a_step(repeats: int) -> None:
     rng = np.random.default_rng(0)
-    for _ in range(160):
+    for _ in range(repeats):
         motion = GroundMotion(rng.standard_normal(rng.integers(3, 80)), 0.02)
         coarse, fine = (spectrum(m, np.geomspace(0.01, 20.0, 40), (0.0, 0.02, 0.3, 1.0, 3.0)) for m in (
             motion, resampled(motion, 0.02 / 9)))  # fmt: skip

@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 
 import dampyr
-from dampyr.models.codegen import batched_path, kernels
-from dampyr.models.codegen.composition import compose
+from dampyr.models.codegen import kernels
 
 PROBE = """
 import sys, numpy as np
@@ -47,6 +46,24 @@ def test_a_kernel_is_cached_and_an_edited_model_is_compiled_anew(tmp_path: Path)
     assert (hits, misses) == (0, 1)
 
 
+def test_where_the_cache_cannot_be_written_kernels_go_to_a_temporary_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    blocked = tmp_path / "a-file"
+    blocked.write_text("")
+    monkeypatch.setenv("DAMPYR_CACHE", str(blocked))
+    kernels.cache_folder.cache_clear()
+    try:
+        folder = kernels.cache_folder()
+    finally:
+        kernels.cache_folder.cache_clear()
+    assert folder.is_dir()
+    assert blocked not in folder.parents
+    assert blocked.read_text() == ""
+    folder.rmdir()
+
+
+@pytest.mark.prove
 def test_a_cache_that_cannot_be_written_is_no_obstacle(tmp_path: Path) -> None:
     blocked = tmp_path / "a-file"
     blocked.write_text("")
@@ -74,9 +91,3 @@ def test_two_processes_that_save_at_once_never_exchange_their_code(monkeypatch: 
     for signature in ("float64", "float32"):
         assert first.load(signature) in (None, f"code of {signature}")
     assert look()
-
-
-def test_a_composition_is_written_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    rows = compose("dahl + spring").workspace_rows
-    monkeypatch.setattr(batched_path, "write_step_block", lambda layout: pytest.fail("written again"))
-    assert compose("dahl + spring").workspace_rows == rows

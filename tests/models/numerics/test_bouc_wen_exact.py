@@ -3,27 +3,16 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
+from tests.models.numerics.bouc_wen_phases import by_phases
 
 from dampyr.models.numerics import bouc_wen_exact
 from dampyr.models.numerics.bouc_wen_exact import (
-    back_at,
     flow,
     flow_any,
     flow_by_c,
     flow_by_n,
-    phase,
     phase_back,
-    state_at,
 )
-from dampyr.models.numerics.bouc_wen_taylor import short_enough, short_step
-
-
-def by_phases(y: float, xi: float, n: float, c: float) -> float:
-    """The step without a short series."""
-    if y < 0.0:
-        rest = phase_back(-y, n, c)
-        return -back_at(rest - xi, n, c, min(rest - xi, 1.0)) if xi < rest else state_at(xi - rest, n)
-    return state_at(phase(y, n) + xi, n)
 
 
 def cases(count: int = 600) -> list[tuple[float, float, float, float]]:
@@ -63,23 +52,6 @@ def test_derivatives_by_the_exponent_and_the_shape() -> None:
         by_c = (by_phases(y, xi, n, c + 1e-5) - by_phases(y, xi, n, c - 1e-5)) / 2e-5
         assert flow_by_n(end, y, xi, n, c) == pytest.approx(by_n, abs=1e-7)
         assert flow_by_c(end, y, xi, n, c) == pytest.approx(by_c, abs=1e-7)
-
-
-def test_a_series_that_does_not_suffice_says_so() -> None:
-    assert short_step(0.05, 0.3, 1.4, 1.0, -1.0) == -2.0
-    h = short_enough(0.8, 1.4, 1.0, -1.0)
-    assert short_step(0.8, h, 1.4, 1.0, -1.0) == pytest.approx(by_phases(0.8, h, 1.4, 1.0), abs=1e-13)
-
-
-def test_every_term_of_the_series_is_right() -> None:
-    worst, taken = 0.0, 0
-    for y in np.linspace(0.2, 0.98, 40):
-        for h in np.linspace(0.5, 2.0, 8) * short_enough(y, 2.0, 1.0, -1.0):
-            value = short_step(y, h, 2.0, 1.0, -1.0)
-            if value > 0.0:
-                worst, taken = max(worst, abs(value - np.tanh(np.arctanh(y) + h))), taken + 1
-    assert taken > 100
-    assert worst < 6e-15
 
 
 def missed_by(y: float, xi: float, n: float, c: float) -> float:

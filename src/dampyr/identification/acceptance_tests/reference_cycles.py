@@ -196,8 +196,9 @@ def _has_same_input(one: Record, other: Record) -> bool:
     if one.input_value is None or other.input_value is None:
         return True
     largest = max(abs(one.input_value), abs(other.input_value), SMALLEST)
-    steady = is_steady(one, largest) and is_steady(other, largest)
-    return steady and abs(one.input_value - other.input_value) <= TOLERANCE * largest
+    if abs(one.input_value - other.input_value) > TOLERANCE * largest:
+        return False
+    return is_steady(one, largest) and is_steady(other, largest)
 
 
 def _has_same_smoothing(one: Record, other: Record) -> bool:

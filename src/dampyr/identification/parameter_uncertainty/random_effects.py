@@ -16,7 +16,7 @@ Given the spread, the mean has the weights :math:`1/(\tau^2 + s_i^2)`, and a new
 of which the quantiles are taken over the distribution of :math:`\tau`. Without errors this is Student's t with k - 1,
 :math:`\bar y \pm t\, S\sqrt{1 + 1/k}`, exactly. Of 95 % intervals of new groups, 93 to 97 % held them with 3 to 12 groups
 whose errors are as large as the spread, 94 to 96 % with errors of a fifth of it, and 96 to 99 % with errors of 2.5 times it
-(`tests/identification/test_specimens.py`).
+(`tests/identification/parameter_uncertainty/test_random_effects.py`).
 """
 
 from __future__ import annotations
