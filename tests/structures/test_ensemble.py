@@ -29,6 +29,7 @@ from dampyr.structures import (
     two_storey,
     write_part,
 )
+from dampyr.structures.batch.assemble import QUANTITIES
 from dampyr.structures.batch.engine import engine
 from dampyr.structures.batch.modal import classical_modes
 from dampyr.structures.ensembles.ensemble import run
@@ -86,7 +87,7 @@ def test_cases_go_on_after_their_records(cubics: Damper, tmp_path: Path) -> None
         ensemble(*given, after=-1)
 
 
-@pytest.mark.parametrize("precision", [64, 32])
+@pytest.mark.parametrize("precision", [64, pytest.param(32, marks=pytest.mark.prove)])
 def test_a_bare_building(precision: int) -> None:
     dataset = ensemble(two_storey(), el_centro(), scales=[1.0, -1.0], precision=precision).dataset
     np.testing.assert_allclose(dataset.displacement[0, 0, 0, 0, 0, 0], 45.5340e-3, rtol=1e-4)  # FACTS, finding 13
@@ -252,7 +253,7 @@ def of(name: str) -> Damper:
         pytest.param("dahl + free_play", 0, marks=pytest.mark.prove),
         pytest.param("hysteretic_biviscous + spring + compliance", 0, marks=pytest.mark.prove),
         pytest.param("dahl + compliance + delay", 0, marks=pytest.mark.prove),
-        ("dahl + inertia", 1),
+        pytest.param("dahl + inertia", 1, marks=pytest.mark.prove),
     ],
 )
 def test_every_kind_of_damper(name: str, one_by_one: int) -> None:
@@ -346,7 +347,7 @@ def test_an_engine_is_told_its_steps(cubics: Damper) -> None:
     rows = connections(two_storey(), site)
     peaks = []
     for m in (4, 8, 16):
-        one = engine(two_storey(), rows, (site[0].composition,), 0.02, m, ("displacement",))
+        one = engine(two_storey(), rows, (site[0].composition,), 0.02, m, QUANTITIES)
         peaks.append(
             one.run([el_centro().acceleration], [site[0].values[None]], np.zeros((1, 1)))["displacement"][0, 0]
         )
