@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from dampyr.errors import InputError
+from dampyr.models import Damper
 from dampyr.structures import available_control_laws, control_law
 from dampyr.structures.control.on_off import OnOff
-from dampyr.structures.control_laws import describe_law, is_control_law, parts, source, spelled
+from dampyr.structures.control_laws import describe_law, is_control_law, law_of, parts, source, spelled
 
 
 def test_a_law_is_a_file():
@@ -116,3 +117,9 @@ def test_a_law_that_asks_for_what_is_not_sensed_is_refused():
     assert is_control_law(Curious())
     with pytest.raises(InputError, match="asks for 'temperature'; it may use signal, stroke, rate, force, low"):
         source((Curious(),))
+
+
+def test_a_law_is_a_text_over_the_range_of_its_damper(cubics: Damper) -> None:
+    assert law_of("on_off:lag=10ms", cubics) == control_law(
+        "on_off", low=cubics.range[0], high=cubics.range[1], lag=0.01
+    )

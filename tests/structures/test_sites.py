@@ -1,48 +1,14 @@
+"""Dampers in storeys and between any two floors: what a place means, and what is refused."""
+
 import numpy as np
 import pytest
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, el_centro
 from dampyr.models import Damper
-from dampyr.structures import Building, respond, shear_building, state_space
-from dampyr.structures.time_history.linear_response import peak_displacement
+from dampyr.structures import Building, ensemble, respond, two_storey
 
 MOTION = GroundMotion(np.asarray(el_centro().acceleration)[:201], 0.02, "start of El Centro")
-
-
-@pytest.fixture(scope="module")
-def building() -> Building:
-    made = shear_building([150.0, 140.0, 120.0], [140e3, 110e3, 80e3], damping_ratio=0.03)
-    return Building(made.M, made.C, made.K, "three floors", floors=("low", "middle", "top"))
-
-
-def test_rows_of_places(building):
-    assert building.connection(2).tolist() == [-1.0, 1.0, 0.0]
-    assert building.connection((1, 2)).tolist() == [-1.0, 1.0, 0.0]
-    assert building.connection((0, 2)).tolist() == [0.0, 1.0, 0.0]
-    assert building.connection(("ground", "middle")).tolist() == [0.0, 1.0, 0.0]
-    assert building.connection(("low", 3)).tolist() == [-1.0, 0.0, 1.0]
-    assert building.connection((3, 1)).tolist() == [1.0, 0.0, -1.0]
-
-
-@pytest.mark.parametrize(
-    ("place", "message"),
-    [
-        ((0, 4), r"floor 4 is not in three floors; write 0 .* up to 3, or a label: low, middle, top"),
-        (("low", "attic"), r"floor 'attic' is not in"),
-        ((2, 2), r"joins floor 2 to itself"),
-        ((1, 2, 3), r"names 3 floors; .* between 2"),
-        ((0, True), r"floor True is not in"),
-    ],
-)
-def test_a_place_that_is_not_there(building, place, message):
-    with pytest.raises(InputError, match=message):
-        building.connection(place)
-
-
-def test_a_floor_may_not_be_called_as_the_ground_is():
-    with pytest.raises(InputError, match=r"a floor is called 'ground'"):
-        Building(np.eye(2), np.eye(2), np.eye(2), floors=("ground", "first"))
 
 
 @pytest.mark.prove
@@ -112,13 +78,19 @@ def test_the_calibrated_stroke_holds_over_two_storeys_too(building, cubics):
     assert len(response.doubts) == 1
 
 
-def test_the_largest_stroke_lies_between_samples():
-    t = np.arange(0.0, 1.0, 0.05) + 0.013
-    largest_stroke = peak_displacement(np.sin(7.0 * t), 7.0 * np.cos(7.0 * t), 0.05)
-    assert largest_stroke == pytest.approx(1.0, abs=2e-4)
-    assert np.abs(np.sin(7.0 * t)).max() < 1.0 - 2e-4
+DAHL = {"dahl.kx": 1000.0, "dahl.kw": 200.0, "dahl.rho": 1000.0}
 
 
-def test_state_space_takes_places(building):
-    model = state_space(building, [1, (0, 3)])
-    assert model.connection.tolist() == [[-1.0, 0.0], [0.0, 0.0], [0.0, -1.0]]
+def test_draws_are_of_the_dampers_before_their_parts_are_left_out() -> None:
+    """As `Damper.draws` gives them, by the seed; of several dampers each has its own seed, of one in two places one."""
+    card = Damper("dahl", DAHL, covariance=np.diag([1e2, 1.0, 1e2]))
+    drawn = card.draws(20, 3)
+    responses = respond(two_storey(), MOTION, {1: card}, voltage=[0.0], draws=20, seed=3)
+    peaks = ensemble(two_storey(), MOTION, drawn, 0.0, accuracy="strict", quantities="force").dataset.force.values
+    low, high = responses.intervals["0 V"]["peak_force_N"]
+    np.testing.assert_array_equal([low, high], np.quantile(peaks[0, :, 0, 0, 0], (0.05, 0.95), axis=0))
+    both = ensemble(two_storey(), MOTION, [None, {1: card, 2: card}], 0.0, draws=2, seed=3, quantities="force").dataset
+    ours = ensemble(
+        two_storey(), MOTION, [None, *({1: d, 2: d} for d in card.draws(2, 3))], 0.0, quantities="force"
+    ).dataset
+    np.testing.assert_array_equal(both.force, ours.force)
