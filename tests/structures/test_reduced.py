@@ -161,7 +161,7 @@ def test_weights_of_a_law_are_those_of_the_floors() -> None:
 def test_an_ensemble_takes_the_structure_that_a_response_takes() -> None:
     whole = structures.shear_building([1e5] * 2, [1.5e8] * 2, damping_ratio=0.02)
     made, damper, wanted = by_modes(whole, [2]), dashpot(1e6), ("displacement", "acceleration")
-    peaks_of_all = structures.ensemble(made, MOTION, damper, [0.0], accuracy="strict", quantities=wanted).dataset
+    peaks_of_all = structures.ensemble(made, MOTION, damper, [0.0], accuracy="strict").dataset
     single = structures.respond(made, MOTION, {1: damper}, voltage=0.0)
     other = structures.respond(whole, MOTION, {(0, 2): damper}, voltage=0.0)
     for name in wanted:
@@ -169,7 +169,7 @@ def test_an_ensemble_takes_the_structure_that_a_response_takes() -> None:
         np.testing.assert_allclose(values, peaks, rtol=2e-3)
         np.testing.assert_allclose(peaks, getattr(other, f"peak_{name}")[1:], rtol=1e-9)
     assert peaks_of_all.attrs["truncation_error"] == peaks_of_all.attrs["truncation_error_acceleration"] == 0.0
-    plain = structures.ensemble(whole, MOTION, {(0, 2): damper}, [0.0], accuracy="strict", quantities=wanted).dataset
+    plain = structures.ensemble(whole, MOTION, {(0, 2): damper}, [0.0], accuracy="strict").dataset
     assert "truncation_error" not in plain.attrs
 
 

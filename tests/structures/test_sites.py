@@ -1,5 +1,7 @@
 """Dampers in storeys and between any two floors: what a place means, and what is refused."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, el_centro
 from dampyr.models import Damper
 from dampyr.structures import Building, ensemble, respond, two_storey
+from dampyr.structures.sites import describe_place, drawn_placements, drifts, make_sites
 
 MOTION = GroundMotion(np.asarray(el_centro().acceleration)[:201], 0.02, "start of El Centro")
 
@@ -86,11 +89,32 @@ def test_draws_are_of_the_dampers_before_their_parts_are_left_out() -> None:
     card = Damper("dahl", DAHL, covariance=np.diag([1e2, 1.0, 1e2]))
     drawn = card.draws(20, 3)
     responses = respond(two_storey(), MOTION, {1: card}, voltage=[0.0], draws=20, seed=3)
-    peaks = ensemble(two_storey(), MOTION, drawn, 0.0, accuracy="strict", quantities="force").dataset.force.values
+    peaks = ensemble(two_storey(), MOTION, drawn, 0.0, accuracy="strict").dataset.force.values
     low, high = responses.intervals["0 V"]["peak_force_N"]
     np.testing.assert_array_equal([low, high], np.quantile(peaks[0, :, 0, 0, 0], (0.05, 0.95), axis=0))
-    both = ensemble(two_storey(), MOTION, [None, {1: card, 2: card}], 0.0, draws=2, seed=3, quantities="force").dataset
-    ours = ensemble(
-        two_storey(), MOTION, [None, *({1: d, 2: d} for d in card.draws(2, 3))], 0.0, quantities="force"
-    ).dataset
+    both = ensemble(two_storey(), MOTION, [None, {1: card, 2: card}], 0.0, draws=2, seed=3).dataset
+    ours = ensemble(two_storey(), MOTION, [None, *({1: d, 2: d} for d in card.draws(2, 3))], 0.0).dataset
     np.testing.assert_array_equal(both.force, ours.force)
+
+
+def test_a_site_has_no_static_force() -> None:
+    """A building is at rest in its equilibrium with it; in a test of the damper alone it is measured."""
+    laws = {"dahl.kx": 900.0, "dahl.kw": 150.0, "dahl.rho": 9000.0, "offset.f0": 130.0}
+    [site] = make_sites(two_storey(), Damper("dahl + offset", laws), 0.0, None, False)
+    assert dict(zip(site.composition.parameters, site.values, strict=True)) == laws | {"offset.f0": 0.0}
+
+
+def test_dampers_that_are_drawn_are_the_same_in_all_their_places() -> None:
+    card = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 150.0, "dahl.rho": 9000.0}, covariance=np.diag([9.0, 4.0, 1.0]))
+    other = replace(card)
+    for placed in drawn_placements({1: card, 2: [card, other]}, 3, 5):
+        assert placed[1] is placed[2][0]
+        assert placed[1].values(0.0) != pytest.approx(placed[2][1].values(0.0), rel=1e-9)
+    first = [placed[1].values(0.0) for placed in drawn_placements({1: card}, 3, 5)]
+    np.testing.assert_array_equal(first, [drawn.values(0.0) for drawn in card.draws(3, 5)])
+
+
+def test_drifts_are_differences_of_neighbours(building: Building) -> None:
+    np.testing.assert_array_equal(drifts(building), np.eye(3) - np.eye(3, k=-1))
+    assert describe_place(2) == "in storey 2"
+    assert describe_place((0, 2)) == "between floors 0 and 2"
