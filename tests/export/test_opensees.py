@@ -9,17 +9,22 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing, contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from tests.invariants.test_every_part import typical
 
 import dampyr as dp
+from dampyr.cli import cli
 from dampyr.errors import InputError
 from dampyr.export import export, opensees_server
+from dampyr.export.opensees_server import live_damper
 from dampyr.ground_motions import GroundMotion
 from dampyr.models import Damper, Interpolation
 from dampyr.structures.control_laws import law_of
@@ -74,6 +79,20 @@ def model(step: float, motion: GroundMotion | None = None, **request: Any) -> di
 
 
 @contextmanager
+def answered(make: Any) -> Iterator[tuple[int, Future[opensees_server.LiveSummary]]]:
+    """The server in a thread of this process: its port, and what it says of the only client."""
+    listening = opensees_server.listen("127.0.0.1", 0)
+
+    def serve() -> opensees_server.LiveSummary:
+        connection, _ = listening.accept()
+        with connection:
+            return opensees_server.answer(connection, make)
+
+    with closing(listening), ThreadPoolExecutor(1) as thread:
+        yield listening.getsockname()[1], thread.submit(serve)
+
+
+@contextmanager
 def served(*options: str) -> Iterator[tuple[int, subprocess.Popen[str]]]:
     """``dampyr serve raminelli_2020`` in a process of its own, and its port."""
     words = [sys.executable, "-m", "dampyr", "serve", "raminelli_2020", "--opensees", "0", *options]
@@ -95,6 +114,12 @@ def test_the_text_gives_chapter_5_within_half_a_per_cent(tmp_path: Path) -> None
     python, _ = export(raminelli_2020.damper(), "opensees", tmp_path, inputs=[0.0, 1.98])
     answer = model(0.005, text=str(python), voltage=0.0)
     assert 1e3 * answer["peaks"][0] == pytest.approx(FIRST_FLOOR, rel=5e-3)
+
+
+@pytest.mark.prove
+@pytest.mark.usefixtures("opensees")
+def test_the_text_gives_the_response_at_another_voltage(tmp_path: Path) -> None:
+    python, _ = export(raminelli_2020.damper(), "opensees", tmp_path, inputs=[0.0, 1.98])
     expected = dp.structures.respond(
         dp.structures.two_storey(), dp.ground_motions.el_centro(), {1: raminelli_2020.damper()}, voltage=1.98
     )
@@ -216,7 +241,7 @@ def test_the_wire_step_by_step() -> None:
     expected = damper.force(t, x, velocity=v, voltage=1.98)
     _, kw, rho = damper.values(1.98)
     initial = kw * rho
-    with served("--voltage", "1.98", "--json") as (port, server), closing(Client(port)) as client:
+    with answered(partial(live_damper, damper=damper, u=1.98)) as (port, said), closing(Client(port)) as client:
         for k in range(t.size):
             for wrong in (2.0, -1.0):
                 client.send(3, wrong * x[k] + 1e-3, -v[k], 0.0, t[k])
@@ -233,37 +258,51 @@ def test_the_wire_step_by_step() -> None:
             assert float(client.ask(12)[0]) == pytest.approx(initial, rel=1e-3)
             client.send(5)
         client.send(99)
-        said = json.loads(server.communicate(timeout=20)[0])
-    assert (said["steps"], said["degrees_of_freedom"]) == (60, 1)
-    assert said["ended"] == "the client ended it"
+        summary = said.result(timeout=60)
+    assert (summary.steps, summary.degrees_of_freedom) == (60, 1)
+    assert summary.ended == "the client ended it"
+
+
+def test_what_is_wrong_on_the_wire_is_a_sentence() -> None:
+    fixed = partial(live_damper, damper=raminelli_2020.damper(), u=0.0)
+    law = law_of("lyapunov", raminelli_2020.damper())
+    controlled = partial(
+        live_damper, damper=raminelli_2020.damper(), u=law, law=law, building=dp.structures.two_storey()
+    )
+    for make, degrees, words in (
+        (fixed, 3, "3 degrees of freedom; give it one"),
+        (fixed, 0, "is not a genericClient of OpenSees"),
+        (controlled, 1, "1 degrees of freedom and"),
+    ):
+        with answered(make) as (port, said), closing(Client(port, degrees=degrees)):
+            with pytest.raises(InputError, match=words):
+                said.result(timeout=60)
+    with answered(fixed) as (port, said):
+        client = Client(port)
+        client.send(3, 0.0, 0.0, 0.0, 0.0)
+        client.close()
+        assert said.result(timeout=60).ended == "the client left without a word"
+        assert said.result().steps == 0
+    with answered(fixed) as (port, said), closing(Client(port)) as client:
+        client.send(77)
+        with pytest.raises(InputError, match="the client sent 77"):
+            said.result(timeout=60)
+    with answered(fixed) as (port, said):
+        socket.create_connection(("127.0.0.1", port)).close()
+        assert said.result(timeout=60).ended == "the client left before it said anything"
 
 
 @pytest.mark.prove
-def test_what_is_wrong_on_the_wire_is_a_sentence() -> None:
-    def ended(server: subprocess.Popen[str]) -> str:
-        out, err = server.communicate(timeout=60)
-        return out + err
-
+def test_what_is_wrong_on_the_wire_ends_the_command_with_that_sentence() -> None:
     with served("--voltage", "0") as (port, server), closing(Client(port, degrees=3)):
-        assert "3 degrees of freedom; give it one" in ended(server)
-    with served("--voltage", "0") as (port, server), closing(Client(port, degrees=0)):
-        assert "is not a genericClient of OpenSees" in ended(server)
+        assert "3 degrees of freedom; give it one" in "".join(server.communicate(timeout=60))
     with served("--voltage", "0") as (port, server):
         client = Client(port)
         client.send(3, 0.0, 0.0, 0.0, 0.0)
         client.close()
-        assert "the client left without a word: 0 steps" in ended(server)
-    with served("--voltage", "0") as (port, server), closing(Client(port)) as client:
-        client.send(77)
-        assert "the client sent 77" in ended(server)
-    with served("--voltage", "0") as (port, server):
-        socket.create_connection(("127.0.0.1", port)).close()
-        assert "the client left before it said anything" in ended(server)
-    with served("--control", "lyapunov") as (port, server), closing(Client(port, degrees=1)):
-        assert "1 degrees of freedom and" in ended(server)
+        assert "the client left without a word: 0 steps" in "".join(server.communicate(timeout=60))
 
 
-@pytest.mark.prove
 def test_wrong_arguments_are_refused_before_anything_listens() -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
@@ -278,13 +317,8 @@ def test_wrong_arguments_are_refused_before_anything_listens() -> None:
             (["--opensees", "0", "--voltage", "0", "--storey", "1"], "give --structure too"),
             (["--opensees", "0", "--control", "lyapunov", "--storey", "5"], "5"),
         ):
-            done = subprocess.run(
-                [sys.executable, "-m", "dampyr", "serve", "raminelli_2020", *options],
-                capture_output=True,
-                text=True,
-                check=False,
-            )
-            assert (done.returncode, words in done.stderr) == (2, True), (options, done.stderr)
+            done = CliRunner().invoke(cli, ["serve", "raminelli_2020", *options])
+            assert (done.exit_code, words in done.stderr) == (2, True), (options, done.stderr)
 
 
 def test_a_delay_is_refused() -> None:
