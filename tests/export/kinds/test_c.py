@@ -5,40 +5,18 @@ import subprocess
 
 import numpy as np
 import pytest
+from tests.export.every_law import everything
 from tests.invariants.test_every_part import MAIN, SERIES, run_c, typical
 
 from dampyr.errors import InputError
 from dampyr.export import export
-from dampyr.models import Constant, Damper, Interpolation, Polynomial, available_parts
+from dampyr.models import Constant, Damper, available_parts
 from dampyr.models.part import part
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is missing: the C export cannot be compiled")
-
 needs_make = pytest.mark.skipif(
     shutil.which("make") is None, reason="make is missing: the exported vectors cannot be replayed"
 )
-
-
-def everything() -> Damper:
-    """A damper of many parts with every kind of law."""
-    return Damper(
-        "bouc_wen + hyperbolic_tangent + spring + delay + offset",
-        {
-            "bouc_wen.c0": Polynomial((500.0, 20.0), 0, 3),
-            "bouc_wen.k0": 100.0,
-            "bouc_wen.kw": Polynomial((300.0, 100.0, -10.0), 0, 3),
-            "bouc_wen.rho": 2000.0,
-            "bouc_wen.sigma": 1.3,
-            "bouc_wen.n": Interpolation((0.0, 1.0, 3.0), (1.3, 1.5, 2.2)),
-            "hyperbolic_tangent.c": 3.0,
-            "hyperbolic_tangent.ft": Interpolation((0.0, 1.0, 2.0, 3.0), (100.0, 150.0, 190.0, 200.0)),
-            "hyperbolic_tangent.v0": 0.01,
-            "hyperbolic_tangent.s": -0.3,
-            "spring.k0": -200.0,
-            "delay.tau": Polynomial((0.005, 0.001), 0, 3),
-            "offset.f0": 30.0,
-        },
-    )
 
 
 @needs_gcc

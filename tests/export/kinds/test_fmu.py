@@ -17,7 +17,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
-from tests.export.kinds.test_c import everything
+from tests.export.every_law import everything
 
 from dampyr.errors import InputError
 from dampyr.export import export
