@@ -152,6 +152,7 @@ def test_the_wire_step_by_step() -> None:
         summary = said.result(timeout=60)
     assert (summary.steps, summary.degrees_of_freedom) == (60, 1)
     assert summary.ended == "the client ended it"
+    assert summary.time == pytest.approx(t[-1])
 
 
 def test_what_is_wrong_on_the_wire_is_a_sentence() -> None:
