@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.structures.batch.uncompiled import uncompiled
 
 from dampyr.structures.batch import branchless_math
 
@@ -11,11 +12,8 @@ LIMITS = {64: (1e-8, 1e-8, 5e-9), 32: (4e-6, 6e-7, 1e-6)}  # relative of exp, ab
 @pytest.fixture(scope="module", params=[64, 32])
 def named(request: pytest.FixtureRequest) -> dict:
     """The functions of one precision as plain Python, and its type under "kind"."""
-    compiled = branchless_math.functions(request.param)
-    plain = {name: function.py_func for name, function in compiled.items()}
-    for function in plain.values():
-        function.__globals__.update(plain)
-    return plain | {"kind": np.float64 if request.param == 64 else np.float32, "limits": LIMITS[request.param]}
+    names = uncompiled(branchless_math.functions(request.param))
+    return names | {"kind": np.float64 if request.param == 64 else np.float32, "limits": LIMITS[request.param]}
 
 
 def values(named: dict, name: str, x: np.ndarray) -> np.ndarray:
