@@ -1,15 +1,12 @@
 """The campaign read and identified: slopes of a record whose damper is known, and files that are not there."""
 
-import shutil
-from pathlib import Path
-
 import numpy as np
 import pytest
 from tests.identification.synthetic import sine
 
 from dampyr.identification.limit_cycle_methods.plastic_region import PlasticRegion
 from dampyr.models import Damper
-from dampyr.studies.raminelli_2020.campaign_records import crossing_slopes, load
+from dampyr.studies.raminelli_2020.campaign_records import PublishedCampaign, crossing_slopes
 
 KX, KW, RHO = 900.0, 150.0, 1500.0
 
@@ -25,16 +22,10 @@ def test_the_slope_of_the_hysteretic_force_where_it_crosses_zero_is_rho() -> Non
     np.testing.assert_allclose(twice, slopes / 2.0, rtol=1e-12)
 
 
-def test_rows_without_a_file_are_told_and_nothing_is_fitted_to_all_voltages_of_one(
-    campaign_folder: Path, tmp_path: Path
-) -> None:
-    for name in ("campaign.csv", "ensaio5.1.mat"):
-        shutil.copy(campaign_folder / name, tmp_path / name)
-    stages: list[tuple[str, float]] = []
-    campaign = load(tmp_path, lambda stage, done: stages.append((stage, done)))
-    [test] = campaign.tests
-    assert campaign.test("4.2", test.row.row) is test
-    assert campaign.table("4.2") == [test]
-    assert campaign.table("4.3") == campaign.validation == []
-    assert (campaign.joint, len(campaign.absent)) == (None, 40)
-    assert stages == [("identifying each record", 0.0), ("identifying each record", 1.0)]
+def test_rows_without_a_file_are_told_and_nothing_is_fitted_to_one_voltage(one_file: PublishedCampaign) -> None:
+    [test] = one_file.tests
+    assert one_file.test("4.2", test.row.row) is test
+    assert one_file.table("4.2") == [test]
+    assert one_file.table("4.3") == one_file.validation == []
+    assert (one_file.joint, len(one_file.absent)) == (None, 40)
+    assert test.least_squares is not None

@@ -11,12 +11,6 @@ from dampyr.studies.raminelli_2020.compared_value import PrintedNumber
 from dampyr.studies.raminelli_2020.study_part import StudyPart
 
 
-@pytest.fixture(scope="module")
-def second() -> StudyPart:
-    """Chapter 2."""
-    return chapter_2(PUBLISHED)
-
-
 class TestSection24:
     def test_the_example_is_recovered_and_the_printed_slope_is_the_nearest_samples(self, second: StudyPart) -> None:
         steps = "Section 2.4, steps 3 to 5"
@@ -33,6 +27,7 @@ class TestSection24:
     def test_figure_2_2(self, second: StudyPart) -> None:
         assert one(second, "Figure 2.2", "largest z").ours == pytest.approx(0.56512, abs=5e-6)
 
+    @pytest.mark.prove
     def test_the_verdict_follows_the_printed_number(self) -> None:
         exact = replace(PUBLISHED, example=replace(PUBLISHED.example, a=PrintedNumber("4457.6")))
         assert one(chapter_2(exact), "Section 2.4, steps 3 to 5", "a of Step 4, exact").verdict == "agrees"

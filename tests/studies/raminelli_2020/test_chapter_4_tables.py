@@ -1,4 +1,4 @@
-"""Table 4.1 of Raminelli (2020) from the printed rows."""
+"""Tables of Raminelli (2020): 4.1 from the printed rows, the others with the rows that have a file."""
 
 from dataclasses import replace
 
@@ -6,7 +6,8 @@ import pytest
 from tests.studies.raminelli_2020.artefact_values import one
 
 from dampyr.studies.raminelli_2020 import PUBLISHED
-from dampyr.studies.raminelli_2020.chapter_4_tables import table_4_1
+from dampyr.studies.raminelli_2020.campaign_records import PublishedCampaign
+from dampyr.studies.raminelli_2020.chapter_4_tables import table_4_1, tables
 from dampyr.studies.raminelli_2020.compared_value import PrintedNumber
 
 
@@ -31,3 +32,10 @@ class TestTable41:
     def test_another_row_changes_the_mean(self) -> None:
         rows = tuple(replace(r, kx=0.9) if (r.table, r.row) == ("4.2", 1) else r for r in PUBLISHED.rows)
         assert one(table_4_1(replace(PUBLISHED, rows=rows)), "Table 4.1", "mean of kx").verdict == "differs"
+
+
+def test_what_has_no_file_is_not_guessed(one_file: PublishedCampaign) -> None:
+    first, *others = tables(PUBLISHED, one_file)
+    assert one(first, "Table 4.2", "row 5: frequency").verdict == "agrees"
+    assert one(first, "Table 4.2", "row 6: frequency").ours is None
+    assert {value.ours for part in others for value in part.compared if value.quantity.startswith("row")} == {None}

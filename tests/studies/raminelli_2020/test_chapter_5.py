@@ -11,12 +11,6 @@ from dampyr.studies.raminelli_2020.compared_value import PrintedNumber
 from dampyr.studies.raminelli_2020.study_part import StudyPart
 
 
-@pytest.fixture(scope="module")
-def fifth() -> StudyPart:
-    """Chapter 5."""
-    return chapter_5(PUBLISHED)
-
-
 class TestChapter5:
     def test_the_peaks(self, fifth: StudyPart) -> None:
         for case, peak in (("case 1", 45.5340), ("case 2", 27.2081), ("case 3", 3.5215)):

@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 from tests.identification.synthetic import sine
+from tests.studies.raminelli_2020.artefact_values import one
 
 from dampyr.models import Damper
-from dampyr.studies.raminelli_2020.prediction import DEFINITIONS, constant_damper, describe_near, percent
+from dampyr.studies.raminelli_2020 import PUBLISHED
+from dampyr.studies.raminelli_2020.campaign_records import PublishedCampaign
+from dampyr.studies.raminelli_2020.prediction import DEFINITIONS, constant_damper, describe_near, errors, percent
 
 LAWS = {"dahl.kx": 900.0, "dahl.kw": 150.0, "dahl.rho": 9000.0}
 
@@ -50,3 +53,9 @@ def test_printed_coefficients_are_a_damper_in_si() -> None:
     damper = constant_damper({"kx": 0.9, "kw": 150.0, "rho": 9.0}, 1.0)
     assert damper.values(1.0) == pytest.approx([900.0, 150.0, 9000.0])
     assert damper.range == (1.0, 1.0)
+
+
+def test_without_validation_runs_there_is_no_mean_error(one_file: PublishedCampaign) -> None:
+    part = errors(PUBLISHED, one_file)
+    assert one(part, "21.71 %", "mean error").ours is None
+    assert one(part, "14.81 %", "mean of L1").ours is not None

@@ -19,14 +19,6 @@ ARTEFACTS = (
 
 
 @pytest.fixture(scope="module")
-def bare(tmp_path_factory: pytest.TempPathFactory) -> Study:
-    """The study on a machine without the data."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("DAMPYR_DATA", str(tmp_path_factory.mktemp("no-data")))
-        return raminelli_2020.reproduce(out=tmp_path_factory.mktemp("bare"))
-
-
-@pytest.fixture(scope="module")
 def study(campaign_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Study:
     """The study on the real files."""
     return raminelli_2020.reproduce(campaign_folder, tmp_path_factory.mktemp("study"))
@@ -123,6 +115,7 @@ class TestOnTheFiles:
             assert f.reason
 
 
+@pytest.mark.prove
 def test_a_folder_with_few_files(campaign_folder: Path, tmp_path: Path) -> None:
     """What is not there is not guessed: one file at 0 V, no joint model, no validation run."""
     for name in ("campaign.csv", "ensaio5.1.mat"):
