@@ -33,7 +33,7 @@ HIGH = 3.212
 @pytest.fixture(scope="module")
 def motions() -> list[GroundMotion]:
     """Of different steps, which laws must fit both."""
-    return [kanai_tajimi(4.0, dt=0.02, seed=1, pga=3.0), kanai_tajimi(3.0, dt=0.01, seed=2, pga=2.0)]
+    return [kanai_tajimi(1.6, dt=0.02, seed=1, pga=3.0), kanai_tajimi(1.2, dt=0.01, seed=2, pga=2.0)]
 
 
 @pytest.fixture(scope="module")

@@ -104,8 +104,8 @@ def test_seeds() -> None:
 def test_a_ratio_of_the_height() -> None:
     data = made(drawn(30))
     metres, ratio = (
-        fragility(data, limit=1.5, intensity="scale"),
-        fragility(data, limit=0.5, intensity="scale", height=3.0),
+        fragility(data, limit=1.5, intensity="scale", draws=0),
+        fragility(data, limit=0.5, intensity="scale", height=3.0, draws=0),
     )
     assert metres.curves[0].theta == ratio.curves[0].theta
     assert (metres.limit_unit, ratio.limit_unit) == ("m", "")

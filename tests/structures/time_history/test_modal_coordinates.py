@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from scipy.signal import lsim
+from tests.structures.begin_of_el_centro import short
 
 import dampyr as dp
 from dampyr import structures
@@ -40,7 +41,7 @@ def test_the_modes_that_are_kept_are_exact(tmp_path: Path) -> None:
 
 def test_its_error_without_dampers_is_what_it_says(tmp_path: Path) -> None:
     """Of the modes and static answers alone: its state space on its ten floors, by scipy's exact steps, beside all of TALL."""
-    made, motion = loaded(tmp_path), dp.ground_motions.el_centro()
+    made, motion = loaded(tmp_path), short(8.0)
     motion = dp.ground_motions.resampled(motion, 0.005, "linear")
     model, at = structures.state_space(made), np.array(FLOORS) - 1
     _, acceleration, z = lsim((model.A, model.E[:, None], model.C, model.F[:, None]), motion.acceleration, motion.time)
@@ -61,7 +62,7 @@ def test_its_error_without_dampers_is_what_it_says(tmp_path: Path) -> None:
 
 
 def test_modes_alone_are_the_linear_response() -> None:
-    motion = dp.ground_motions.el_centro()
+    motion = short(8.0)
     squares, shapes = TALL.modes()
     x, acceleration, shear = modal_response(
         shapes, squares, TALL.damping_ratios, shapes.T @ TALL.M @ np.ones(20), motion

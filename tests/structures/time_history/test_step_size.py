@@ -18,7 +18,7 @@ from dampyr.studies import raminelli_2020
 
 
 def test_small_amplitude_and_high_voltage_keep_the_accuracy(cubics):
-    motion = el_centro().scaled(0.05)
+    motion = short(10.0, 0.05)
     strict = respond(two_storey(), motion, {1: cubics}, voltage=2.25)
     fine = respond(two_storey(), motion, {1: cubics}, voltage=2.25, step=5e-5)
     assert strict.peak_displacement == pytest.approx(fine.peak_displacement, rel=2e-4)
