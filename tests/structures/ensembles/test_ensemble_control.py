@@ -33,7 +33,7 @@ HIGH = 3.212
 @pytest.fixture(scope="module")
 def motions() -> list[GroundMotion]:
     """Of different steps, which laws must fit both."""
-    return [kanai_tajimi(1.6, dt=0.02, seed=1, pga=3.0), kanai_tajimi(1.2, dt=0.01, seed=2, pga=2.0)]
+    return [kanai_tajimi(2.0, dt=0.02, seed=1, pga=3.0), kanai_tajimi(1.2, dt=0.01, seed=2, pga=2.0)]
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +41,9 @@ def law() -> object:
     return control_law("on_off", high=HIGH)
 
 
-def test_the_peaks_are_those_of_single_responses(cubics: Damper, motions: list, law: object) -> None:
+@pytest.mark.parametrize("first", [0, pytest.param(1, marks=pytest.mark.prove)])
+def test_the_peaks_are_those_of_single_responses(cubics: Damper, motions: list, law: object, first: int) -> None:
+    """Of every second case."""
     lagging = control_law("on_off", high=HIGH, lag=0.01)
     inputs = [0.0, law, HIGH, lagging]
     dataset = ensemble(two_storey(), motions, [None, cubics], inputs, [0.5, 2.0], accuracy="strict").dataset
@@ -49,12 +51,12 @@ def test_the_peaks_are_those_of_single_responses(cubics: Damper, motions: list, 
     assert dataset.attrs["error_estimate"] < 1e-3
     for u, name in ((1, law), (3, lagging)):
         for k, motion in enumerate(motions):
-            for s, scale in enumerate((0.5, 2.0)):
-                one = respond(two_storey(), motion.scaled(scale), {1: cubics}, voltage=name, accuracy=5e-5)
-                here = dataset.isel(building=0, damper=1, input=u, motion=k, scale=s)
-                np.testing.assert_allclose(here.drift, one.peak_drift, rtol=1e-3)
-                np.testing.assert_allclose(here.displacement, one.peak_displacement, rtol=1e-3)
-                np.testing.assert_allclose(here.energy, one.energy.dampers[:, -1], rtol=2e-3)
+            s = (k + u // 2 + first) % 2
+            one = respond(two_storey(), motion.scaled((0.5, 2.0)[s]), {1: cubics}, voltage=name, accuracy=5e-5)
+            here = dataset.isel(building=0, damper=1, input=u, motion=k, scale=s)
+            np.testing.assert_allclose(here.drift, one.peak_drift, rtol=1e-3)
+            np.testing.assert_allclose(here.displacement, one.peak_displacement, rtol=1e-3)
+            np.testing.assert_allclose(here.energy, one.energy.dampers[:, -1], rtol=2e-3)
     alone = ensemble(two_storey(), motions, cubics, [0.0, HIGH], [0.5, 2.0], accuracy="strict").dataset
     np.testing.assert_array_equal(
         dataset.drift[:, 1, [0, 2]], alone.drift[:, 0]
