@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import socket
 import subprocess
@@ -196,6 +197,12 @@ def test_what_is_wrong_on_the_wire_ends_the_command_with_that_sentence() -> None
         client.send(3, 0.0, 0.0, 0.0, 0.0)
         client.close()
         assert "the client left without a word: 0 steps" in "".join(server.communicate(timeout=60))
+    with served("--voltage", "0", "--json") as (port, server), closing(Client(port)) as client:
+        client.send(3, 0.0, 0.0, 0.0, 0.0)
+        client.send(5)
+        client.send(99)
+        said = json.loads(server.communicate(timeout=60)[0])
+    assert (said["steps"], said["degrees_of_freedom"], said["ended"]) == (1, 1, "the client ended it")
 
 
 def test_wrong_arguments_are_refused_before_anything_listens() -> None:
