@@ -124,6 +124,7 @@ def test_a_killed_run_goes_on(
         ensemble(*given[:3], [other, 0.5], given[4], out=path)
 
 
+@pytest.mark.prove  # test_job_array.py does so without laws
 def test_parts_put_together_are_the_whole(cubics: Damper, motions: list, law: object, tmp_path: Path) -> None:
     given = (two_storey(), motions, cubics, [law, 0.5], [0.5, 1.0])
     for part in (1, 2):
