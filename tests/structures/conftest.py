@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from dampyr.models import Damper, Polynomial
-from dampyr.structures import Building
+from dampyr.structures import Building, shear_building
 
 
 def _law(*coefficients: float) -> Polynomial:
@@ -88,3 +88,10 @@ def _stiff(
 def stiff_reference() -> Callable:
     """An independent reference: the plain ODE, integrated in time by scipy."""
     return _stiff
+
+
+@pytest.fixture(scope="session")
+def building() -> Building:
+    """A building of three floors with names."""
+    bare = shear_building([150.0, 140.0, 120.0], [140e3, 110e3, 80e3], damping_ratio=0.03)
+    return Building(bare.M, bare.C, bare.K, "three floors", floors=("low", "middle", "top"))

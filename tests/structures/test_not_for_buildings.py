@@ -32,9 +32,13 @@ def test_a_response_and_an_ensemble_warn() -> None:
         ensemble(two_storey(), MOTION, SIGMOID, voltage=0.0)
 
 
-def test_the_fit_the_damper_and_its_card_say_so(tmp_path: Path) -> None:
+@pytest.mark.prove  # its kernels take long to compile
+def test_the_fit_says_so() -> None:
     fit_result = fit(sine(SIGMOID, 0.0, noise=1.0), "sigmoid")
     assert any(note.startswith(WORDS) for note in map(str, fit_result.findings))
+
+
+def test_the_damper_and_its_card_say_so(tmp_path: Path) -> None:
     assert WORDS in repr(SIGMOID)
     card = SIGMOID.save(tmp_path / "card.toml")
     assert f"# {WORDS}" in card.read_text("utf-8")

@@ -1,10 +1,11 @@
+"""Shear buildings and single masses: springs, closed forms, damping."""
+
 import numpy as np
 import pytest
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, el_centro
 from dampyr.structures import respond, shear_building, single_mass
-from dampyr.structures.raminelli_2020_building import two_storey_model
 
 
 def test_a_single_mass_under_a_constant_push_follows_the_closed_form():
@@ -46,18 +47,6 @@ def test_wrong_single_masses_are_refused(arguments, message):
         single_mass(1.0, **arguments)
 
 
-def test_the_laboratory_model_has_storey_elements():
-    model = two_storey_model()
-    assert model.M.tolist() == [[24.3, 0.0], [0.0, 24.3]]
-    assert model.K.tolist() == [[15040.0, -8220.0], [-8220.0, 8220.0]]
-    np.testing.assert_allclose(model.C, [[1.229, -0.29], [-0.29, 0.29]], rtol=1e-14)
-    # the roots of m^2 w^4 - m (k1 + 2 k2) w^2 + k1 k2 = 0
-    root = np.sqrt((6820.0 + 2 * 8220.0) ** 2 - 4 * 6820.0 * 8220.0)
-    square = np.array([6820.0 + 2 * 8220.0 - root, 6820.0 + 2 * 8220.0 + root]) / (2 * 24.3)
-    assert model.frequencies == pytest.approx(np.sqrt(square) / (2 * np.pi), rel=1e-10)
-    assert model.frequencies == pytest.approx([1.687, 4.626], abs=5e-4)
-
-
 @pytest.mark.prove
 def test_twenty_storeys_with_several_dampers(cubics, tangent):
     building = shear_building([2e4] * 20, np.linspace(40e6, 15e6, 20), damping_ratio=(0.02, 0.03), modes=(1, 4))
@@ -87,3 +76,50 @@ def test_numbers_may_be_texts_with_units() -> None:
         shear_building(["0.4 m"], ["500 kN/m"], damping_ratio=0.02)
     tower = single_mass("20 t", frequency="1.5 Hz", damping_ratio=0.05)
     assert np.array_equal(tower.K, single_mass(2e4, frequency=1.5, damping_ratio=0.05).K)
+
+
+def test_shear_building_stacks_springs():
+    building = shear_building([1.0, 2.0, 3.0], [10.0, 20.0, 40.0], dashpots=[1.0, 0.0, 0.0])
+    assert building.K.tolist() == [[30.0, -20.0, 0.0], [-20.0, 60.0, -40.0], [0.0, -40.0, 40.0]]
+    assert building.C.tolist() == [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]
+
+
+def test_uniform_shear_building_has_the_closed_form_frequencies():
+    n, k, m = 6, 4e5, 700.0
+    expected = np.sqrt(k / m) / np.pi * np.sin((2 * np.arange(1, n + 1) - 1) * np.pi / (2 * (2 * n + 1)))
+    assert shear_building([m] * n, [k] * n, damping_ratio=0.0).frequencies == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("method", ["rayleigh", "modal"])
+def test_damping_ratio_is_met(method):
+    building = shear_building([1.0, 2.0, 3.0], [10.0, 20.0, 40.0], damping_ratio=0.05, method=method)
+    ratios = building.damping_ratios
+    assert ratios[:2] == pytest.approx([0.05, 0.05], rel=1e-9)
+    assert (ratios[2] == pytest.approx(0.05, rel=1e-9)) == (method == "modal")
+
+
+def test_one_storey_with_a_ratio():
+    building = shear_building([2.0], [50.0], damping_ratio=0.05)
+    assert building.C[0, 0] == pytest.approx(2 * 0.05 * 5.0 * 2.0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"masses": [1.0], "stiffnesses": [1.0, 2.0], "damping_ratio": 0.0}, r"1 masses and 2 stiffnesses"),
+        (
+            {"masses": [1.0, -1.0], "stiffnesses": [1.0, 2.0], "damping_ratio": 0.0},
+            r"masses = .* greater than 0",
+        ),
+        ({"masses": [1.0], "stiffnesses": [1.0]}, r"either damping_ratio= or dashpots="),
+        ({"masses": [1.0], "stiffnesses": [1.0], "damping_ratio": 3.0}, r"damping_ratio = 3 .* below 1"),
+        (
+            {"masses": [1.0], "stiffnesses": [1.0], "damping_ratio": 0.03, "method": "caughey"},
+            r"'rayleigh' or 'modal'",
+        ),
+        ({"masses": [1.0], "stiffnesses": [1.0], "dashpots": [-1.0]}, r"dashpots = .* at least 0"),
+    ],
+)
+def test_bad_shear_buildings_are_refused(arguments, message):
+    with pytest.raises(InputError, match=message):
+        shear_building(**arguments)

@@ -17,7 +17,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 from fmpy.validation import validate_fmu
-from tests.export.kinds.test_c import everything
+from tests.export.every_law import everything
 
 from dampyr.errors import InputError
 from dampyr.export import export
@@ -88,21 +88,27 @@ def written(folder: Path, damper: Damper | None = None, **options: Any) -> Path:
     return path
 
 
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> dict[int, Path]:
+    """The FMU of `everything`, compiled once for each version of the standard."""
+    return {fmi: written(tmp_path_factory.mktemp(f"fmi{fmi}"), fmi=fmi) for fmi in (2, 3)}
+
+
 def close(ours: np.ndarray, expected: np.ndarray) -> None:
     np.testing.assert_allclose(ours, expected, rtol=0, atol=1e-9 * np.abs(expected).max())
 
 
 @BOTH
-def test_it_is_valid_and_its_force_is_that_of_dampyr(tmp_path: Path, fmi: int) -> None:
+def test_it_is_valid_and_its_force_is_that_of_dampyr(compiled: dict[int, Path], fmi: int) -> None:
     """10,000 samples of a path with a varying input, to 1e-9 of the largest force."""
-    path = written(tmp_path, fmi=fmi)
+    path = compiled[fmi]
     assert validate_fmu(str(path)) == []
     with instance(path) as one:
         force = one.walk(displacement=X, velocity=V, voltage=U)
     close(force, everything().force(T, X, velocity=V, voltage=U))
 
 
-@BOTH
+@pytest.mark.parametrize("fmi", [2, pytest.param(3, marks=pytest.mark.prove)])
 def test_fmpy_simulates_it_and_the_force_lags_by_a_step(tmp_path: Path, fmi: int) -> None:
     """A master that reads before it sets sees the force of the inputs it set last."""
     damper = raminelli_2020.damper()
@@ -134,9 +140,9 @@ def test_what_is_not_driven_is_derived(tmp_path: Path, fmi: int, drive: str) -> 
     close(force, damper.force(T[:2000], x[:2000], velocity=v[:2000], voltage=U[:2000]))
 
 
-@BOTH
-def test_two_instances_do_not_disturb_each_other(tmp_path: Path, fmi: int) -> None:
-    path = written(tmp_path, fmi=fmi)
+@pytest.mark.parametrize("fmi", [2, pytest.param(3, marks=pytest.mark.prove)])
+def test_two_instances_do_not_disturb_each_other(compiled: dict[int, Path], fmi: int) -> None:
+    path = compiled[fmi]
     with instance(path, "a") as a, instance(path, "b") as b:
         first, second = [], []
         for k in range(1000):
@@ -153,9 +159,9 @@ def test_two_instances_do_not_disturb_each_other(tmp_path: Path, fmi: int) -> No
 
 
 @BOTH
-def test_reset_and_stored_states_repeat_the_path(tmp_path: Path, fmi: int) -> None:
+def test_reset_and_stored_states_repeat_the_path(compiled: dict[int, Path], fmi: int) -> None:
     path = {"displacement": X, "velocity": V, "voltage": U}
-    with instance(written(tmp_path, fmi=fmi)) as one:
+    with instance(compiled[fmi]) as one:
         begun = one.walk(500, **path)
         state = one.unit.getFMUState() if not one.second else one.unit.getFMUstate()
         gone_on = one.walk(1000, 500, **path)
@@ -168,12 +174,12 @@ def test_reset_and_stored_states_repeat_the_path(tmp_path: Path, fmi: int) -> No
         np.testing.assert_array_equal(one.walk(500, **path), begun)
 
 
-def test_derivatives_of_the_inputs_look_ahead(tmp_path: Path) -> None:
+def test_derivatives_of_the_inputs_look_ahead(compiled: dict[int, Path]) -> None:
     """FMI 2: with the slopes to the next sample, the force is right before the next inputs are set."""
     slopes = [np.append(np.diff(each) / np.diff(T), 0.0) for each in (X, V, U)]
     expected = everything().force(T, X, velocity=V, voltage=U)
     force = []
-    with instance(written(tmp_path)) as one:
+    with instance(compiled[2]) as one:
         references = [one.references[name] for name in ("displacement", "velocity", "voltage")]
         for k in range(2000):
             if k:
@@ -187,31 +193,37 @@ def test_derivatives_of_the_inputs_look_ahead(tmp_path: Path) -> None:
 
 
 @BOTH
-def test_what_is_out_of_range_is_an_error(tmp_path: Path, fmi: int) -> None:
-    for allowed in (False, True):
-        with instance(written(tmp_path, fmi=fmi, allow_extrapolation=allowed)) as one:
-            one.set(displacement=0.0, velocity=0.0, voltage=3.5)
-            one.unit.exitInitializationMode()
-            if allowed:
-                assert np.isfinite(one.get())
-                continue
-            with pytest.raises(FMICallException):
-                one.get()
-            with pytest.raises(FMICallException):
-                one.unit.doStep(0.0, 0.01)
-            one.set(voltage=1.0)
-            assert np.isfinite(one.get())
-            with pytest.raises(FMICallException):
-                one.set(voltage=float("nan"))
-            with pytest.raises(FMICallException):
-                one.set(force=1.0)
-            with pytest.raises(FMICallException):
-                one.unit.doStep(0.0, -0.01)
+def test_what_is_out_of_range_is_an_error(compiled: dict[int, Path], fmi: int) -> None:
+    with instance(compiled[fmi]) as one:
+        one.set(displacement=0.0, velocity=0.0, voltage=3.5)
+        one.unit.exitInitializationMode()
+        with pytest.raises(FMICallException):
+            one.get()
+        with pytest.raises(FMICallException):
+            one.unit.doStep(0.0, 0.01)
+        one.set(voltage=1.0)
+        assert np.isfinite(one.get())
+        with pytest.raises(FMICallException):
+            one.set(voltage=float("nan"))
+        with pytest.raises(FMICallException):
+            one.set(force=1.0)
+        with pytest.raises(FMICallException):
+            one.unit.doStep(0.0, -0.01)
+
+
+@pytest.mark.parametrize("fmi", [2, pytest.param(3, marks=pytest.mark.prove)])
+def test_where_extrapolation_is_allowed_it_is_none(tmp_path: Path, fmi: int) -> None:
+    with instance(written(tmp_path, fmi=fmi, allow_extrapolation=True)) as one:
+        one.set(displacement=0.0, velocity=0.0, voltage=3.5)
+        one.unit.exitInitializationMode()
+        assert np.isfinite(one.get())
 
 
 @BOTH
-def test_there_is_no_python_in_it_and_its_sources_compile_elsewhere(tmp_path: Path, fmi: int) -> None:
-    path = written(tmp_path, fmi=fmi)
+def test_there_is_no_python_in_it_and_its_sources_compile_elsewhere(
+    compiled: dict[int, Path], tmp_path: Path, fmi: int
+) -> None:
+    path = compiled[fmi]
     with zipfile.ZipFile(path) as archive:
         archive.extractall(tmp_path / "all")
         names = archive.namelist()

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.export.kinds.test_c import everything
+from tests.export.every_law import everything
 from tests.invariants.test_every_part import SERIES, typical
 
 from dampyr.export import export

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numba import njit
 from scipy.integrate import solve_ivp
+from tests.structures.batch.uncompiled import uncompiled
 
 from dampyr.ground_motions import el_centro
 from dampyr.models import Damper
@@ -23,23 +24,38 @@ def damper(n, sigma, **other):
     return Damper("bouc_wen", {f"bouc_wen.{k}": v for k, v in (SHAPE | {"sigma": sigma, "n": n} | other).items()})
 
 
-@pytest.fixture(scope="module", params=[64, 32])
+@pytest.fixture(
+    scope="module",
+    params=[
+        (64, False),
+        (32, False),
+        pytest.param((64, True), marks=pytest.mark.prove),  # it takes long to compile
+        pytest.param((32, True), marks=pytest.mark.prove),
+    ],
+    ids=lambda param: f"{param[0]}{' compiled' if param[1] else ''}",
+)
 def walk(request):
-    """Many flows of one precision, as the kernels write them."""
-    kind = np.float64 if request.param == 64 else np.float32
-    names = _parts(compose("bouc_wen").source() + "\n\n" + bouc_wen_branchless.source(), request.param)
+    """Many flows of one precision, as the kernels write them; by Python itself, which takes longer, of fewer cases."""
+    precision, compile_them = request.param
+    kind = np.float64 if precision == 64 else np.float32
+    names = _parts(compose("bouc_wen").source() + "\n\n" + bouc_wen_branchless.source(), precision)
+    names = names if compile_them else uncompiled(names)
     loop = "def many(y, xi, n, c, out, by):\n    for l in range(y.size):\n"
     loop += "        out[l] = flow(y[l], xi[l], n[l], c[l])\n        by[l] = rate(out[l], n[l], c[l])\n"
     exec(loop, names)
-    many = njit(error_model="numpy", fastmath={"contract", "nsz", "arcp", "nnan", "ninf"})(names["many"])
+    many = names["many"]
+    if compile_them:
+        many = njit(error_model="numpy", fastmath={"contract", "nsz", "arcp", "nnan", "ninf"})(many)
 
     def run(*arguments):
         given = [np.asarray(a, kind) for a in arguments]
         out, by = np.empty_like(given[0]), np.empty_like(given[0])
-        many(*given, out, by)
+        with np.errstate(all="ignore"):  # as in a kernel, where bits are shifted and nothing is looked at
+            many(*given, out, by)
         return out.astype(float), by.astype(float)
 
     run.rounding = float(np.finfo(kind).eps)
+    run.count = 3000 if compile_them else 420
     return run
 
 
@@ -57,7 +73,7 @@ def cases(count, shapes, seed=3):
     [(((1, 1), (0, 1)), 1e-6), (((2, 2), (0, 1)), 5e-6), (((1, 2), (0, 1)), 5e-6), (((1, 3), (-0.3, 1.5)), 2e-4)],
 )
 def test_it_is_the_exact_flow(walk, shapes, tolerance):
-    y, xi, n, c = cases(3000, shapes)
+    y, xi, n, c = cases(walk.count, shapes)
     states, rates = walk(y, xi, n, c)
     wanted = np.array([exact.flow(*one) for one in zip(y, xi, n, c)])
     assert np.abs(states - wanted).max() < tolerance

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.structures.test_ensemble import of
+from tests.structures.steel_dampers import of
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, el_centro

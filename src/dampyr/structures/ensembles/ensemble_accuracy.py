@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 # Of a peak displacement or drift above 0.1 mm and 1 % of the largest of its case. The largest errors of 466 random dampers,
-# buildings and motions were 0.75 % and 0.06 % (tests/structures/test_ensemble_bounds.py, which runs 2,000 in `make endure`).
+# buildings and motions were 0.75 % and 0.06 %. tests/structures/ensembles/test_ensemble_bounds.py runs 2,000 in `make endure`.
 BOUNDS = {"fast": 0.02, "strict": 1e-3}
 FLOOR = "peaks above 0.1 mm and 1 % of the largest of their case"
 
