@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -12,18 +13,31 @@ from dampyr.hybrid import Substructure, run_delayed
 from dampyr.hybrid.delayed_hybrid import delayed_result
 from dampyr.hybrid.substructure import LagEstimator, lag_of
 from dampyr.models import Damper
-from dampyr.structures import Building, respond, two_storey
+from dampyr.structures import Building, Response, respond, two_storey
 from dampyr.studies import raminelli_2020
 
 VOLTAGES = (0.0, 0.8712, 3.212)
 HARDEST_QUICK = [*(pytest.param(value, marks=pytest.mark.prove) for value in VOLTAGES[:2]), VOLTAGES[2]]
 PRINTED = {0.0: 27.208, 0.8712: 16.446, 3.212: 3.3755}  # mm, first floor: `dampyr simulate`, FACTS
+STRONG = 6.0  # s of El Centro that the quick tests take: the floors' peaks come by 2.64 s
+
+
+def strong_part() -> GroundMotion:
+    """The part of El Centro in which the building's peaks lie."""
+    whole = el_centro()
+    return whole.changed(whole.acceleration[: round(STRONG / whole.dt) + 1], "its strong part")
+
+
+@cache
+def all_computed(voltage: float) -> Response:
+    """The building under the strong part, its damper at a voltage."""
+    return respond(two_storey(), strong_part(), raminelli_2020.damper(), voltage=voltage)
 
 
 def shaken(voltage: float, model: Damper | None = None, **changes: object) -> Substructure:
-    """Chapter 5's building under El Centro, its damper predicted by ``model``."""
-    motion, h = el_centro(), 0.001
-    response = respond(two_storey(), motion, raminelli_2020.damper(), voltage=voltage)
+    """Chapter 5's building under the strong part of El Centro, its damper predicted by ``model``."""
+    motion, h = strong_part(), 0.001
+    response = all_computed(voltage)
     ground = np.interp(np.arange(int(motion.duration / h) + 1) * h, motion.time, motion.acceleration)
     about = Substructure(
         two_storey(), 1, ground, h, model, voltage, size=float(response.peak_displacement[0]),
@@ -47,10 +61,16 @@ def scaled(factor: float) -> Damper:
     return replace(damper, laws=laws, covariance=None)
 
 
-@pytest.mark.parametrize("voltage", VOLTAGES)
-def test_chapter_5_on_an_actuator_10_ms_late_is_within_2_percent_of_the_computed_peak(voltage):
+@pytest.mark.parametrize(
+    ("voltage", "motion"),
+    [
+        *((value, strong_part) for value in VOLTAGES),
+        *(pytest.param(value, el_centro, marks=pytest.mark.prove) for value in VOLTAGES),
+    ],
+)
+def test_chapter_5_on_an_actuator_10_ms_late_is_within_2_percent_of_the_computed_peak(voltage, motion):
     """Floor 5, aim 2 %; in fact a hundredth of a percent with the lag as it is."""
-    result = delayed_result(two_storey(), el_centro(), raminelli_2020.damper(), 0.010, voltage)
+    result = delayed_result(two_storey(), motion(), raminelli_2020.damper(), 0.010, voltage)
     assert 1e3 * result.computed.peak_displacement[0] == pytest.approx(PRINTED[voltage], rel=2e-5)
     assert np.abs(result.differences).max() < 1e-4
     assert result.energy_error < 1e-4
@@ -60,7 +80,7 @@ def test_chapter_5_on_an_actuator_10_ms_late_is_within_2_percent_of_the_computed
 @pytest.mark.parametrize("wrong", [-0.003, 0.003])
 @pytest.mark.parametrize("voltage", HARDEST_QUICK)
 def test_a_lag_known_3_ms_wrongly_is_followed(voltage, wrong):
-    result = delayed_result(two_storey(), el_centro(), raminelli_2020.damper(), 0.010, voltage, lag_error=wrong)
+    result = delayed_result(two_storey(), strong_part(), raminelli_2020.damper(), 0.010, voltage, lag_error=wrong)
     assert np.abs(result.differences).max() < 5e-3
     assert abs(result.lag) < 2e-3  # of 3 ms; where little moves at the end it goes back to what it began with
 
@@ -86,7 +106,7 @@ def test_without_compensation_it_is_stopped_with_the_reason():
         InputError, match=r"would be unstable on an actuator 10 ms late that is taken for 0 ms late.*after 0\.\d+ s"
     ):
         delayed_result(
-            two_storey(), el_centro(), raminelli_2020.damper(), 0.010, 3.212, lag_error=0.010, adaptive=False
+            two_storey(), strong_part(), raminelli_2020.damper(), 0.010, 3.212, lag_error=0.010, adaptive=False
         )
     held = run_delayed(shaken(3.212, None, lag=0.010), raminelli_2020.damper(), 0.010, 0.0)
     assert not held.over  # a force that is held over 10 ms is not enough either
@@ -113,13 +133,13 @@ def critical_delay(m: float, c: float, k: float, spring: float) -> float:
 def test_the_delay_that_a_spring_can_stand_is_the_closed_form(share, grows):
     m, c, k = 100.0, 120.0, 40000.0
     building = Building(np.array([[m]]), np.array([[c]]), np.array([[k]]))
-    spring, h = 10000.0, 2e-4
+    spring, h = 10000.0, 5e-4
     delay = share * critical_delay(m, c, k, spring)
     ground = np.zeros(int(10.0 / h))
-    ground[:100] = 1.0
+    ground[:40] = 1.0
     about = Substructure(building, 1, ground, h, None, lag=0.0, adaptive=False, energy_limit=1e9)
     run = run_delayed(about, Damper("spring", {"spring.k0": spring}), delay, 0.0)
-    early, late = (float(np.abs(part).max()) for part in (run.target[5000:15000], run.target[-10000:]))
+    early, late = (float(np.abs(part).max()) for part in (run.target[2000:6000], run.target[-4000:]))
     assert (late > 1.5 * early) == grows
     assert (late < early / 1.5) == (not grows)
 
