@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.rig.wires.process import over_wires
+from tests.rig.wires.process import over_wires_here
 
 from dampyr.cli import cli
 from dampyr.errors import FileError, InputError, RigFault
@@ -207,7 +207,7 @@ def test_a_supply_whose_gain_was_calibrated_gets_its_whole_voltage(tmp_path: Pat
     save_calibration(replace(calibration_of(RIG), gain=0.5, gain_uncertainty=0.002), tmp_path)
     voltage = np.concatenate([np.zeros(5), np.full(30, 3.0), np.zeros(5)])
     true = replace(RigSettings(), supply=replace(RigSettings().supply, gain=0.5))
-    with over_wires(tmp_path / "rig.toml", parts=true) as rig, rig.armed() as table:
+    with over_wires_here(tmp_path / "rig.toml", parts=true) as rig, rig.armed() as table:
         drive = Drive(0.01, np.full(40, table.position), voltage, standing=True)
         assert max(float(samples.voltage.max()) for samples, _ in table.play(drive)) == 3.0
 

@@ -304,6 +304,7 @@ def test_an_instrument_that_is_none_is_a_sentence(tmp_path: Path, wires: dict[st
     assert re.search(words, str(findings["connection"].repair))
 
 
+@pytest.mark.prove  # a process is started, which imports dampyr
 def test_in_real_time_it_is_the_same_sentence(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"wires.acquisition = 'ni-daqm' is not known"):
         simulated(rig_file(tmp_path, acquisition="ni-daqm"), real_time=True)
