@@ -24,7 +24,6 @@ from dampyr.rig.firmware.protocol import Reader, Request, State
 grpc = pytest.importorskip("grpc", reason="the extra rig is not installed: pip install dampyr[rig]")
 nidaqmx = pytest.importorskip("nidaqmx", reason="the extra rig is not installed: pip install dampyr[rig]")
 serial = pytest.importorskip("serial", reason="the extra rig is not installed: pip install dampyr[rig]")
-
 Start = Callable[..., "Served"]
 
 
