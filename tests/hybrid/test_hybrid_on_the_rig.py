@@ -9,9 +9,10 @@ from click.testing import CliRunner
 from tests.hybrid.on_the_rig import HEAVY, run, settings
 
 from dampyr.campaigns import hybrid_result, planned_hybrid
+from dampyr.campaigns.steps.hybrid import Hybrid
 from dampyr.cli import cli
 from dampyr.errors import InputError, RigFault
-from dampyr.rig import simulated
+from dampyr.rig import RigSettings, simulated
 from dampyr.studies import raminelli_2020
 
 
@@ -75,7 +76,7 @@ def test_it_stops_where_the_damper_is_twice_as_strong_as_its_model(tmp_path):
 def test_the_command_plans_runs_and_goes_on(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "heavy.toml").write_text(HEAVY)
-    words = ["hybrid", "--structure", "heavy.toml", "--duration", "2", "--scale", "0.1", "--out", "out"]
+    words = ["hybrid", "--structure", "heavy.toml", "--duration", "1", "--scale", "0.1", "--out", "out"]
     missing = CliRunner().invoke(cli, words[:-2])
     assert (missing.exit_code, "--out is missing" in missing.stderr) == (2, True)
     first = CliRunner().invoke(cli, [*words, "--json", "--report", "page.html"])
@@ -133,3 +134,16 @@ def test_over_the_wires_in_a_process_of_its_own(tmp_path, monkeypatch):
     done = CliRunner().invoke(cli, [*words, "--json"])
     assert done.exit_code == 0, done.output
     assert max(map(abs, json.loads(done.stdout)["differences"])) < 0.05
+
+
+def test_a_step_computes_a_response_once_and_anew_where_its_card_has_changed(tmp_path):
+    """The plan looks at it for each limit, at each scale that it tries."""
+    card, rig = tmp_path / "damper.toml", RigSettings()
+    damper = raminelli_2020.damper()
+    damper.save(card)
+    with_card = Hybrid(duration=1.0, model=str(card))
+    for step in (Hybrid(duration=1.0), with_card):
+        assert step.computed(rig) is step.computed(rig)
+    before = with_card.computed(rig).peak_displacement[0]
+    damper.with_coefficients(1.1 * damper.coefficients).save(card)
+    assert with_card.computed(rig).peak_displacement[0] != before
