@@ -465,7 +465,7 @@ def in_a_random_order(seed: int, steps: int) -> None:
 @pytest.mark.filterwarnings("ignore:the Uno had stopped by itself")  # a host that comes after a fault
 def test_arming_in_a_random_order() -> None:
     for seed in range(2):
-        in_a_random_order(seed, 10)
+        in_a_random_order(seed, 6)
 
 
 @pytest.mark.prove
