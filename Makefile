@@ -14,6 +14,8 @@ OUT ?= out/pictures
 export PYTHONHASHSEED := 0
 # The tests start hundreds of interpreters: without bytecode each compiles all of dampyr, and each worker all of the tests.
 unexport PYTHONDONTWRITEBYTECODE
+# The workers share the cores: with threads of its own, OpenBLAS takes 200 times as long for an exponential of a small matrix.
+export OPENBLAS_NUM_THREADS := 1
 
 .PHONY: help demo test prove endure quick check docs site bench pictures lock clean compiler octave chromium axe blas firmware firmware-tools
 

@@ -1,143 +1,26 @@
-"""A hybrid test on the simulated rig: with what the rig's ground truth says, refused, stopped, run again."""
+"""A hybrid test on the simulated rig: refused, stopped, run again, from the command line."""
 
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.hybrid.on_the_rig import HEAVY, run, settings
 
-from dampyr import campaigns, records
-from dampyr.campaigns import hybrid_result, perform, plan, planned_hybrid
+from dampyr.campaigns import hybrid_result, planned_hybrid
+from dampyr.campaigns.steps.hybrid import Hybrid
 from dampyr.cli import cli
 from dampyr.errors import InputError, RigFault
-from dampyr.hybrid.hybrid_result import HybridResult
-from dampyr.hybrid.rig_drive import STOPPING, way_back
-from dampyr.rig import Rig, simulated
-from dampyr.show.pages.result_page import write_page
+from dampyr.rig import RigSettings, simulated
 from dampyr.studies import raminelli_2020
-
-HEAVY = """name = "two storeys of 1.5 t"
-masses = ["1.458 t", "1.458 t"]
-stiffnesses = ["655.5 kN/m", "655.5 kN/m"]
-damping_ratio = 0.03
-"""
-
-
-def heavy(folder: Path) -> str:
-    path = folder / "heavy.toml"
-    path.write_text(HEAVY)
-    return str(path)
-
-
-def settings(folder: Path, **changes: object) -> dict[str, object]:
-    step = {
-        "kind": "hybrid",
-        "structure": heavy(folder),
-        "voltage": 0.8712,
-        "duration": 4.0,
-        "scale": 0.15,
-        "rest_before": "0.2 s",
-    }
-    return step | changes
-
-
-def run(folder: Path, rig: Rig, **changes: object) -> HybridResult:
-    planned = planned_hybrid(settings(folder, **changes))
-    planned.require()
-    perform(planned, rig, folder / "out")
-    return hybrid_result(folder / "out" / f"{planned.tests[0].name}.h5")
-
-
-@pytest.fixture(scope="module")
-def done(tmp_path_factory: pytest.TempPathFactory) -> tuple[HybridResult, Rig, Path]:
-    """A test at 0.8712 V, begun with the table in mid-stroke."""
-    folder = tmp_path_factory.mktemp("hybrid")
-    with simulated() as rig:
-        with rig.armed() as table:
-            table.home()
-            table.go(0.011)
-        return run(folder, rig), rig, folder
-
-
-def test_the_peaks_are_within_5_percent_of_the_computed_ones(done):
-    result, _, _ = done
-    assert np.abs(result.differences).max() < 0.03  # floor 5 %
-    assert result.energy_error < 0.03
-    assert abs(result.lag) < 0.002
-    assert result.tracking_error < 0.15
-
-
-def test_the_result_is_that_of_the_record(done):
-    """The target is the building's response to the measured force, by another integrator."""
-    from scipy.integrate import solve_ivp
-
-    from dampyr.structures import load
-
-    result, _, folder = done
-    building = load(folder / "heavy.toml")
-    computed = result.computed
-    inverse = np.linalg.inv(building.M)
-
-    def slope(t, z):
-        ground = np.interp(t, computed.time, computed.ground_acceleration)
-        force = result.force[min(int(t / 0.002 + 1e-9), len(result.force) - 1)]
-        pull = building.M @ building.influence * ground + building.connection(1) * force
-        return np.concatenate([z[2:], -inverse @ (building.C @ z[2:] + building.K @ z[:2] + pull)])
-
-    solved = solve_ivp(
-        slope, (0.0, 2.0), np.zeros(4), t_eval=np.arange(0, 2.0, 0.1), max_step=5e-4, rtol=1e-7, atol=1e-10
-    )
-    ours = result.displacement[:, ::50][:, : len(solved.t)]
-    np.testing.assert_allclose(ours, solved.y[:2], atol=2e-6)
-
-
-def test_the_table_really_was_where_the_record_says(done):
-    result, rig, _ = done
-    truth = rig.board.simulator.truth
-    at = np.linspace(0.0, truth.time[-1], 4 * len(truth.time))
-    where = np.interp(at, truth.time, truth.position)
-    step = int(np.argmax(np.abs(result.achieved)))
-    assert np.abs(where - result.achieved[step]).min() < 2e-5
-    assert np.abs(result.achieved).max() > 2e-3
-
-
-def test_the_record_says_what_it_is(done):
-    result, _, folder = done
-    (path,) = (folder / "out").glob("*.h5")
-    record = records.read(path)
-    assert record.provenance["kind"] == "hybrid"
-    step = json.loads(record.provenance["step"])
-    assert (step["scale"], step["voltage"]) == (0.15, 0.8712)
-    assert result.scale == 0.15
-    assert result.as_dict()["peaks_m"] == result.peaks.tolist()
-    assert {"floor_1_m", "floor_2_m", "target_m", "achieved_m", "force_N"} <= set(
-        result.to_dataframe().reset_index().columns
-    )
-
-
-def test_a_page_of_it(done, tmp_path):
-    result, _, _ = done
-    text = write_page(result, tmp_path / "page.html").read_text("utf-8")
-    assert "hybrid test: heavy+el_centro" in text.lower()
-    assert "The peaks differ by up to" in text
-
-
-def test_a_record_of_another_kind_is_refused(done, tmp_path):
-    step = {"kind": "sine", "amplitude": "4 mm", "frequency": "1 Hz", "cycles": 1}
-    campaign = campaigns.campaign_of({"check_amplitude": 0, "step": [step]})
-    with simulated() as rig:
-        perform(plan(campaign), rig, tmp_path)
-    with pytest.raises(InputError, match="'sine', and not hybrid"):
-        hybrid_result(next(tmp_path.glob("*.h5")))
 
 
 @pytest.mark.parametrize(
     "voltage", [pytest.param(0.4, marks=pytest.mark.prove), 0.8712, pytest.param(3.212, marks=pytest.mark.prove)]
 )
 def test_the_light_building_of_chapter_5_is_refused_where_it_would_be_unstable(voltage):
-    planned = planned_hybrid({"kind": "hybrid", "structure": "two_storey", "voltage": voltage})
+    planned = planned_hybrid({"kind": "hybrid", "structure": "two_storey", "voltage": voltage, "duration": 3.0})
     assert len(planned.refusals) == 1
     assert "the hybrid test would be unstable: with set points that leave 52 ms ahead" in planned.refusals[0]
     assert "take a heavier building, a lower voltage, or a shorter board.block than 40 ms" in planned.refusals[0]
@@ -147,7 +30,7 @@ def test_the_light_building_of_chapter_5_is_refused_where_it_would_be_unstable(v
 
 
 def test_the_heavy_one_is_refused_where_a_millisecond_would_make_it_unstable():
-    planned = planned_hybrid({"kind": "hybrid", "voltage": 3.212, "duration": 10.0})
+    planned = planned_hybrid({"kind": "hybrid", "voltage": 3.212, "duration": 3.0})
     assert "ms that are not known, the error of energy passes 10 % after" in planned.refusals[0]
 
 
@@ -190,18 +73,10 @@ def test_it_stops_where_the_damper_is_twice_as_strong_as_its_model(tmp_path):
         assert rig.uno.heartbeat().speed == 0
 
 
-def test_the_way_back_ends_at_rest_in_the_middle():
-    t = np.linspace(0.0, STOPPING, 3001)
-    x = way_back(0.008, 0.03, t)
-    v = np.gradient(x, t)
-    assert (x[0], x[-1]) == (pytest.approx(0.008), pytest.approx(0.0, abs=1e-12))
-    assert (v[0], v[-1]) == (pytest.approx(0.03, rel=0.01), pytest.approx(0.0, abs=1e-4))
-
-
 def test_the_command_plans_runs_and_goes_on(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "heavy.toml").write_text(HEAVY)
-    words = ["hybrid", "--structure", "heavy.toml", "--duration", "2", "--scale", "0.1", "--out", "out"]
+    words = ["hybrid", "--structure", "heavy.toml", "--duration", "1", "--scale", "0.1", "--out", "out"]
     missing = CliRunner().invoke(cli, words[:-2])
     assert (missing.exit_code, "--out is missing" in missing.stderr) == (2, True)
     first = CliRunner().invoke(cli, [*words, "--json", "--report", "page.html"])
@@ -221,7 +96,7 @@ def test_the_command_says_what_is_wrong(tmp_path, monkeypatch):
         (["--delay", "0.01", "--clock", "2"], "leave --clock out"),
         (["--lag-error", "0.001", "--dry-run"], "--lag-error is of --delay"),
         (["--structure", "none.toml", "--dry-run"], "there is no such file"),
-        (["--voltage", "9", "--dry-run"], "needs 9 V at the coil"),
+        (["--voltage", "9", "--duration", "2", "--dry-run"], "needs 9 V at the coil"),
         (["--storey", "5", "--dry-run"], "storey"),
         (["--scale", "0", "--dry-run"], "scale = 0"),
     ):
@@ -259,3 +134,16 @@ def test_over_the_wires_in_a_process_of_its_own(tmp_path, monkeypatch):
     done = CliRunner().invoke(cli, [*words, "--json"])
     assert done.exit_code == 0, done.output
     assert max(map(abs, json.loads(done.stdout)["differences"])) < 0.05
+
+
+def test_a_step_computes_a_response_once_and_anew_where_its_card_has_changed(tmp_path):
+    """The plan looks at it for each limit, at each scale that it tries."""
+    card, rig = tmp_path / "damper.toml", RigSettings()
+    damper = raminelli_2020.damper()
+    damper.save(card)
+    with_card = Hybrid(duration=1.0, model=str(card))
+    for step in (Hybrid(duration=1.0), with_card):
+        assert step.computed(rig) is step.computed(rig)
+    before = with_card.computed(rig).peak_displacement[0]
+    damper.with_coefficients(1.1 * damper.coefficients).save(card)
+    assert with_card.computed(rig).peak_displacement[0] != before

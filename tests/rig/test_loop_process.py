@@ -4,27 +4,25 @@ import ctypes
 import json
 import os
 import signal
-import socket
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
-from multiprocessing import Pipe
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from tests.rig.served_loop import Served, stroke
 from tests.rig.wires.process import Process
-from tests.rig_time import HANG, SimulatedTime
+from tests.rig_time import SimulatedTime
 
 from dampyr.errors import FileError, InputError, RigFault
-from dampyr.rig import Drive, Rig, RigSettings, acquisition, connect, loop_process, simulated
+from dampyr.rig import Rig, RigSettings, connect, simulated
 from dampyr.rig.firmware.protocol import State
-from dampyr.rig.loop_process import Link, LoopProcess, RemoteLoop, StandIn, described, rebuilt, remote_rig
-from dampyr.rig.loop_server import LoopServer
+from dampyr.rig.loop_process import LoopProcess, RemoteLoop, StandIn, described, rebuilt
 
 ROOT = Path(__file__).resolve().parents[2]
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
@@ -43,48 +41,10 @@ def test_errors_pass_from_one_process_to_the_other() -> None:
     assert str(other) == "the process that reads the rig failed: ZeroDivisionError: division by zero"
 
 
-def test_what_cannot_be_opened_there_is_told_here() -> None:
-    settings = RigSettings()
-    absent = replace(settings, wires=replace(settings.wires, serial="/dev/no-such-port"))
-    with pytest.raises(RigFault, match="/dev/no-such-port: there is no such serial port; plug the Uno in"):
-        connect(absent)
-
-
 def test_a_process_that_ends_at_once_is_no_endless_wait(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "executable", "/bin/false" if Path("/bin/false").exists() else "/usr/bin/false")
     with pytest.raises(RigFault, match="the process that is to read the rig did not start"):
         LoopProcess(RigSettings())
-
-
-class Served:
-    """A rig read by a server in a thread, which stands for the other process; its time is simulated."""
-
-    def __init__(self, *faults: str) -> None:
-        self.time = SimulatedTime(*faults)
-        self.inner = self.time.connect(RigSettings())
-        (questions, self._questions), (blocks, self._blocks) = Pipe(), Pipe()
-        self.server = LoopServer(questions, blocks, lambda *_: (self.inner.uno, self.inner.board), self.time)
-
-        def serve() -> None:
-            with questions, blocks:  # as when a process ends
-                self.server.serve()
-
-        self.thread = threading.Thread(target=serve, daemon=True)
-        self.thread.start()
-        self.link = Link(self._questions, self._blocks)
-        self.link.ask("open", RigSettings())
-        self.rig = remote_rig(self.link, RigSettings())
-
-
-@pytest.fixture
-def served() -> Iterator[Served]:
-    made = Served()
-    with made.time.passing():
-        yield made
-        made.rig.close()
-        made.thread.join(10.0)
-        assert not made.thread.is_alive()
-    made.inner.close()
 
 
 def test_a_table_moves_and_is_recorded_as_in_one_process(served: Served) -> None:
@@ -141,33 +101,6 @@ def aborted_in_motion(rig: Rig) -> None:
         table.go(0.02)
 
 
-def test_the_interlock_there_stops_it_and_says_so_here() -> None:
-    made = Served("broken-cell@1.5s")
-    with made.time.passing():
-        with pytest.raises(RigFault, match="the interlock stopped the rig: load cell signal") as ended:
-            hold(made.rig, 5.0)
-        assert ended.value.ring == "interlock"
-        made.rig.close()
-    made.inner.close()
-
-
-def hold(rig: Rig, seconds: float) -> None:
-    with rig.armed() as table:
-        table.rest(seconds)
-
-
-def test_blocks_that_nobody_takes_stop_the_rig_at_last(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(loop_process, "HELD", 0.4)
-
-    def wait_for_nothing() -> None:
-        with served.rig.armed() as table:
-            wait_for(lambda: table.loop.stopped is not None)
-            table.rest(0.1)
-
-    with pytest.raises(RigFault, match=r"blocks waited for 0\.4 s to be stored; is the disk too slow"):
-        wait_for_nothing()
-
-
 @pytest.mark.parametrize("request_of", ["arm", "home", "jog"])
 def test_a_refusal_that_is_here_before_the_reason_is_told_as_the_reason(
     served: Served, monkeypatch: pytest.MonkeyPatch, request_of: str
@@ -198,59 +131,6 @@ def test_a_refusal_that_is_here_before_the_reason_is_told_as_the_reason(
     assert ended.value.ring == "interlock"
 
 
-def test_a_fault_of_the_uno_since_the_last_block_is_told_where_the_host_asks_for_the_reason(served: Served) -> None:
-    with served.rig.armed():
-        loop = served.server.loop
-        assert loop is not None
-        with loop.lock:  # no block is read in between
-            served.inner.uno.abort()
-            assert loop.stopped is None
-            refused = RigFault("the Uno refused JOG: it is in another state", "firmware")
-            reason = served.server.do_reason(described(refused))
-    assert str(rebuilt(reason)) == "the Uno stopped the table: it was aborted"
-
-
-def test_samples_that_never_come_stop_the_rig_with_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(acquisition, "SILENT", 0.3)
-    made = Served()
-    with pytest.raises(RigFault, match=r"the rig gave no samples for 0\.3 s; is the board still there"):
-        hold(made.rig, 5.0)  # time does not pass
-    with made.time.passing():
-        made.rig.close()
-    made.inner.close()
-
-
-def test_a_host_that_is_gone_leaves_a_rig_at_rest() -> None:
-    made = Served()
-    uno = made.inner.uno
-    with made.time.passing():
-        armed = made.rig.armed()
-        table = armed.__enter__()
-        table.home(here=True)
-        table.loop.play(stroke(table.position, 20.0))
-        wait_for(lambda: table.loop.status.speed != 0)
-        made.link.on_block = lambda _: None
-        for each in (made._questions, made._blocks):
-            with socket.socket(fileno=os.dup(each.fileno())) as end:
-                end.shutdown(socket.SHUT_RDWR)
-        made.thread.join(10.0)
-        assert not made.thread.is_alive()
-    status = uno.heartbeat()
-    assert (status.state, status.faults, status.speed, status.duty) == (State.IDLE, 0, 0, 0)
-    assert made.inner.board._board.simulator.truth.voltage[-1] == 0.0
-    with pytest.raises(RigFault, match="the process that reads the rig has ended"):
-        armed.__exit__(None, None, None)
-    made.rig.close()
-    made.inner.close()
-
-
-def wait_for(condition: Callable[[], bool]) -> None:
-    until = time.monotonic() + HANG
-    while not condition():
-        assert time.monotonic() < until, "it did not come"
-        time.sleep(0.005)
-
-
 def alive(pid: int) -> bool:
     try:
         os.kill(pid, 0)
@@ -264,17 +144,6 @@ def process_of(rig: Rig) -> LoopProcess:
     process = rig.uno._process
     assert isinstance(process, LoopProcess)
     return process
-
-
-@pytest.fixture
-def rig() -> Iterator[Rig]:
-    with simulated(real_time=True) as opened:
-        yield opened
-
-
-def stroke(start: float, seconds: float = 2.0) -> Drive:
-    t = np.arange(0.0, seconds, 0.01)
-    return Drive(0.01, start + 0.002 * (1.0 - np.cos(2.0 * np.pi * t)), np.full(t.size, 1.0))
 
 
 @POSIX
@@ -300,6 +169,12 @@ def test_a_host_that_is_held_up_loses_no_sample_and_stops_no_rig(rig: Rig) -> No
         assert table.loop.stopped is None
     assert rig.uno.heartbeat().state is State.IDLE
     assert set(firsts) <= set(seen)
+
+
+@pytest.fixture
+def rig() -> Iterator[Rig]:
+    with simulated(real_time=True) as opened:
+        yield opened
 
 
 def stroke_until_killed(rig: Rig) -> None:

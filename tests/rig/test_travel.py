@@ -1,46 +1,23 @@
 """Travel has ends, homed or not, from wherever the table stands; and the encoder's index is looked at again and again."""
 
-# ruff: noqa: PT012, PT017, SIM117 - a fault may end a motion in any of its blocks
+# ruff: noqa: PT012, PT017 - a fault may end a motion in any of its blocks
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from tests.rig.wires.process import over_wires
+from tests.rig.table import begin_fault, host, settings, standing_at, strokes
+from tests.rig.wires.process import over_wires_here
 
 from dampyr.errors import RigFault
-from dampyr.rig import Drive, DutyReversals, Rig, RigSettings
-from dampyr.rig.diagnosis import diagnose
-from dampyr.rig.instruments.arduino_uno.driver import Uno
-from dampyr.rig.instruments.arduino_uno.wire import InProcess
-from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
+from dampyr.rig import Drive, DutyReversals
 from dampyr.rig.session import ArmedRig
-from dampyr.rig.settings_file import write_settings
-from dampyr.rig.simulation.simulator import Simulator, parse_faults
+from dampyr.rig.simulation.simulator import Simulator
 
 STOP = 0.037  # m: the damper's
 CONTACT = 1.5e-4  # m that its stop gives under the 800 N of a slow motor
-PLACES = [-0.0369, -0.036, -0.030, -0.020, -0.005, 0.0, 0.003, 0.018, 0.019, 0.020, 0.025, 0.036, 0.0369]
-
-
-def settings(switches: bool = False, stop: bool = False, **more: object) -> RigSettings:
-    base = RigSettings()
-    return replace(base, wires=replace(base.wires, end_switches=switches, emergency_stop=stop, **more))
-
-
-def standing_at(position: float, *faults: str, rig: RigSettings | None = None) -> tuple[Rig, Simulator]:
-    simulator = Simulator(rig or RigSettings(), faults=parse_faults(faults), position=position)
-    return host(simulator), simulator
-
-
-def host(simulator: Simulator) -> Rig:
-    return Rig(simulator.settings, Uno(InProcess(simulator.serial)), InProcessBoard(simulator), threaded=False)
-
-
-def begin_fault(simulator: Simulator, text: str) -> None:
-    simulator.faults = (*simulator.faults, *parse_faults([text.replace("@now", f"@{simulator.time + 0.001:.3f}s")]))
+PLACES = [-0.0369, -0.005, 0.003, 0.0369]
+MORE_PLACES = [-0.036, -0.030, -0.020, 0.0, 0.018, 0.019, 0.020, 0.025, 0.036]
 
 
 def check_within(simulator: Simulator, switches: bool = False, speed: float = 0.005) -> None:
@@ -53,7 +30,9 @@ def check_within(simulator: Simulator, switches: bool = False, speed: float = 0.
 
 
 @pytest.mark.parametrize("switches", [False, pytest.param(True, marks=pytest.mark.prove)])
-@pytest.mark.parametrize("position", PLACES)
+@pytest.mark.parametrize(
+    "position", [*PLACES, *(pytest.param(place, marks=pytest.mark.prove) for place in MORE_PLACES)]
+)
 def test_homing_from_anywhere_stays_within_the_stroke(position: float, switches: bool) -> None:
     rig, simulator = standing_at(position, rig=settings(switches))
     with rig.armed() as table:
@@ -65,8 +44,14 @@ def test_homing_from_anywhere_stays_within_the_stroke(position: float, switches:
         assert simulator.truth.position[-1] == pytest.approx(-0.010, abs=1e-4)
 
 
-@pytest.mark.parametrize("position", [-0.036, 0.0, 0.030])
-@pytest.mark.parametrize("way", [-1, 1])
+@pytest.mark.parametrize(
+    ("position", "way"),
+    [
+        (-0.036, -1),
+        (0.030, 1),
+        *(pytest.param(*case, marks=pytest.mark.prove) for case in ((-0.036, 1), (0.0, -1), (0.0, 1), (0.030, -1))),
+    ],
+)
 @pytest.mark.parametrize("switches", [False, True])
 def test_jogging_a_table_that_is_not_homed_ends_at_the_stroke(position: float, way: int, switches: bool) -> None:
     rig, simulator = standing_at(position, rig=settings(switches))
@@ -203,12 +188,9 @@ def test_an_emergency_stop_ends_everything_and_is_said_by_name() -> None:
 # the index
 
 
-def strokes(cycles: int = 3, amplitude: float = 0.010) -> Drive:
-    t = np.arange(round(cycles / 0.01) + 1) * 0.01
-    return Drive(0.01, amplitude * np.sin(2 * np.pi * t) * np.minimum(1, np.minimum(t, t[-1] - t)), np.zeros(t.size))
-
-
-@pytest.mark.parametrize("place", [-0.020, 0.004, 0.030])
+@pytest.mark.parametrize(
+    "place", [pytest.param(-0.020, marks=pytest.mark.prove), 0.004, pytest.param(0.030, marks=pytest.mark.prove)]
+)
 @pytest.mark.parametrize(
     "counts", [3, pytest.param(20, marks=pytest.mark.prove), pytest.param(-3, marks=pytest.mark.prove), -100]
 )
@@ -238,33 +220,6 @@ def test_two_counts_are_none() -> None:
         assert table.loop.status.index_shift == 2
 
 
-def test_the_board_sees_the_index_by_itself() -> None:
-    """The Uno is not asked: its fault is left out."""
-    from dampyr.rig.firmware import control_core as c
-
-    rig, simulator = standing_at(0.010)
-    with pytest.raises(RigFault, match="shift of the encoder's index 30 counts passed its limit of 2 counts") as raised:
-        with rig.armed() as table:
-            table.home()
-            table.go(0.0)
-            for k, _ in enumerate(table.play(strokes())):
-                simulator.twin.registers[c.R_INDEX_SET] = 0
-                if k == 60:
-                    begin_fault(simulator, "slipped-encoder=150um@now")
-    assert raised.value.ring == "interlock"
-
-
-def test_a_mark_has_two_edges_and_no_third() -> None:
-    from tests.rig.test_uno import block
-
-    from dampyr.rig.interlock import Interlock
-
-    guard = Interlock(RigSettings(), index={0: 400})
-    for place, shift in ((402, 0), (398, 0), (404, 2), (396, 2), (399, 1), (407, 7), (300, 100)):
-        samples = replace(block(RigSettings(), np.zeros(40), 0.0, 0.0), index=np.array([place]))
-        assert guard._index_shift(samples) == shift, place
-
-
 def test_counts_that_are_lost_after_the_last_pass_are_seen_before_the_test_is_complete() -> None:
     rig, simulator = standing_at(-0.010)
     with rig.armed() as table:
@@ -277,8 +232,20 @@ def test_counts_that_are_lost_after_the_last_pass_are_seen_before_the_test_is_co
             table.verify_index()
 
 
-@pytest.mark.parametrize(("place", "slip"), [(-0.005, 0.3), (-0.005, 1.7), (0.008, -0.3), (0.008, -5.0)])
-@pytest.mark.parametrize("new", [False, True])
+@pytest.mark.parametrize(
+    ("place", "slip", "new"),
+    [
+        (-0.005, 0.3, False),
+        (0.008, -5.0, True),
+        *(
+            pytest.param(*case, marks=pytest.mark.prove)
+            for case in (
+                (-0.005, 1.7, False), (0.008, -0.3, False), (0.008, -5.0, False),
+                (-0.005, 0.3, True), (-0.005, 1.7, True), (0.008, -0.3, True),
+            )
+        ),
+    ],
+)  # fmt: skip
 def test_an_index_that_is_passed_nowhere_is_no_index_in_its_place(place: float, slip: float, new: bool) -> None:
     """More than the little way over which it is looked for; a new host does not know where it was passed."""
     rig, simulator = standing_at(-0.010)
@@ -322,22 +289,8 @@ def test_verifying_the_index_passes_it_from_wherever_the_table_stands(place: flo
         assert table.loop.status.index_passes > before
 
 
-@pytest.mark.parametrize("which", ["board", "uno"])
-@pytest.mark.parametrize("ms", [20, 40, 100])
-def test_board_and_uno_are_compared_at_each_rest(which: str, ms: int) -> None:
-    """Less than the 1 mm by which they may differ in motion, more than 2 counts."""
-    rig, simulator = standing_at(0.015)
-    with pytest.raises(RigFault, match=r"at rest|distance of the board's") as raised, rig.armed() as table:
-        table.home()
-        table.go(0.0)
-        for k, _ in enumerate(table.play(strokes(amplitude=0.001))):
-            if k == 39:  # the table passes its middle at 6 mm/s
-                begin_fault(simulator, f"stuck-encoder-{which}@now for {ms}ms")
-    assert raised.value.ring == "interlock"
-
-
 def test_a_rig_over_the_wires_latches_the_index() -> None:
-    with over_wires(faults=["slipped-encoder=0.1mm@8s"]) as rig, rig.armed() as table:
+    with over_wires_here(faults=["slipped-encoder=0.1mm@8s"]) as rig, rig.armed() as table:
         table.home()
         table.go(0.0)
         seen = []
@@ -346,24 +299,3 @@ def test_a_rig_over_the_wires_latches_the_index() -> None:
                 for block, _ in table.play(strokes()):
                     seen += block.index.tolist()
     assert seen[:3] == [400, 400, 400]
-
-
-# what doctor says
-
-
-def test_a_rig_without_switches_is_told_so(tmp_path) -> None:
-    for wired in (False, True):
-        path = write_settings(settings(wired, wired, index="ctr1/PFI9" if wired else ""), tmp_path / "rig.toml")
-        repairs = {each.what: each.repair for each in diagnose(path)}
-        for what in ("end switches", "emergency stop", "encoder's index"):
-            assert (repairs[what] is None) == wired
-    assert "end switches now" not in repairs
-
-
-def test_old_rig_files_have_no_switches(tmp_path) -> None:
-    (tmp_path / "rig.toml").write_text('name = "old"\n[limits]\nstroke = 0.074\n')
-    from dampyr.rig import load_settings
-
-    old = load_settings(tmp_path / "rig.toml")
-    assert not old.wires.end_switches
-    assert old.travel == pytest.approx(0.0365)

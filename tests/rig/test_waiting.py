@@ -2,30 +2,17 @@
 
 import time
 
-import numpy as np
 import pytest
 from tests.rig.wires.process import over_wires
-from tests.rig_time import SimulatedTime
 
 from dampyr.campaigns import RunControl, Stopped, campaign_of, perform
 from dampyr.errors import RigFault
-from dampyr.rig import RigSettings, simulated
+from dampyr.rig import simulated
 from dampyr.rig.interlock import Samples
 
 
 class Enough(Exception):
     """Raised by a check."""
-
-
-def test_a_watcher_sees_every_sample_once() -> None:
-    seen: list[Samples] = []
-    with simulated() as rig:
-        rig.watchers.append(seen.append)
-        with rig.armed() as table:
-            table.home(here=True)
-            table.go(0.002)
-    numbers = np.concatenate([np.arange(each.first, each.first + each.n) for each in seen])
-    assert np.array_equal(numbers, np.arange(numbers[-1] + 1))
 
 
 @pytest.mark.parametrize("motion", ["home", "go", "rest"])
@@ -46,17 +33,6 @@ def test_a_check_ends_what_is_waited_for(motion: str) -> None:
         table.check = lambda: None
         table.stop()
         assert blocks == 6
-
-
-def test_a_reader_that_fails_stops_the_rig_and_says_so() -> None:
-    def broken(_: Samples) -> None:
-        raise KeyError("x")
-
-    clock = SimulatedTime()
-    with clock.passing(), clock.connect(RigSettings()) as rig:
-        rig.watchers.append(broken)
-        with pytest.raises(RigFault, match="reading the rig failed: KeyError"), rig.armed() as table:
-            table.rest(5.0)
 
 
 @pytest.mark.prove

@@ -18,7 +18,6 @@ from dampyr.rig.signal_deferral import deferred_signals
 from dampyr.rig.simulation.simulator import Simulator, parse_faults
 
 pytestmark = pytest.mark.usefixtures("terminal_signals")
-
 WITHOUT_ENABLE = replace(RigSettings(), supply=replace(RigSettings().supply, enable_line=False))
 
 
@@ -207,17 +206,3 @@ def test_a_fault_in_mid_stroke_is_the_reason_although_the_wire_dies_too() -> Non
         moving(rig, die)
     assert any("does not answer" in note for note in raised.value.__notes__)
     dead_and_at_rest(simulator)
-
-
-@pytest.mark.skipif(not hasattr(signal, "SIGHUP"), reason="no terminals to be closed")
-def test_a_signal_that_is_ignored_stays_ignored() -> None:
-    """As with nohup: a terminal that is closed does not end the campaign."""
-    from dampyr.cli._running import stopped_by_signals
-
-    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
-    try:
-        with stopped_by_signals(), deferred_signals():
-            os.kill(os.getpid(), signal.SIGHUP)
-        assert signal.getsignal(signal.SIGHUP) == signal.SIG_IGN
-    finally:
-        signal.signal(signal.SIGHUP, before)

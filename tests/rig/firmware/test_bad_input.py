@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import os
-import re
 import shutil
 import subprocess
-import sys
 import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 from tests.rig.firmware.chip import Chip, build
 from tests.rig.firmware.native_core import SOURCES
+from tests.rig.firmware.pseudo_terminal import one_line, posix, terminal
 
 from dampyr.errors import RigFault
 from dampyr.rig import RigSettings
@@ -24,111 +22,6 @@ from dampyr.rig.firmware.protocol import VERSION, Fault, State
 from dampyr.rig.firmware.twin import Twin
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess, Serial
-
-PAGE = (Path(__file__).parents[3] / "docs/how-to/firmware.md").read_text("utf-8")
-TABLE = [line.split("|")[1].strip().replace("`", "") for line in PAGE.splitlines() if line.startswith("| ")]
-posix = pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals of POSIX")
-
-
-def one_line(problem: object, *words: str) -> None:
-    """It is one line, with these words, and the page on the firmware has it in its table."""
-    text = str(problem).strip()
-    assert "\n" not in text, text
-    for each in words:
-        assert re.search(each, text), text
-    assert any(all(part.strip() in text for part in row.split("...")) for row in TABLE if len(row) > 15), text
-
-
-# the port
-
-
-@contextmanager
-def terminal(answer: Callable[[bytes], bytes]) -> Iterator[str]:
-    """A pseudo-terminal with a device at its end that is no Uno."""
-    import pty
-    import select
-    import tty
-
-    near, far = pty.openpty()
-    tty.setraw(near)
-    over = threading.Event()
-
-    def run() -> None:
-        while not over.is_set():
-            data = os.read(near, 256) if select.select([near], [], [], 0.02)[0] else b""
-            if reply := answer(data):
-                os.write(near, reply)
-
-    thread = threading.Thread(target=run)
-    thread.start()
-    try:
-        yield os.ttyname(far)
-    finally:
-        over.set()
-        thread.join()
-        os.close(near)
-        os.close(far)
-
-
-def opened(port: str) -> RigFault:
-    with pytest.raises(RigFault) as raised:
-        Serial(port, 250000)
-    return raised.value
-
-
-@posix
-def test_a_port_that_is_not_there() -> None:
-    one_line(
-        opened("/dev/ttyACM77"), "^/dev/ttyACM77: ", "plug the Uno in and name its port in wires.serial", "here|none"
-    )
-
-
-@posix
-@pytest.mark.parametrize("path", ["/dev/null", "/", __file__])
-def test_a_file_that_is_no_port(path: str) -> None:
-    one_line(opened(path), f"^{path}: ", "name the Uno's port in wires.serial")
-
-
-@posix
-def test_a_port_that_another_program_has() -> None:
-    with terminal(lambda _: b"") as port:
-        first = Serial(port, 250000)
-        one_line(opened(port), "close that")
-        first.close()
-        Serial(port, 250000).close()
-
-
-@pytest.mark.parametrize(
-    ("number", "text", "words"),
-    [
-        (
-            13,
-            "[Errno 13] could not open port /dev/ttyACM0: [Errno 13] Permission denied: '/dev/ttyACM0'",
-            "usermod -a -G dialout",
-        ),
-        (16, "[Errno 16] could not open port /dev/ttyACM0: [Errno 16] Device or resource busy", "close that"),
-        (None, "could not open port 'COM3': PermissionError(13, 'Access is denied.', None, 5)", "close that"),
-        (
-            None,
-            "could not open port 'COM3': FileNotFoundError(2, 'The system cannot find ...', None, 2)",
-            "plug the Uno in",
-        ),
-    ],
-)
-def test_a_port_that_the_system_refuses(
-    monkeypatch: pytest.MonkeyPatch, number: int | None, text: str, words: str
-) -> None:
-    """The words of Linux and of Windows, as pyserial hands them on."""
-    serial = pytest.importorskip("serial")
-
-    def refuse(*_: object, **__: object) -> None:
-        problem = serial.SerialException(text)
-        problem.errno = number
-        raise problem
-
-    monkeypatch.setattr(serial, "Serial", refuse)
-    one_line(opened("COM3"), words)
-
 
 STRANGERS: dict[str, tuple[Callable[[bytes], bytes], str]] = {
     "silent": (lambda _: b"", "check its cable, its power and that wires.serial is its port"),
@@ -164,7 +57,7 @@ def planted(folder: Path, name: str, old: str, new: str) -> Path:
     return copy
 
 
-@pytest.mark.parametrize("version", [VERSION - 1, VERSION + 1])
+@pytest.mark.parametrize("version", [pytest.param(VERSION - 1, marks=pytest.mark.prove), VERSION + 1])
 def test_a_firmware_of_another_version(tmp_path: Path, version: int) -> None:
     """The binary itself, built with another number of the protocol; nothing but the greeting was said."""
     sources = planted(tmp_path, "core.h", f"#define PROTOCOL {VERSION}\n", f"#define PROTOCOL {version}\n")
@@ -189,21 +82,30 @@ def test_a_firmware_of_another_version(tmp_path: Path, version: int) -> None:
 # the program
 
 
+@pytest.fixture(scope="module")
+def earlier(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a build that was right."""
+    folder = tmp_path_factory.mktemp("earlier")
+    build(folder)
+    return folder
+
+
 @pytest.mark.parametrize(
     ("added", "words"),
     [
         ("PROGMEM const uint8_t table[22000] = {1}", "beside its boot loader; leave out"),
-        (
+        pytest.param(
             "PROGMEM const uint8_t table[30000] = {1}; __attribute__((used)) PROGMEM const uint8_t more[30000] = {1}",
             "has 7",
+            marks=pytest.mark.prove,
         ),
         ("uint8_t table[1200]", "beside the stack; leave out"),
-        ("uint8_t table[9000]", "beside the stack; leave out"),
+        pytest.param("uint8_t table[9000]", "beside the stack; leave out", marks=pytest.mark.prove),
     ],
 )
-def test_a_program_that_is_too_large(tmp_path: Path, added: str, words: str) -> None:
+def test_a_program_that_is_too_large(tmp_path: Path, earlier: Path, added: str, words: str) -> None:
     """No .hex is left, not even that of an earlier build, so that none is flashed."""
-    build(tmp_path)
+    shutil.copytree(earlier, tmp_path, dirs_exist_ok=True)
     assert (tmp_path / "dampyr-uno.hex").exists()
     end = "int main(void)\n"
     sources = planted(tmp_path, "main.c", end, f"#include <avr/pgmspace.h>\n__attribute__((used)) {added};\n{end}")

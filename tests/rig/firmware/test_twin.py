@@ -288,7 +288,7 @@ def test_limits_of_place_and_speed(armed: Bench) -> None:
 
 def test_a_stall_is_seen_in_its_time_and_not_before(armed: Bench) -> None:
     armed.gain = 0.0
-    armed.done(Request.REVERSE, 255, 60000, 0, 1)
+    armed.done(Request.REVERSE, 255, 12000, 0, 1)
     while abs(int(armed.twin.registers[c.R_DUTY])) < 64:
         armed.run(1)
     armed.run(499)
@@ -397,7 +397,7 @@ def test_the_index_is_found_on_either_side_and_gives_the_place(idle: Bench) -> N
 
 def test_a_search_without_an_index_gives_up(armed: Bench) -> None:
     armed.done(Request.DISARM)
-    armed.done(Request.LIMITS, -1300, 1300, *LIMITS[2:])
+    armed.done(Request.LIMITS, -500, 500, *LIMITS[2:])
     armed.done(Request.ARM)
     armed.done(Request.HOME, 1, 0)
     reached = []
@@ -408,10 +408,8 @@ def test_a_search_without_an_index_gives_up(armed: Bench) -> None:
             break
     assert armed.twin.state == State.ARMED
     assert not armed.status.homed
-    assert (
-        max(map(abs, reached)) <= 1300 + c.SPARE + 50
-    )  # half of the limits' distance, for it may stand at one of them
-    assert min(reached) == pytest.approx(-1500, abs=50)
+    assert max(map(abs, reached)) <= 500 + c.SPARE + 50  # half of the limits' distance, for it may stand at one of them
+    assert min(reached) == pytest.approx(-700, abs=50)
 
 
 def test_reversals_rise_pause_and_fall(armed: Bench) -> None:
@@ -489,7 +487,7 @@ def requests() -> st.SearchStrategy[tuple[Request, tuple[int, ...]]]:
     return st.sampled_from(list(Request)).flatmap(lambda k: st.tuples(st.just(k), bodies.get(k, st.just(()))))
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(st.lists(st.tuples(requests(), st.integers(0, 130), st.booleans()), max_size=30), st.booleans())
 def test_no_sequence_of_requests_harms_it(
     steps: list[tuple[tuple[Request, tuple[int, ...]], int, bool]], ready: bool
@@ -535,7 +533,9 @@ def until(bench: Bench, state: State, ms: int = 400000) -> list[float]:
 
 
 @pytest.mark.parametrize("switches", [True, False])
-@pytest.mark.parametrize("start", [-1399, -1390, -800, 100, 600, 1399])
+@pytest.mark.parametrize(
+    "start", [-1399, 600, 1399, *(pytest.param(place, marks=pytest.mark.prove) for place in (-1390, -800, 100))]
+)
 @pytest.mark.parametrize("index", [200, -900])
 def test_a_search_from_anywhere_stays_between_the_ends_and_ends_at_the_index(
     idle: Bench, start: int, index: int, switches: bool

@@ -3,84 +3,24 @@
 from __future__ import annotations
 
 import json
-import re
 import socket
 import threading
 from dataclasses import replace
-from itertools import count
 from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from tests.rig.instruments.laboratory import agree, records_of, rig_file
 
-from dampyr.campaigns import campaign_of, perform
 from dampyr.cli import cli
-from dampyr.errors import DampyrWarning, FileError, InputError, RigFault
+from dampyr.errors import FileError, InputError, RigFault
 from dampyr.records import Record, read_campaign
-from dampyr.rig import Drive, Rig, RigSettings, load_settings, simulated
+from dampyr.rig import RigSettings, load_settings, simulated
 from dampyr.rig.diagnosis import diagnose
 from dampyr.rig.instruments import catalogue
 from dampyr.rig.settings_file import write_settings
 from dampyr.rig.simulation.simulator import Simulator
-
-PAGE = (Path(__file__).parents[3] / "docs/how-to/add-an-instrument.md").read_text("utf-8")
-FILE = re.compile(r"^```\w+ name=(\S+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-NUMBERS = count()
-CAMPAIGN = {
-    "name": "two",
-    "operator": "me",
-    "rest_between": "1 s",
-    "step": [
-        {
-            "kind": "sine",
-            "amplitude": "8 mm",
-            "frequency": "1 Hz",
-            "voltage": ["0 V", "1.98 V"],
-            "cycles": 2,
-        }
-    ],
-}
-
-
-@pytest.fixture
-def laboratory(tmp_path: Path) -> Path:
-    """The folder of a rig.toml with the page's instruments."""
-    for name, text in FILE.findall(PAGE):
-        path = tmp_path / name
-        path.parent.mkdir(exist_ok=True)
-        path.write_text(text, "utf-8")
-    return tmp_path
-
-
-def rig_file(folder: Path, **wires: str) -> Path:
-    """A rig.toml that names instruments."""
-    path = folder / f"rig{next(NUMBERS)}.toml"
-    path.write_text("[wires]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in wires.items()), "utf-8")
-    return path
-
-
-def records_of(rig: Rig, out: Path) -> list[Record]:
-    """The records of a campaign on a rig."""
-    with rig:
-        return list(perform(campaign_of(CAMPAIGN), rig, out))
-
-
-def agree(ours: list[Record], theirs: list[Record], skip: float = 0.0) -> None:
-    """Two campaigns agree within the noise of a sample, from ``skip`` s after a record's start on."""
-    assert len(ours) == len(theirs) == 2
-    for own, other in zip(ours, theirs, strict=True):
-        assert own.time.size == other.time.size
-        late = own.time - own.time[0] >= skip
-        assert np.sqrt(np.mean((own.force - other.force)[late] ** 2)) < 3.0  # N: noise and wander of 0.9 N, twice
-        assert np.abs(own.displacement - other.displacement).max() < 2e-5
-        assert own.voltage == other.voltage
-
-
-@pytest.fixture(scope="module")
-def usual(tmp_path_factory: pytest.TempPathFactory) -> list[Record]:
-    """The records of the NI board."""
-    return records_of(simulated(), tmp_path_factory.mktemp("usual") / "out")
 
 
 def test_the_page_shows_files_that_are_there(laboratory: Path) -> None:
@@ -168,48 +108,6 @@ def test_dampyr_run_takes_it(laboratory: Path) -> None:
     assert record.provenance["board"].startswith("simulated OUR-BOARD 7")
 
 
-def test_a_supply_without_a_clock_holds_constant_voltages(laboratory: Path, usual: list[Record]) -> None:
-    path = rig_file(laboratory, supply="./bench_supply")
-    ours = records_of(simulated(path), laboratory / "out")
-    agree(ours, usual, skip=0.3)
-    assert "(no sample clock: its voltage comes up to 90 ms late)" in ours[0].provenance["board"]
-
-
-def test_a_step_of_its_voltage_is_told_with_its_latency(laboratory: Path) -> None:
-    drive = Drive(0.01, np.zeros(100), np.r_[np.zeros(50), np.full(50, 2.0)])
-    with simulated(rig_file(laboratory, supply="./bench_supply")) as rig:
-        simulator: Simulator = rig.board.acquisition.simulator  # type: ignore[attr-defined]
-        with rig.armed() as table:
-            table.home(here=True)
-            with pytest.warns(DampyrWarning, match="steps of its voltage come up to 90 ms late"):
-                blocks = list(table.play(drive))
-            begin = simulator.time - table.loop.next / rig.settings.board.rate
-    samples = [block for block, _ in blocks]
-    time, voltage = (np.concatenate([getattr(block, name) for block in samples]) for name in ("time", "voltage"))
-    commanded = time[np.flatnonzero(voltage > 1.9)[0]]
-    truth = simulator.truth
-    late = truth.time[np.flatnonzero(truth.voltage > 1.9)[0]] - begin - commanded
-    assert 0.02 < late <= rig.command_delay == pytest.approx(0.09)
-    with simulated() as rig:
-        assert rig.command_delay == 0.0
-
-
-def test_a_cut_is_not_followed_by_what_was_queued(laboratory: Path) -> None:
-    with simulated(rig_file(laboratory, supply="./bench_supply")) as rig:
-        board, simulator = rig.board, rig.board.acquisition.simulator  # type: ignore[attr-defined]
-        board.start(1000.0, np.r_[np.full(100, 2.0), np.full(300, 3.0)])
-        board.read(80)
-        assert simulator.command == pytest.approx(2.0, abs=1e-3)
-        board.write(0.0)
-        for _ in range(5):
-            board.read(50)
-        assert simulator.command == pytest.approx(0.0, abs=1e-3)
-        board.stop()
-        board.start(1000.0, np.full(100, 1.0))
-        board.read(80)
-        assert simulator.command == pytest.approx(1.0, abs=1e-3)
-
-
 DRIVE = """
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess, open_wire
@@ -255,65 +153,10 @@ def test_the_process_that_reads_opens_own_instruments(laboratory: Path) -> None:
         assert counts.shape == (200,)
 
 
-def test_the_catalogue() -> None:
-    assert catalogue.available("acquisition") == ["ni-daqmx"]
-    assert catalogue.available("drive") == ["arduino-uno"]
-    assert catalogue.available("supply") == ["analogue-output"]
-
-
-@pytest.mark.parametrize(
-    ("wires", "words"),
-    [
-        ({"acquisition": "ni-daqm"}, r"wires.acquisition = 'ni-daqm' is not known; did you mean 'ni-daqmx'\?"),
-        ({"drive": "ni-daqmx"}, "wires.drive = 'ni-daqmx' is not known; .*arduino-uno.* or give the path of a folder"),
-        ({"supply": "analog-output"}, "did you mean 'analogue-output'"),
-        ({"acquisition": "./nowhere"}, "nowhere: wires.acquisition names this folder, and there is none"),
-        (
-            {"acquisition": "./empty"},
-            "empty: has no .*py; wires.acquisition names a folder with driver.py and simulated.py",
-        ),
-        ({"acquisition": "./broken"}, "cannot be imported: SyntaxError"),
-        ({"acquisition": "./nothing"}, r"nothing: .*py has no "),
-        (
-            {"acquisition": "./poor"},
-            r"poor: its driver has no index_counts\(\) and no queue\(\), which is needed of an acq",
-        ),
-        ({"supply": "./poor"}, "no latency, which is needed of a supply"),
-    ],
-)
-def test_an_instrument_that_is_none_is_a_sentence(tmp_path: Path, wires: dict[str, str], words: str) -> None:
-    for name, text in (("broken", "def"), ("nothing", "")):
-        for file in ("driver.py", "simulated.py"):
-            (tmp_path / name).mkdir(exist_ok=True)
-            (tmp_path / name / file).write_text(text)
-    (tmp_path / "empty").mkdir()
-    (tmp_path / "poor").mkdir()
-    methods = "start = read = write = stop = close = identity = lambda self, *given: None"
-    (tmp_path / "poor" / "driver.py").write_text(
-        f"class Poor:\n    {methods}\n\ndef connect(rig):\n    return Poor()\n"
-    )
-    (tmp_path / "poor" / "simulated.py").write_text(
-        "from .driver import Poor\n\ndef in_process(simulator):\n    return Poor()\n"
-    )
-    path = rig_file(tmp_path, **wires)
-    with pytest.raises(InputError, match=words):
-        simulated(path)
-    [(role, name)] = wires.items()
-    findings = {each.what: each for each in diagnose(path)}
-    assert findings[role].observed == name
-    assert re.search(words, str(findings["connection"].repair))
-
-
+@pytest.mark.prove  # a process is started, which imports dampyr
 def test_in_real_time_it_is_the_same_sentence(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"wires.acquisition = 'ni-daqm' is not known"):
         simulated(rig_file(tmp_path, acquisition="ni-daqm"), real_time=True)
-
-
-def test_a_simulated_end_without_its_function_says_what_is_missing(laboratory: Path) -> None:
-    path = laboratory / "our_board" / "simulated.py"
-    path.write_text(path.read_text().replace("def in_process(", "def in_this_process("))
-    with pytest.raises(FileError, match=r"simulated.py has no in_process\(\)"):
-        simulated(rig_file(laboratory, acquisition="./our_board"))
 
 
 def test_what_was_opened_is_closed_where_another_fails(tmp_path: Path) -> None:
@@ -338,12 +181,3 @@ def test_doctor_lists_the_instruments(laboratory: Path) -> None:
     assert "OUR-BOARD 7" in findings["board"].observed
     usual = {each.what: each for each in diagnose(None)}
     assert usual["supply"].observed == "an output of the acquisition"
-
-
-def test_a_relative_folder_lies_beside_the_rigs_file(laboratory: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir("/")
-    rig = load_settings(laboratory / "rig.toml")
-    absolute = catalogue.with_absolute_folders(rig, laboratory)
-    assert absolute.wires.acquisition == str(laboratory / "our_board")
-    assert absolute.wires.drive == "arduino-uno"
-    assert replace(absolute, wires=rig.wires) == rig

@@ -1,27 +1,17 @@
 """The plant against closed forms: speed and droop, ends and play, coil, load cell, heat, energy, and its own step."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from tests.rig.simulation.driver import follow, rig, sine
+from tests.rig.simulation.parts import settings
 
-from dampyr.models import Constant, Damper, Interpolation
+from dampyr.models import Damper
 from dampyr.rig.firmware import control_core as c
 from dampyr.rig.firmware.protocol import Request, State
-from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation import plant
 from dampyr.rig.simulation.simulator import Simulator
-from dampyr.rig.specimen import original_specimen
 
 NOTHING = Damper("spring", {"spring.k0": 0.0})
-WIDE = (-30000, 30000, 40000, 150, 255, 1000, 0)
-
-
-def settings(**parts: dict[str, float]) -> RigSettings:
-    """The original rig with some of its parts changed."""
-    rig = RigSettings()
-    return replace(rig, **{name: replace(getattr(rig, name), **values) for name, values in parts.items()})
 
 
 def driven(made: Simulator, seconds: float, duty: int) -> None:
@@ -195,21 +185,6 @@ def test_a_hot_specimen_gives_less_force_and_takes_less_current() -> None:
     assert 0.6 < forces[1] / forces[0] < 1 - 0.004 * 50 + 1e-3
 
 
-def test_the_force_is_the_dampers_own_along_the_same_path() -> None:
-    made, host = rig(settings(actuator={"backlash": 0.0}), step=2.5e-5)
-    host.arm()
-    made.write(1.98)
-    host.wait()
-    follow(made, host, sine(0.008, 0.8, 5, 0.01))
-    truth = made.truth
-    settled = truth.time > 0.2
-    damper, t = original_specimen(), truth.time[settled]
-    force = damper.force(
-        t, truth.position[settled], voltage=4.4 * truth.current[settled], velocity=truth.speed[settled]
-    )
-    np.testing.assert_allclose(truth.force[settled], force, atol=0.002 * np.ptp(force))
-
-
 @pytest.mark.parametrize(
     ("parts", "laws"),
     [
@@ -249,25 +224,6 @@ def test_free_play_leaves_the_piston_behind() -> None:
     assert made.plant[plant.Y_TAKEN] < 0.95 * tight.plant[plant.Y_TAKEN]
 
 
-def test_a_specimen_over_current_and_a_range_that_is_left() -> None:
-    specimen = Damper(
-        "hyperbolic_tangent",
-        {"hyperbolic_tangent.c": 500.0, "hyperbolic_tangent.ft": Interpolation((0.0, 0.2), (10.0, 400.0)),
-         "hyperbolic_tangent.v0": Constant(1e-3, 0.0, 0.2), "hyperbolic_tangent.s": Constant(0.0, 0.0, 0.2)},
-        input="A",
-    )  # fmt: skip
-    said: list[str] = []
-    made, host = rig(specimen=specimen, on_event=lambda time, words: said.append(words))
-    host.arm()
-    made.write(4.4)
-    follow(made, host, sine(0.005, 1.0, 3, 0.01))
-    truth = made.truth
-    assert truth.held[-1] == (truth.current[-1] > 0.2)
-    assert np.any(truth.held)
-    assert truth.force.max() == pytest.approx(400.0 + 500.0 * truth.speed.max(), rel=0.02)
-    assert any("outside the specimen's calibrated range" in words for words in said)
-
-
 def test_a_sine_of_10_mm_at_1_hz_is_followed_within_a_third_of_a_millimetre() -> None:
     made, host = rig()
     host.arm()
@@ -279,59 +235,3 @@ def test_a_sine_of_10_mm_at_1_hz_is_followed_within_a_third_of_a_millimetre() ->
     steady = (truth.time - start > 2) & (truth.time - start < 10)
     assert np.abs(truth.position - wanted)[steady].max() < 0.35e-3
     assert made.twin.state == State.ARMED
-
-
-def test_the_same_seed_gives_the_same_bits_whatever_the_blocks() -> None:
-    runs = []
-    for block in (40, 7):
-        made, host = rig()
-        host.arm()
-        made.start(1000.0)
-        runs.append(np.concatenate([made.read(block)[0][0] for _ in range(280 // block)]))
-    np.testing.assert_array_equal(runs[0], runs[1])
-    assert np.std(np.diff(runs[0] * 613.0)) == pytest.approx(0.4 * np.sqrt(2), rel=0.15)
-    steps = np.unique(np.round(np.diff(np.unique(runs[0])) / (20 / 65536), 6))
-    assert np.all(steps == np.round(steps))
-
-
-def test_the_encoder_floors_and_the_board_counts_from_its_start() -> None:
-    made, host = rig(position=0.0031)
-    host.arm(620)
-    host.done(Request.JOG, -2000, 400)
-    for _ in range(30):
-        host.wait()
-    made.start(500.0)
-    _, counts = made.read(10)
-    assert np.all(counts == 0)
-    assert host.beat.position == 620 + np.floor(made.plant[plant.Y_X] / 5e-6) - np.floor(0.0031 / 5e-6)
-
-
-@pytest.mark.parametrize("rate", [100.0, 1000.0, 3000.0, 40000.0])
-def test_samples_come_at_their_times(rate: float) -> None:
-    made, host = rig(settings(load_cell={"noise": 0.0}))
-    host.arm()
-    host.done(Request.JOG, 4000, 400)
-    start = made.time
-    made.start(rate)
-    counts = np.concatenate([made.read(max(1, round(rate / 50)))[1] for _ in range(5)])
-    t = start + np.arange(1, counts.size + 1) / rate
-    truth = made.truth
-    expected = np.interp(t, np.concatenate(([0.0], truth.time)), np.concatenate(([0.0], truth.position))) / 5e-6
-    assert np.abs(counts + 0.5 - expected).max() < 1.2
-    assert made.time == pytest.approx(start + counts.size / rate, abs=1.1e-4)
-
-
-def test_home_looks_for_the_index() -> None:
-    made, host = rig(position=-0.003)
-    host.ask(Request.HELLO, 2)
-    host.done(Request.CLEAR)
-    host.done(Request.LIMITS, *WIDE)
-    assert host.beat.limited
-    host.done(Request.ARM)
-    host.done(Request.HOME, 1, 400)  # the index lies 2 mm from the middle
-    for _ in range(3000):
-        if host.beat.state == State.ARMED:
-            break
-    status = host.beat
-    assert status.homed
-    assert status.position * 5e-6 == pytest.approx(made.plant[plant.Y_X], abs=6e-6)

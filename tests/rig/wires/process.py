@@ -12,6 +12,8 @@ from dataclasses import asdict, replace
 from pathlib import Path
 
 import tomli_w
+from tests.rig.wires import serial_wire
+from tests.rig.wires.clock import Clock
 
 from dampyr.errors import RigFault
 from dampyr.rig import Rig, RigSettings, load_settings
@@ -19,6 +21,8 @@ from dampyr.rig.connecting import _calibrated
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import open_wire
 from dampyr.rig.instruments.ni_daqmx.driver import NiBoard
+from dampyr.rig.simulation.event_log import EventFile
+from dampyr.rig.simulation.simulator import Simulator, parse_faults
 from dampyr.rig.specimen import specimen_of
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -92,6 +96,25 @@ class Process:
                 stream.close()
 
 
+class ThreadServer:
+    """The same wires, served by threads of this process: no interpreter is started."""
+
+    def __init__(self, rig: RigSettings, folder: Path | None = None, seed: int = 0, faults: Sequence[str] = ()) -> None:
+        from tests.rig.wires import daqmx_service
+
+        self._clock = Clock(Simulator(rig, seed, parse_faults(faults), specimen_of(rig, folder)), EventFile(None))
+        self.wires: dict[str, str] = serial_wire.serve(self._clock) | daqmx_service.serve(self._clock)
+        """The settings of ``[wires]`` that lead to it."""
+        self._clock.start()
+
+    def close(self) -> None:
+        """End the server."""
+        self._clock.finished.set()
+        self._clock.thread.join()
+        for end in self._clock.on_end:
+            end()
+
+
 def open_wired(wired: RigSettings) -> tuple[Uno, NiBoard]:
     """The drivers at the wires of a simulated rig, which may answer late."""
     return Uno(open_wire(wired.wires.serial, wired.wires.baud), wait=0.25, tries=20), NiBoard(wired)
@@ -107,14 +130,37 @@ def over_wires(
 ) -> Rig:
     """A rig in lockstep behind its wires: its time passes while it is read, or by itself where nobody does.
 
-    The arguments are those of `dampyr.rig.simulated`.
+    It is in a process of its own. The arguments are those of `dampyr.rig.simulated`.
     """
+    rig, true, folder = _settings_of(settings, parts)
+    return _connected(rig, folder, Process(true, folder, seed, faults, black_box=black_box, chip=chip))
+
+
+def over_wires_here(
+    settings: RigSettings | str | Path | None = None,
+    seed: int = 0,
+    faults: Sequence[str] = (),
+    parts: RigSettings | None = None,
+) -> Rig:
+    """The same, with the other end of the wires in threads of this process."""
+    rig, true, folder = _settings_of(settings, parts)
+    return _connected(rig, folder, ThreadServer(true, folder, seed, faults))
+
+
+def _settings_of(
+    settings: RigSettings | str | Path | None, parts: RigSettings | None
+) -> tuple[RigSettings, RigSettings, Path | None]:
+    """What the rig's host takes it for, what it really is, and the folder of its file."""
     path = None if settings is None or isinstance(settings, RigSettings) else Path(settings)
     rig = load_settings(path) if path is not None else settings or RigSettings()
     assert isinstance(rig, RigSettings)
     folder = None if path is None else path.parent
     true = rig if parts is None else replace(parts, wires=rig.wires, board=rig.board, limits=rig.limits)
-    process = Process(true, folder, seed, faults, black_box=black_box, chip=chip)
+    return rig, true, folder
+
+
+def _connected(rig: RigSettings, folder: Path | None, process: Process | ThreadServer) -> Rig:
+    """A host of the rig at the other end of the wires."""
     try:
         wired = replace(rig, wires=replace(rig.wires, **process.wires))
         uno, board = open_wired(_calibrated(wired, folder))

@@ -17,27 +17,32 @@ from typing import Any
 import numpy as np
 import pytest
 from tests.rig.simulation.driver import Host, sine
-from tests.rig.wires import server
+from tests.rig.wires import clock, daqmx_service, serial_wire, server
 
 from dampyr.rig.firmware.protocol import Reader, Request, State
 
 grpc = pytest.importorskip("grpc", reason="the extra rig is not installed: pip install dampyr[rig]")
 nidaqmx = pytest.importorskip("nidaqmx", reason="the extra rig is not installed: pip install dampyr[rig]")
 serial = pytest.importorskip("serial", reason="the extra rig is not installed: pip install dampyr[rig]")
-
 Start = Callable[..., "Served"]
 
 
 class Served:
-    """A rig's process, and its clients."""
+    """A rig behind its wires, in threads of this process or in one of its own, and its clients."""
 
-    def __init__(self, box: Path, *options: str) -> None:
+    def __init__(self, box: Path, *options: str, process: bool = False) -> None:
+        self.box, self.tasks, self.channel, self.wire = box, [], None, None
+        if not process:
+            self.clock = server.build_clock(server.parse_options(["--black-box", str(box), *options]))
+            self.where = serial_wire.serve(self.clock) | daqmx_service.serve(self.clock)
+            self.clock.start()
+            return
+        self.clock = None
         command = [sys.executable, "-m", "tests.rig.wires.server", "--black-box", str(box), *options]
         path = os.environ | {"PYTHONPATH": str(Path(__file__).parents[3])}
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=path)
         assert self.process.stdout is not None
         self.where = json.loads(self.process.stdout.readline())
-        self.box, self.tasks, self.channel, self.wire = box, [], None, None
 
     def host(self) -> Host:
         """A host on the serial wire."""
@@ -106,6 +111,12 @@ class Served:
 
     def end(self) -> None:
         self.leave()
+        if self.clock is not None:
+            self.clock.finished.set()
+            self.clock.thread.join()
+            for end in self.clock.on_end:
+                end()
+            return
         self.process.terminate()
         self.process.wait(20)
         assert self.process.stdout is not None
@@ -116,8 +127,8 @@ class Served:
 def serve(tmp_path: Path) -> Iterator[Start]:
     made: list[Served] = []
 
-    def start(*options: str) -> Served:
-        made.append(Served(tmp_path / f"box{len(made)}.jsonl", *options))
+    def start(*options: str, process: bool = False) -> Served:
+        made.append(Served(tmp_path / f"box{len(made)}.jsonl", *options, process=process))
         return made[-1]
 
     yield start
@@ -245,7 +256,7 @@ def test_errors_of_the_board_arrive_as_nidaqmx_errors(serve: Start) -> None:
 
 
 def test_when_the_client_leaves_the_rig_runs_on_alone_and_ends(serve: Start) -> None:
-    served = serve("--once")
+    served = serve("--once", process=True)
     host = served.host()
     moving(served, host, 20)
     served.wire.close()
@@ -291,7 +302,8 @@ def test_a_killed_client_leaves_a_dead_coil_and_a_table_at_rest(serve: Start, tm
     assert served.host().beat.state == State.FAULT  # the next host is let in, and is told
 
 
-def test_three_seconds_of_silence_and_the_watchdog_acts(serve: Start) -> None:
+def test_silence_and_the_watchdog_acts(serve: Start, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(clock, "SILENCE", 0.3)
     served = serve()
     host = served.host()
     host.arm()
@@ -311,7 +323,7 @@ def test_a_second_client_is_turned_away(serve: Start) -> None:
 
 @pytest.mark.by_hand
 def test_in_real_time_the_walls_clock_moves_it(serve: Start) -> None:
-    served = serve("--real-time")
+    served = serve("--real-time", process=True)
     host = served.host()
     host.ask(Request.HELLO, 2)
     before, start = host.beat.time, time.monotonic()

@@ -115,8 +115,7 @@ class Hybrid:
 
     def damper(self, rig: RigSettings) -> Damper:
         """The model that predicts the force, without what is the rig's own: delay and lag."""
-        damper = published.card_or_published(self.model) if self.model else specimen_of(rig)
-        return damper.without(*(name for name in ("delay", "lag") if name in damper.composition.names))
+        return _without_delays(_card(self.model, self.contents.get("model", "")) if self.model else specimen_of(rig))
 
     def computed(self, rig: RigSettings) -> Response:
         """The response of the building with the damper's model: all of it computed."""
@@ -280,6 +279,21 @@ def input_of(damper: Damper, voltage: float, rig: RigSettings) -> float:
     """
     value = voltage if damper.input == "V" else voltage / rig.supply.resistance
     return min(max(value, damper.range[0]), damper.range[1])
+
+
+@lru_cache(maxsize=64)
+def _card(model: str, content: str) -> Damper:
+    """The damper of a card or a published set; ``content`` tells cards of one name apart.
+
+    Dampers are compared as objects: `_compute` knows the one that it has had.
+    """
+    return published.card_or_published(model)
+
+
+@lru_cache(maxsize=64)
+def _without_delays(damper: Damper) -> Damper:
+    """A damper without what is the rig's own."""
+    return damper.without(*(name for name in ("delay", "lag") if name in damper.composition.names))
 
 
 @lru_cache(maxsize=64)

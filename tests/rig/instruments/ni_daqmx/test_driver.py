@@ -16,13 +16,13 @@ from tests.rig.wires.clock import Clock
 from tests.rig.wires.serial_wire import Serial
 
 from dampyr.cli import cli
-from dampyr.errors import FileError, InputError, RigFault
-from dampyr.rig import Drive, Rig, RigSettings, load_settings
+from dampyr.errors import RigFault
+from dampyr.rig import Rig, RigSettings
 from dampyr.rig.diagnosis import diagnose
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
 from dampyr.rig.instruments.ni_daqmx.driver import NiBoard, signed
-from dampyr.rig.settings import BoardSettings, Limits, Supply
+from dampyr.rig.settings import BoardSettings, Supply
 from dampyr.rig.simulation.event_log import EventFile
 from dampyr.rig.simulation.simulator import Simulator
 
@@ -126,11 +126,6 @@ def test_the_output_is_set_up_for_no_more_than_the_supply_needs(connect: Open, s
     assert clock.rig.command == pytest.approx(top, abs=1e-3)
 
 
-def test_a_drive_has_no_negative_voltage() -> None:
-    with pytest.raises(InputError, match=r"voltage = -0.1 V is negative"):
-        Drive(0.01, np.zeros(3), np.array([0.0, -0.1, 0.0]))
-
-
 def test_the_driver_itself_refuses_what_gets_past_the_check(connect: Open, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(NiBoard, "_check", lambda self, volts: None)
     board, _clock = connect()
@@ -170,23 +165,6 @@ def test_a_filter_that_the_board_does_not_have_is_refused_before_anything_starts
     with pytest.raises(RigFault, match="minimum pulse width"):
         board.start(1000.0, np.zeros(80))
     assert not clock.rig.sampling
-
-
-def test_a_filter_is_short_against_the_encoders_edges(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"board.encoder_filter = 6.425 us is too long for edges .* 12.5 us apart"):
-        RigSettings(limits=Limits(speed=0.4))
-    path = tmp_path / "rig.toml"
-    for speed, width in (("0.12 m/s", 6.425e-6), ("0.4 m/s", 125e-9)):  # a file of an earlier version names none
-        path.write_text(f'[limits]\nspeed = "{speed}"\n')
-        assert load_settings(path).board.encoder_filter == width
-    path.write_text('[limits]\nspeed = "0.4 m/s"\n[encoder]\ncount = "50 nm"\nmax_speed = 1.0')
-    assert load_settings(path).board.encoder_filter == 0.0
-    path.write_text('[limits]\nspeed = "0.4 m/s"\n[board]\nencoder_filter = "6.425 us"\n')
-    with pytest.raises(FileError, match="encoder_filter"):
-        load_settings(path)
-    path.write_text("limits = 3\n")
-    with pytest.raises(FileError, match="limits"):
-        load_settings(path)
 
 
 def test_counts_below_zero_and_at_both_wraps() -> None:

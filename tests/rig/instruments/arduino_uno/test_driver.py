@@ -9,7 +9,6 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-import numpy as np
 import pytest
 
 from dampyr.errors import DampyrWarning, RigFault
@@ -20,7 +19,6 @@ from dampyr.rig.instruments.arduino_uno import wire as wires
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess, Serial
 from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
-from dampyr.rig.interlock import Interlock, Samples
 from dampyr.rig.simulation.simulator import Simulator, parse_faults
 
 
@@ -214,31 +212,6 @@ def test_firmware_of_another_version_is_said_by_name() -> None:
 
 
 # a cause before its consequences
-
-
-def block(settings: RigSettings, x: np.ndarray, position: float, speed: float) -> Samples:
-    count, n = settings.encoder.count, x.size
-    status = Status(
-        0, State.FOLLOWING, Fault(0), round(position / count), round(speed / count), 0, True, True, True, 0, 0, 0
-    )
-    zero, counts = np.zeros(n), np.round(x / count).astype(np.int64)
-    return Samples(0, np.arange(n) * 1e-3, x, zero, None, np.zeros((1, n)), counts, zero, status)
-
-
-@pytest.mark.parametrize(("waiting", "words"), [(0.06, None), (0.17, "age of the samples")])
-def test_a_late_host_does_not_blame_the_encoder(waiting: float, words: str | None) -> None:
-    """At 60 mm/s the table has moved on by the time at which the Uno is asked."""
-    settings = RigSettings()
-    x = 0.060 * np.arange(40) * 1e-3
-    trip = Interlock(settings).judge(block(settings, x, x[-1] + 0.060 * (waiting + 0.02), 0.060), waiting)
-    assert (trip and trip.what) == words
-
-
-def test_positions_that_differ_are_still_seen() -> None:
-    settings = RigSettings()
-    trip = Interlock(settings).judge(block(settings, np.zeros(40), 0.0011, 0.0))
-    assert trip is not None
-    assert trip.what == "distance of the board's and the Uno's position"
 
 
 def test_a_stop_of_the_uno_comes_before_what_follows_from_it() -> None:
