@@ -129,7 +129,7 @@ def test_errors_of_one_or_two_records_are_labelled_and_give_no_interval(tmp_path
 
 
 def test_intervals_are_those_of_the_fit_in_the_units_of_people() -> None:
-    fit_result = fit(records(each=3), "dahl")
+    fit_result = fit(records((1.0, 2.0), 3), "dahl")
     values, _, errors = parameter_tables(fit_result)
     row = next(row for row in values.rows if row[0] == "dahl.kx")
     label = "dahl.kx @ 1 V"
@@ -170,6 +170,7 @@ def some_score(template: Score, l1: float) -> Score:
     return replace(template, l1=l1)
 
 
+@pytest.mark.usefixtures("figures_not_rendered")
 def test_predictions_say_what_they_were_not_fitted_on_and_sections_come_first(joint: Fit, tmp_path: Path) -> None:
     names = [r.name for r in joint.records]
     one = joint.scores[names[0]]
@@ -204,6 +205,7 @@ def test_predictions_say_what_they_were_not_fitted_on_and_sections_come_first(jo
     assert "L1 30 % on average, 2 records, split by record" in html
 
 
+@pytest.mark.usefixtures("first_figure_rendered")
 def test_its_first_screen_has_the_verdict_the_loops_and_the_parameters(joint: Fit, tmp_path: Path) -> None:
     html = write_page(joint, tmp_path / "page.html").read_text("utf-8")
     first = html[html.index('<section id="in-short">') : html.index("</section>")]
@@ -224,6 +226,7 @@ def test_a_validation_that_predicted_nothing_is_shown(joint: Fit) -> None:
     assert list(parts.rows[0]) == [1, 1, "no damper: no damper came of it"]
 
 
+@pytest.mark.usefixtures("figures_not_rendered")
 def test_a_misfit_is_told_before_anything_else(tmp_path: Path) -> None:
     skewed = [replace(r, force=r.force + 3000.0 * np.abs(r.velocity)) for r in records()]
     reader = Reader(write_page(fit(skewed, "dahl"), tmp_path / "page.html").read_text("utf-8"))
