@@ -15,7 +15,13 @@ from dampyr.show.pages import html_page, saved_figures
 
 def texts_as_svg(figure: Figure, *_: str) -> str:
     """An SVG that holds nothing but the texts of the figure: titles, legends, names of axes, the mark of its origin."""
-    texts = [escape(artist.get_text()) for artist in figure.findobj(Text) if artist.get_text()]
+    artists: list[Text] = [*figure.texts]
+    for legend in (*figure.legends, *(panel.get_legend() for panel in figure.axes)):
+        artists += legend.get_texts() if legend else []
+    for panel in figure.axes:
+        artists += [*panel.texts, panel.xaxis.label, panel.yaxis.label]
+    names = [artist.get_text() for artist in artists] + [panel.get_title(loc="left") for panel in figure.axes]
+    texts = [escape(name) for name in names if name]
     return f"<svg>{''.join(f'<text>{text}</text>' for text in texts)}</svg>"
 
 

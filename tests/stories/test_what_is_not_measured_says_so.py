@@ -46,8 +46,8 @@ measurement_session = "mounting 3"
 rest_between = "1 s"
 [[step]]
 kind = "sine"
-amplitude = "8 mm"
-frequency = "1 Hz"
+amplitude = "4 mm"
+frequency = "2 Hz"
 voltage = ["0 V", "1.98 V"]
 cycles = 3
 """
