@@ -1,8 +1,16 @@
-"""Pages for tests of their texts and tables alone."""
+"""A fit that several pages show, and pages for tests of their texts and tables alone."""
 
 import pytest
+from tests.show.pages.fit_examples import records
 
+from dampyr.identification import Fit, fit
 from dampyr.show.pages import html_page
+
+
+@pytest.fixture(scope="session")
+def joint() -> Fit:
+    """The fit of six records at three voltages."""
+    return fit(records(), "dahl")
 
 
 @pytest.fixture

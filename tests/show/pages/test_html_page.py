@@ -16,7 +16,6 @@ from dampyr.show.figures import style
 from dampyr.show.figures.loops import loops
 from dampyr.show.pages.blocks import FigureBlock, Section, Text
 from dampyr.show.pages.html_page import number, page, write_html
-from dampyr.show.pages.saved_figures import figure_files
 from dampyr.show.table import Table, Verdict
 
 COLOURS = re.compile(r"(:root[^{}]*) \{([^}]*)\}")
@@ -162,22 +161,6 @@ def test_figures_are_drawn_in_the_colours_of_the_page() -> None:
     _, light = COLOURS.findall(full_page())[0]
     for name in ("ink", "muted", "grid", "blue", "vermillion", "green", "purple", "orange", "sky"):
         assert f"--{name}: {getattr(style, name.upper())};" in light
-
-
-@pytest.mark.prove
-def test_figures_of_a_page_are_left_as_vector_files_where_they_are_asked_for(tmp_path: Path) -> None:
-    with figure_files(tmp_path / "drawn"):
-        full_page.__wrapped__()
-    full_page.__wrapped__()
-    names = [f"{number}-loops.{kind}" for number in ("01", "02") for kind in ("pdf", "svg")]
-    drawn_files = {path.name: path.read_bytes() for path in (tmp_path / "drawn").iterdir()}
-    assert sorted(drawn_files) == names
-    assert drawn_files["01-loops.pdf"].startswith(b"%PDF")
-    assert b"displacement [mm]" in drawn_files["02-loops.svg"]
-    assert b"var(--" not in drawn_files["02-loops.svg"]
-    with figure_files(tmp_path / "again"):
-        full_page.__wrapped__()
-    assert {path.name: path.read_bytes() for path in (tmp_path / "again").iterdir()} == drawn_files
 
 
 def test_tables_with_one_caption_are_told_apart_by_those_who_hear_them() -> None:
