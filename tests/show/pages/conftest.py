@@ -1,16 +1,8 @@
-"""A fit that several pages show, and pages for tests of their texts and tables alone."""
+"""Pages for tests of their texts and tables alone."""
 
 import pytest
-from tests.show.pages.fit_examples import records
 
-from dampyr.identification import Fit, fit
 from dampyr.show.pages import html_page
-
-
-@pytest.fixture(scope="session")
-def joint() -> Fit:
-    """The fit of six records at three voltages."""
-    return fit(records(), "dahl")
 
 
 @pytest.fixture

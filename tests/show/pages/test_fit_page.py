@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.show.pages.fit_examples import records
+from tests.show.fit_examples import records
 from tests.show.pages.test_html_page import Reader
 
 from dampyr.identification import Fit, fit

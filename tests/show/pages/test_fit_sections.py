@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.show.pages.fit_examples import records
+from tests.show.fit_examples import records
 
 from dampyr.identification import Fit, fit
 from dampyr.show.pages.blocks import Text
