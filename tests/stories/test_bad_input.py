@@ -9,20 +9,27 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner, Result
 
+from dampyr.cli import cli
 from dampyr.models import Damper, Polynomial
 from dampyr.records import Record, write
 
 
-def dampyr(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+def dampyr(*arguments: str | Path) -> Result:
+    """The command in this process; below, some cases run as a user runs them."""
+    return CliRunner().invoke(cli, [*map(str, arguments)])
+
+
+def in_a_process(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     """The command as a user runs it."""
     command = [sys.executable, "-m", "dampyr", *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
-def refused(done: subprocess.CompletedProcess[str]) -> str:
+def refused(done: Result | subprocess.CompletedProcess[str]) -> str:
     """The one line of an orderly refusal."""
-    assert done.returncode == 2, done.stderr
+    assert (done.exit_code if isinstance(done, Result) else done.returncode) == 2, done.stderr
     assert "Traceback" not in done.stderr
     lines = [line for line in done.stderr.splitlines() if not line.lstrip()[:1].isdigit()]
     assert len(lines) == 1, done.stderr
@@ -126,3 +133,9 @@ def test_a_record_without_its_voltage_and_a_wrong_model(tmp_path: Path) -> None:
     assert "did you mean 'dahl'" in refused(dampyr("identify", path, "--voltage", "0", "--model", "dal"))
     assert "--each" in refused(dampyr("identify", path, "--voltage", "0", "--each", "--save", tmp_path / "c.toml"))
     assert not (tmp_path / "c.toml").exists()
+
+
+def test_a_process_of_its_own_ends_as_the_command_in_this_process_does(tmp_path: Path) -> None:
+    """HDF5, beneath the reader of the truncated file, writes past Python where nobody stops it."""
+    for words in (("identify", truncated(tmp_path), "--voltage", "0"), ("simulate", card(tmp_path), "--voltage", "5")):
+        assert refused(in_a_process(*words)) == refused(dampyr(*words))

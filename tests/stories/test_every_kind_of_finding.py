@@ -20,6 +20,7 @@ from dampyr.records.description import findings_by_kind
 from dampyr.records.record import Label
 from dampyr.structures import respond, two_storey
 from tests.records.test_smoothing_recognition import smoothed
+from tests.stories.figure_texts import texts_alone
 
 DAHL = Damper("dahl", {"dahl.kx": 1200.0, "dahl.kw": 200.0, "dahl.rho": 2000.0})
 T = np.arange(0.0, 8.0, 0.005)
@@ -119,7 +120,8 @@ def said(records: dict[str, Record], tmp_path_factory: pytest.TempPathFactory) -
     files = [write(record, folder / f"{kind}.h5") for kind, record in records.items()]
 
     def call(*words: str | Path) -> str:
-        done = CliRunner().invoke(cli, [*map(str, words)], catch_exceptions=False)
+        with texts_alone():
+            done = CliRunner().invoke(cli, [*map(str, words)], catch_exceptions=False)
         assert done.exit_code == 0, done.output
         return str(done.stdout) + (done.stderr if words[0] == "export" else "")
 

@@ -29,7 +29,7 @@ def peak_speed(x: np.ndarray, over: int = 20) -> float:
     return float(np.abs(x[over:] - x[:-over]).max() * RIG.board.rate / over)
 
 
-@pytest.mark.parametrize(("frequency", "voltage"), [(1.2, 1.98), (0.5, 0.0)])
+@pytest.mark.parametrize(("frequency", "voltage"), [(1.2, 1.98), pytest.param(0.5, 0.0, marks=pytest.mark.prove)])
 def test_the_largest_sine_is_followed_and_a_larger_one_is_not(frequency: float, voltage: float) -> None:
     step = kind("sine")(0.03, frequency, voltage, cycles=3)
     largest_step = replace(step, amplitude=largest(step, "amplitude", RIG, specimen(RIG)))
@@ -40,7 +40,10 @@ def test_the_largest_sine_is_followed_and_a_larger_one_is_not(frequency: float, 
 
 @pytest.mark.parametrize(
     ("name", "settings"),
-    [("earthquake", {"voltage": 0.8712}), ("sweep", {"amplitude": 0.02, "start": 0.3, "stop": 1.5, "duration": 10.0})],
+    [
+        pytest.param("earthquake", {"voltage": 0.8712}, marks=pytest.mark.prove),
+        ("sweep", {"amplitude": 0.02, "start": 0.3, "stop": 1.5, "duration": 10.0}),
+    ],
 )
 def test_what_is_lowered_to_the_largest_is_followed(name: str, settings: dict[str, float]) -> None:
     step = kind(name)(**settings)

@@ -2,14 +2,18 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import matplotlib
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.show.figures.figure_examples import MAKERS, RHO
 
+from dampyr import show
 from dampyr.show.figures.ground_motion import ground_motion
-from dampyr.show.figures.style import thin
+from dampyr.show.figures.style import ACCELERATION, thin
 
 
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 5000), limit=st.integers(8, 400))
@@ -52,3 +56,13 @@ def test_figures_leave_no_setting_behind_and_need_no_pyplot() -> None:
     code = f"import sys; {draw}; print('matplotlib.pyplot' in sys.modules)"
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert run.stdout.strip() == "False"
+
+
+def test_an_axis_scales_from_si() -> None:
+    assert RHO.of(42744.8) == pytest.approx(42.7448)
+    assert ACCELERATION.label == "acceleration [m/s²]"
+
+
+def test_a_figure_can_be_a_file(tmp_path: Path) -> None:
+    for kind in ("svg", "png", "pdf"):
+        assert show.save(MAKERS["theta"](), tmp_path / "deep" / f"theta.{kind}").stat().st_size > 1000

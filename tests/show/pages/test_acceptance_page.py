@@ -29,6 +29,7 @@ def written(acceptances: list[Acceptance], path: Path) -> tuple[Reader, str]:
     return reader, html
 
 
+@pytest.mark.usefixtures("figures_not_rendered")
 def test_a_page_says_who_passed_and_what_is_outside(tmp_path: Path) -> None:
     acceptances = list(accept([GOOD, WEAK, BEYOND], CARD, tolerance=0.15, force_slack=5.0).results)
     reader, html = written(acceptances, tmp_path)
@@ -44,6 +45,7 @@ def test_a_page_says_who_passed_and_what_is_outside(tmp_path: Path) -> None:
     assert reader.inside("td").count("weak") == 3 + len(outside)  # in short twice, its level, and the points
 
 
+@pytest.mark.usefixtures("figures_not_rendered")
 def test_a_page_without_anything_outside_or_judged_says_so(tmp_path: Path) -> None:
     reader, _ = written(list(accept(GOOD, CARD).results), tmp_path)
     assert "No point lies outside." in reader.inside("p")

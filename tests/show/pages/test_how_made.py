@@ -44,6 +44,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.usefixtures("figures_not_rendered")
 def test_a_command_leaves_its_own_words_the_moment_the_version_and_the_checksums(folder: Path) -> None:
     words = ["validate", str(folder / "mine.toml"), str(folder / "r0.h5"), str(folder / "r1.h5")]
     words += ["--report", str(folder / "a page.html")]
@@ -63,6 +64,7 @@ def test_a_command_leaves_its_own_words_the_moment_the_version_and_the_checksums
     assert re.search(r"<li>operator A. Ferreira</li>\s*<li>specimen RD 8041-1, no. 7</li>", html)
 
 
+@pytest.mark.usefixtures("figures_not_rendered")
 def test_a_script_of_ones_own_is_named_with_the_call(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     script = tmp_path / "my script.py"
     script.write_text("")

@@ -24,6 +24,7 @@ STEPS = [
 ]
 
 
+@pytest.mark.usefixtures("figures_not_rendered")
 def test_the_page_tells_every_test_every_refusal_and_every_note(tmp_path):
     campaign_plan = campaigns.plan(campaigns.campaign_of({"name": "a page", "operator": "me", "step": STEPS}))
     html = write_page(campaign_plan, tmp_path / "plan.html").read_text(encoding="utf-8")

@@ -26,8 +26,8 @@ def simulated():
     return structures.respond(structures.two_storey(), motion, damper, voltage=inputs)
 
 
-@pytest.fixture
-def figures(simulated, tmp_path, monkeypatch):
+@pytest.fixture(scope="module")
+def figures(simulated, tmp_path_factory):
     """The figures of its page, by their captions."""
     blocks = {}
 
@@ -36,8 +36,9 @@ def figures(simulated, tmp_path, monkeypatch):
             blocks.update({b.caption: b.figure for b in section.blocks if isinstance(b, FigureBlock)})
         return "<p></p>"
 
-    monkeypatch.setattr(response_page, "page", keep)
-    write_page(simulated, tmp_path / "r.html")
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        monkeypatch.setattr(response_page, "page", keep)
+        write_page(simulated, tmp_path_factory.mktemp("page") / "r.html")
     return blocks
 
 
@@ -72,6 +73,7 @@ def test_floors_are_named(simulated, tmp_path, figures):
     assert (floor_name("3"), floor_name("roof")) == ("floor 3", "roof")
 
 
+@pytest.mark.usefixtures("figures_not_rendered")
 def test_peaks_stand_by_floor_and_by_case(simulated, tmp_path):
     reader = Reader(write_page(simulated, tmp_path / "r.html").read_text("utf-8"))
     heads = [text.strip() for text in reader.inside("th")]

@@ -50,6 +50,7 @@ def written(card: Damper, records: list[Record], path: Path) -> Reader:
     return reader
 
 
+@pytest.mark.usefixtures("first_figure_rendered")
 def test_a_page_says_which_records_the_card_was_fitted_on(tmp_path: Path) -> None:
     reader = written(CARD, RECORDS, tmp_path)
     assert reader.inside("h1") == ["Validated: my card.toml"]
@@ -81,6 +82,7 @@ def test_what_lies_outside_is_listed_in_the_units_of_people() -> None:
     assert [row[:2] for row in beyond_input] == [["voltage", 2.5]]
 
 
+@pytest.mark.usefixtures("figures_not_rendered")
 def test_an_extrapolated_record_is_shown_without_a_warning(tmp_path: Path) -> None:
     wide = replace(sine(replace(CARD, ranges={}), 1.0, "wide", 0.009, 0.8), voltage=2.5)
     reader = written(CARD, [wide], tmp_path)
@@ -99,6 +101,7 @@ def test_the_prediction_is_drawn_with_the_offset_of_its_score(tmp_path: Path) ->
     assert abs(np.mean(history.get_ydata())) < 1.0
 
 
+@pytest.mark.usefixtures("figures_not_rendered")
 def test_a_score_that_is_no_number_counts_as_worst(tmp_path: Path) -> None:
     scores = scored(RECORDS)
     scores["a"] = replace(scores["a"], l1=float("nan"), energy=float("inf"))

@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
-from itertools import cycle, pairwise
+from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -249,13 +249,17 @@ def thin(x: ArrayLike, y: ArrayLike, limit: int = POINTS) -> tuple[NDArray[np.fl
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
     if len(x) <= limit:
         return x, y
-    keep = {0, len(x) - 1}
     edges = np.linspace(0, len(x), max(limit // 4, 1) + 1).astype(int)
-    for start, stop in pairwise(edges):
-        for values in (x[start:stop], y[start:stop]):
-            if not np.all(np.isnan(values)):
-                keep.update((start + int(np.nanargmin(values)), start + int(np.nanargmax(values))))
-    chosen = np.array(sorted(keep))
+    starts, stops = edges[:-1, None], edges[1:, None]
+    places = starts + np.arange(int(np.max(stops - starts)))  # a row a stretch
+    inside = places < stops
+    keep = [np.array([0, len(x) - 1])]
+    for values in (x, y):
+        rows = values[np.minimum(places, len(x) - 1)]
+        known = inside & ~np.isnan(rows)
+        for worst, extreme in ((np.inf, np.argmin), (-np.inf, np.argmax)):
+            keep.append((edges[:-1] + extreme(np.where(known, rows, worst), axis=1))[known.any(axis=1)])
+    chosen = np.unique(np.concatenate(keep))
     return x[chosen], y[chosen]
 
 
