@@ -128,7 +128,15 @@ def test_an_example_runs(
     assert done.stdout.strip()
 
 
-@pytest.mark.parametrize("line", [line for line in EXAMPLES if line.startswith(tuple(f"dampyr {s}" for s in SERVERS))])
+def of_server(line: str) -> object:
+    """tests/console/test_http_server.py starts a console in every run, and one example stands for both of another server."""
+    long = line.startswith("dampyr console") or "--control" in line
+    return pytest.param(line, marks=[pytest.mark.prove] * long)
+
+
+@pytest.mark.parametrize(
+    "line", [of_server(line) for line in EXAMPLES if line.startswith(tuple(f"dampyr {s}" for s in SERVERS))]
+)
 @pytest.mark.usefixtures("terminal_signals")
 def test_a_server_of_an_example_starts_and_ends(line: str, prepared: Path) -> None:
     words = [*shlex.split(line)[1:], *(["--port", "0", "--no-browser"] if "console" in line else ["--opensees", "0"])]
