@@ -85,6 +85,14 @@ def test_the_zero_of_the_load_cell_may_be_told(lab: Path) -> None:
     assert run(lab / "card.toml", lab / "good.h5", "--offset", "0 N").exit_code == 1
 
 
+def test_a_name_that_is_not_published_is_told_with_those_that_are(lab: Path) -> None:
+    unknown = run("raminelli_2021", lab / "good.h5")
+    assert unknown.exit_code == 2
+    assert "no such file, and no published damper; give a card, records, or one of " in unknown.stderr
+    assert "raminelli_2020" in unknown.stderr.partition("one of ")[2]
+
+
+@pytest.mark.prove  # a page of the campaign's record; the other tests name published dampers too
 def test_a_published_damper_is_a_reference(lab: Path, campaign_folder: Path) -> None:
     result = run("raminelli_2020", campaign_folder, "--role", "validation", "--report", lab / "page.html")
     assert result.exit_code == 0

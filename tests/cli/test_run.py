@@ -299,7 +299,9 @@ def test_exit_codes_of_a_rig_that_fails(tmp_path: Path, fault: str, code: int, w
 
 @pytest.mark.usefixtures("terminal_signals")
 @pytest.mark.parametrize(("how", "code"), [
-    ("stop", 130), ("abort", 130), (signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129), (OSError(28, "full"), 4),
+    ("stop", 130), (signal.SIGTERM, 143), (OSError(28, "full"), 4),
+    pytest.param("abort", 130, marks=pytest.mark.prove), pytest.param(signal.SIGINT, 130, marks=pytest.mark.prove),
+    pytest.param(signal.SIGHUP, 129, marks=pytest.mark.prove),
 ])  # fmt: skip
 def test_exit_codes_of_a_run_that_is_ended(
     tmp_path: Path, how: str | int | OSError, code: int, monkeypatch: pytest.MonkeyPatch
@@ -336,7 +338,12 @@ def test_exit_codes_of_a_run_that_is_ended(
 
 
 @pytest.mark.parametrize(
-    "fault", ["stuck-encoder@4.9s for 120ms", "stuck-encoder@7.2s for 60ms", "slipped-encoder=0.1mm@8s"]
+    "fault",
+    [
+        "stuck-encoder@4.9s for 120ms",
+        pytest.param("stuck-encoder@7.2s for 60ms", marks=pytest.mark.prove),
+        pytest.param("slipped-encoder=0.1mm@8s", marks=pytest.mark.prove),
+    ],
 )
 def test_lost_counts_end_no_campaign_complete(tmp_path: Path, fault: str) -> None:
     done = run(EXAMPLES / "quick_campaign.toml", "--out", tmp_path / "out", "--fault", fault)

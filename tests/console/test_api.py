@@ -55,4 +55,4 @@ def test_every_path_keeps_to_its_description(api, folder):
 
 @pytest.mark.prove
 def test_every_path_keeps_to_its_description_at_length(api, folder):
-    exercise(api, folder, 6)
+    exercise(api, folder, 4)
