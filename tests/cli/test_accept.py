@@ -20,19 +20,20 @@ def run(*args: str | Path) -> Result:
     return CliRunner().invoke(cli, ["accept", *map(str, args)], catch_exceptions=False)
 
 
-@pytest.fixture
-def lab(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A card, and tests of a damper like it (offset of 120 N), of one that is 20 % stronger, and of one without cycles."""
-    CARD.save(tmp_path / "card.toml")
+    folder = tmp_path_factory.mktemp("lab")
+    CARD.save(folder / "card.toml")
     good = sine(CARD, 0.0, "good")
-    write(good, tmp_path / "good.h5")
+    write(good, folder / "good.h5")
     again = sine(CARD, 0.0, "again", noise=0.5)
-    write(again, tmp_path / "again.h5")
+    write(again, folder / "again.h5")
     strong = good.replace(note="stronger", name="strong", force=120.0 + 1.2 * (good.force - 120.0))
-    write(strong, tmp_path / "strong.h5")
+    write(strong, folder / "strong.h5")
     still = good.replace(note="at rest", name="still", displacement=np.zeros(good.n), velocity=None)
-    write(still, tmp_path / "still.h5")
-    return tmp_path
+    write(still, folder / "still.h5")
+    return folder
 
 
 def test_the_exit_code_tells_the_verdict(lab: Path) -> None:
@@ -84,6 +85,14 @@ def test_the_zero_of_the_load_cell_may_be_told(lab: Path) -> None:
     assert run(lab / "card.toml", lab / "good.h5", "--offset", "0 N").exit_code == 1
 
 
+def test_a_name_that_is_not_published_is_told_with_those_that_are(lab: Path) -> None:
+    unknown = run("raminelli_2021", lab / "good.h5")
+    assert unknown.exit_code == 2
+    assert "no such file, and no published damper; give a card, records, or one of " in unknown.stderr
+    assert "raminelli_2020" in unknown.stderr.partition("one of ")[2]
+
+
+@pytest.mark.prove  # a page of the campaign's record; the other tests name published dampers too
 def test_a_published_damper_is_a_reference(lab: Path, campaign_folder: Path) -> None:
     result = run("raminelli_2020", campaign_folder, "--role", "validation", "--report", lab / "page.html")
     assert result.exit_code == 0

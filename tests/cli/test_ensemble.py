@@ -52,6 +52,15 @@ def test_it_is_what_the_functions_give() -> None:
     assert rows["no damper", 1.4]["force"] is None
 
 
+def test_the_table_tells_the_limits_and_the_step() -> None:
+    done = call(*CASES, "--limit", "12mm", "--limit", "50g")
+    assert done.exit_code == 0, done.output
+    assert "peaks of 32 cases" in done.stdout
+    assert "no curve; no case exceeds the limit" in done.stdout
+    assert "halving the step" in done.stdout
+
+
+@pytest.mark.prove
 def test_the_table_and_the_page(tmp_path: Path) -> None:
     done = call(*CASES, "--limit", "12mm", "--limit", "50g", "--report", str(tmp_path / "page.html"))
     assert done.exit_code == 0, done.output

@@ -28,7 +28,7 @@ SERVERS = ("console", "serve")
 # More than three seconds each with kernels that are compiled already, or much more without: a proof.
 LONG = (
     "demo", "reproduce", "hybrid", "identify", "calibrate", "run campaign.toml --out", "export damper.toml --to fmu",
-    "simulate", "ensemble", "doctor --rig", "accept damper.toml tests --tolerance 10%", "plan",
+    "simulate", "ensemble", "doctor --rig", "motion --pga", "accept damper.toml tests --tolerance 10%", "plan",
 )  # fmt: skip
 NEEDS_DATA = ("reproduce", "datasets fetch")
 
@@ -128,7 +128,15 @@ def test_an_example_runs(
     assert done.stdout.strip()
 
 
-@pytest.mark.parametrize("line", [line for line in EXAMPLES if line.startswith(tuple(f"dampyr {s}" for s in SERVERS))])
+def of_server(line: str) -> object:
+    """tests/console/test_http_server.py starts a console in every run, and one example stands for both of another server."""
+    long = line.startswith("dampyr console") or "--control" in line
+    return pytest.param(line, marks=[pytest.mark.prove] * long)
+
+
+@pytest.mark.parametrize(
+    "line", [of_server(line) for line in EXAMPLES if line.startswith(tuple(f"dampyr {s}" for s in SERVERS))]
+)
 @pytest.mark.usefixtures("terminal_signals")
 def test_a_server_of_an_example_starts_and_ends(line: str, prepared: Path) -> None:
     words = [*shlex.split(line)[1:], *(["--port", "0", "--no-browser"] if "console" in line else ["--opensees", "0"])]

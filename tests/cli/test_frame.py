@@ -11,9 +11,10 @@ from types import ModuleType
 import click
 import pytest
 from click.testing import CliRunner, Result
+from tests.cli.broken_stream import Broken
 
 from dampyr import registry
-from dampyr.cli import cli
+from dampyr.cli import _frame, cli
 from dampyr.errors import DampyrWarning, FileError, MissingData, RangeError
 from dampyr.source_digest import full_version
 
@@ -173,3 +174,9 @@ def test_as_a_process() -> None:
     assert result.stdout == ""
     assert result.stderr.startswith("dampyr: no-such-file.csv: ")
     assert result.stderr.count("\n") == 1
+
+
+def test_a_warning_that_cannot_be_shown_ends_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stderr", Broken(BrokenPipeError(32, "Broken pipe"), 0, False))
+    with _frame._warnings_in_one_line():
+        warnings.warn("the journal was lost", DampyrWarning, stacklevel=1)

@@ -4,6 +4,7 @@ import importlib
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,9 +12,12 @@ from click.testing import CliRunner, Result
 from tests.identification.parameter_uncertainty.test_uncertainty import records
 from tests.identification.tangent_campaign import without_velocity
 
+from dampyr import identification
 from dampyr.cli import cli
+from dampyr.identification import Fit
 from dampyr.models import Damper
-from dampyr.records import write
+from dampyr.records import Record, write
+from dampyr.show.pages import result_page
 
 
 def run(*words: str | Path) -> Result:
@@ -29,7 +33,28 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
+@pytest.fixture(scope="module")
+def fits() -> dict[tuple[object, ...], Fit]:
+    """The fits that were computed."""
+    return {}
+
+
+@pytest.fixture
+def fitted_once(fits: dict[tuple[object, ...], Fit], monkeypatch: pytest.MonkeyPatch) -> None:
+    """A fit of the same records by the same model with the same options is computed once; what is printed is tested."""
+    fit = identification.fit
+
+    def once(records: list[Record], model: str, options: object, *more: Any) -> Fit:
+        key = (*(record.name for record in records), model, repr(options))
+        if key not in fits:
+            fits[key] = fit(records, model, options, *more)
+        return fits[key]
+
+    monkeypatch.setattr(identification, "fit", once)
+
+
 @pytest.mark.prove
+@pytest.mark.usefixtures("fitted_once")
 def test_the_table_says_where_there_is_no_interval(folder: Path) -> None:
     done = run(folder, "--model", "dahl", "--details")
     assert done.exit_code == 0, done.output
@@ -45,6 +70,7 @@ def test_the_table_says_where_there_is_no_interval(folder: Path) -> None:
     assert "voltage and session" not in done.stdout
 
 
+@pytest.mark.usefixtures("fitted_once")
 def test_the_answer_is_one_screen_and_details_are_asked_for(folder: Path) -> None:
     short, whole = run(folder, "--model", "dahl").stdout, run(folder, "--model", "dahl", "--details").stdout
     assert len(short.splitlines()) <= 24  # of a terminal
@@ -61,6 +87,24 @@ def test_the_answer_is_one_screen_and_details_are_asked_for(folder: Path) -> Non
     assert all(finding["words"][1:] in whole for finding in findings)
 
 
+@pytest.mark.usefixtures("fitted_once")
+def test_files_are_written_before_anything_is_printed(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def closed(*_: object, **__: object) -> None:
+        raise BrokenPipeError
+
+    monkeypatch.setattr(importlib.import_module("dampyr.cli._output"), "print_table", closed)
+    monkeypatch.setattr(result_page, "write_page", lambda fit, path: path.write_text(str(fit.problem.composition)))
+    card, page = tmp_path / "card.toml", tmp_path / "page.html"
+    words = ["identify", str(folder), "--model", "dahl", "--save", str(card), "--report", str(page)]
+    CliRunner().invoke(cli, words)
+    assert Damper.load(card).all_laws
+    assert page.read_text() == "dahl"
+
+
+@pytest.mark.prove  # the page has a figure of each record
+@pytest.mark.usefixtures("fitted_once")
 def test_the_card_and_the_page_are_there_when_only_the_first_lines_are_read(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -77,12 +121,14 @@ def test_the_card_and_the_page_are_there_when_only_the_first_lines_are_read(
     assert page.read_text("utf-8").rstrip().endswith("</html>")
 
 
+@pytest.mark.usefixtures("fitted_once")
 def test_a_card_that_cannot_be_written_is_an_error_below_the_result(folder: Path, tmp_path: Path) -> None:
     done = CliRunner().invoke(cli, ["identify", str(folder), "--model", "dahl", "--save", str(tmp_path)])
     assert done.exit_code == 2
     assert "The search converged" in done.stdout
 
 
+@pytest.mark.usefixtures("fitted_once")
 def test_json_has_null_and_the_reason_where_there_is_no_interval(folder: Path) -> None:
     output = json.loads(run(folder, "--model", "dahl", "--json").stdout)
     assert output["clusters"] == "record and cycle"

@@ -2,21 +2,42 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
 from tests.planning.laboratory import DAHL
 
-from dampyr import campaigns
+from dampyr import campaigns, planning
 from dampyr.cli import cli
 from dampyr.rig import RigSettings
 
 QUICK = ("--seconds", "4", "--at", "0", "--at", "1.98", "--kind", "voltage_steps", "--tests", "2")
+SMALL = ("--seconds", "4", "--at", "1.98", "--kind", "sine", "--tests", "1")
 
 
 @pytest.fixture
 def card(tmp_path: Path) -> Path:
     return DAHL.save(tmp_path / "damper.toml")
+
+
+@pytest.fixture(scope="module")
+def proposals() -> list[Any]:
+    """What was computed."""
+    return []
+
+
+@pytest.fixture
+def proposed_once(proposals: list[Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    """The quick proposal is computed once: these tests are of what is printed and written."""
+    propose = planning.propose
+
+    def once(*args: Any, **kwargs: Any) -> Any:
+        if not proposals:
+            proposals.append(propose(*args, **kwargs))
+        return proposals[0]
+
+    monkeypatch.setattr(planning, "propose", once)
 
 
 def plan(*arguments):
@@ -29,6 +50,7 @@ def test_the_help_shows_examples():
     assert "dampyr plan tests --model dahl" in text
 
 
+@pytest.mark.usefixtures("proposed_once")
 def test_a_plan_is_a_table_and_a_campaign_that_runs(card, tmp_path):
     out = tmp_path / "next.toml"
     done = plan("--card", card, *QUICK, "--out", out, "--figure", tmp_path / "tests.png")
@@ -43,6 +65,7 @@ def test_a_plan_is_a_table_and_a_campaign_that_runs(card, tmp_path):
     assert "is there already; give another --out, or remove it" in again.stderr
 
 
+@pytest.mark.usefixtures("proposed_once")
 def test_json_holds_tests_and_intervals(card):
     done = plan("--card", card, *QUICK, "--json")
     assert done.exit_code == 0, done.stderr
@@ -58,7 +81,7 @@ def test_json_holds_tests_and_intervals(card):
         (["--goal", "speed"], "goal = 'speed' is not known; choose from parameters, peak"),
         (["--goal", "peak"], "--goal peak needs the damper's --voltage in the earthquake"),
         (["--voltage", "1"], "--structure, --motion and --voltage are of --goal peak"),
-        (["--target", "dahl.kz=5%", *QUICK], "target names 'dahl.kz'; choose among dahl.kx, dahl.kw, dahl.rho"),
+        (["--target", "dahl.kz=5%", *SMALL], "target names 'dahl.kz'; choose among dahl.kx, dahl.kw, dahl.rho"),
         (["--target", "dahl.rho=small"], "--target small: 'small' is not a quantity"),
         (["--at", "9"], "voltage = 9 V is outside of 0 to 3.212 V"),
         (["--perform"], "--out is missing; give a folder for the rounds of tests"),

@@ -112,6 +112,7 @@ def test_a_channel_must_be_named(table: Path) -> None:
     assert "--unit 'mm' has no '='; write it as in CHANNEL=UNIT" in result.stderr
 
 
+@pytest.mark.prove
 def test_the_campaign_is_listed_with_its_disagreement_and_its_missing_rows(campaign_folder: Path) -> None:
     result = run(campaign_folder, "--json")
     assert result.exit_code == 0, result.stderr
@@ -124,6 +125,13 @@ def test_the_campaign_is_listed_with_its_disagreement_and_its_missing_rows(campa
     assert output["rows_without_file"] == [{"table": "4.4", "row": 2}, {"table": "4.4", "row": 4}]
 
 
+def test_the_record_of_a_role_is_shown_alone(campaign_folder: Path) -> None:
+    result = run(campaign_folder, "--role", "validation", "--json")
+    assert result.exit_code == 0, result.stderr
+    assert [record["name"] for record in json.loads(result.stdout)["records"]] == ["ensaio.vali.1"]
+
+
+@pytest.mark.prove
 def test_a_role_can_be_chosen(campaign_folder: Path) -> None:
     shown = run(campaign_folder, "--role", "fit").stdout
     assert shown.startswith("38 records")

@@ -10,6 +10,7 @@ from dampyr.cli import cli
 COMMANDS = ["accept", "demo", "ensemble", "hybrid", "identify", "motion", "reproduce", "run", "simulate", "validate"]
 
 
+@pytest.mark.prove
 def test_figures_are_left_beside_the_page(tmp_path: Path) -> None:
     page, folder = tmp_path / "motion.html", tmp_path / "figures"
     arguments = ["motion", "--report", str(page), "--figures", str(folder), "--json"]

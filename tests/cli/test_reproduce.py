@@ -1,12 +1,16 @@
 """``dampyr reproduce``: the published study run again."""
 
+import importlib
 import json
 from pathlib import Path
+from typing import Any
 
+import click
 import pytest
 from click.testing import CliRunner, Result
 
 from dampyr.cli import cli
+from dampyr.studies import raminelli_2020
 
 
 def run(*args: str | Path) -> Result:
@@ -19,8 +23,58 @@ def no_data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("DAMPYR_DATA", str(tmp_path / "empty"))
 
 
-@pytest.mark.usefixtures("no_data")
-def test_without_data_it_does_the_rest_and_says_what_it_left_out(tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def reproductions() -> list[Any]:
+    """What was computed."""
+    return []
+
+
+@pytest.fixture
+def computed_once(reproductions: list[Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    """The study is computed once: these tests are of what is printed and written."""
+    reproduce = raminelli_2020.reproduce
+
+    def once(*args: Any, **kwargs: Any) -> Any:
+        if not reproductions:
+            reproductions.append(reproduce(*args, **kwargs))
+        return reproductions[0]
+
+    monkeypatch.setattr(raminelli_2020, "reproduce", once)
+
+
+@pytest.mark.parametrize("as_json", [False, True])
+def test_what_the_study_gives_is_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, as_json: bool) -> None:
+    """The study itself is run in tests/studies/test_raminelli_2020.py."""
+    asked = []
+
+    class Study:
+        page = tmp_path / "out" / "reproduce.html"
+
+        def as_dict(self) -> dict[str, Any]:
+            return {"artefacts": {"(4.7)": {"verdict": "agrees"}}}
+
+    def reproduce(data: Path | None, out: Path, progress: Any) -> Study:
+        asked.append((data, out))
+        return Study()
+
+    monkeypatch.setattr(raminelli_2020, "reproduce", reproduce)
+    monkeypatch.setattr(
+        importlib.import_module("dampyr.cli.reproduce"), "print_result", lambda study: click.echo(study.as_dict())
+    )
+    result = run("--data", tmp_path, "--out", tmp_path / "out", *["--json"] * as_json)
+    assert result.exit_code == 0, result.stderr
+    assert asked == [(tmp_path, tmp_path / "out")]
+    if as_json:
+        assert json.loads(result.stdout) == Study().as_dict()
+    else:
+        assert "agrees" in result.stdout
+        assert result.stdout.endswith(f"page: {Study.page}\n")
+
+
+@pytest.mark.prove
+@pytest.mark.usefixtures("no_data", "computed_once")
+def test_without_data_it_does_the_rest_and_says_what_it_left_out(tmp_path: Path, reproductions: list[Any]) -> None:
+    reproductions.clear()
     result = run("--out", tmp_path / "out", "--json")
     assert result.exit_code == 0, result.stderr
     output = json.loads(result.stdout)
@@ -32,7 +86,8 @@ def test_without_data_it_does_the_rest_and_says_what_it_left_out(tmp_path: Path)
     assert (tmp_path / "out" / "reproduce.html").is_file()
 
 
-@pytest.mark.usefixtures("no_data")
+@pytest.mark.prove
+@pytest.mark.usefixtures("no_data", "computed_once")
 def test_people_get_a_line_for_each_artefact(tmp_path: Path) -> None:
     result = run("--out", tmp_path / "out")
     assert result.exit_code == 0, result.stderr

@@ -1,27 +1,22 @@
 """dampyr run: the dry run, and a folder whose journal was lost."""
 
 import hashlib
-import io
 import json
 import os
 import signal
 import sqlite3
 import subprocess
 import sys
-import warnings
 from pathlib import Path
 
 import h5py
 import pytest
 from click.testing import CliRunner
 
-from dampyr import campaigns, records
+from dampyr import records
 from dampyr.campaigns import read_journal
-from dampyr.campaigns.run_control import Progress
-from dampyr.cli import _frame, cli
-from dampyr.cli._running import shown
+from dampyr.cli import cli
 from dampyr.cli.run import REFUSED
-from dampyr.errors import DampyrWarning
 from dampyr.records.formats import h5
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -132,7 +127,15 @@ def lose(how: str, journal: Path) -> None:
         base.close()
 
 
-@pytest.mark.parametrize("how", ["deleted", "empty", "without rows", "without tests"])
+@pytest.mark.parametrize(
+    "how",
+    [
+        "deleted",
+        pytest.param("empty", marks=pytest.mark.prove),
+        "without rows",
+        pytest.param("without tests", marks=pytest.mark.prove),
+    ],
+)
 def test_a_journal_that_was_lost_is_made_anew_from_the_files(lab: Path, how: str) -> None:
     out, before = lab / "out", sums(lab / "out")
     assert len(before) == 2
@@ -157,8 +160,13 @@ def test_a_journal_that_was_lost_is_made_anew_from_the_files(lab: Path, how: str
     assert sums(out) == after
 
 
-@pytest.mark.parametrize("how", ["deleted", "empty"])
-@pytest.mark.parametrize("old", [False, True])
+@pytest.mark.parametrize(
+    ("how", "old"),
+    [
+        ("deleted", False), ("empty", True),
+        pytest.param("deleted", True, marks=pytest.mark.prove), pytest.param("empty", False, marks=pytest.mark.prove),
+    ],
+)  # fmt: skip
 def test_another_campaign_with_the_same_names_takes_no_files_over(lab: Path, how: str, old: bool) -> None:
     out = lab / "out"
     if old:  # as before files told of the whole campaign
@@ -251,46 +259,6 @@ def test_a_test_is_recorded_again_by_its_name(lab: Path) -> None:
     assert "again" not in run(lab / "short.toml", "--out", out).stderr
 
 
-class Broken(io.TextIOBase):
-    """A stream whose reader has left."""
-
-    def __init__(self, problem: Exception, after: int, terminal: bool) -> None:
-        super().__init__()
-        self.problem, self.left, self.terminal = problem, after, terminal
-
-    def write(self, text: str) -> int:
-        self.left -= 1
-        if self.left < 0:
-            raise self.problem
-        return len(text)
-
-    def isatty(self) -> bool:
-        return self.terminal
-
-
-@pytest.mark.parametrize("terminal", [True, False])
-@pytest.mark.parametrize("after", [0, 1])
-@pytest.mark.parametrize(
-    "problem", [BrokenPipeError(32, "Broken pipe"), OSError(28, "No space left"), ValueError("closed")]
-)
-def test_progress_that_cannot_be_shown_ends_nothing(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, problem: Exception, after: int, terminal: bool
-) -> None:
-    (tmp_path / "short.toml").write_text(SHORT)
-    stream = Broken(problem, after, terminal)
-    monkeypatch.setattr(sys, "stderr", stream)
-    with shown(campaigns.plan(tmp_path / "short.toml")) as show:
-        for name in ("a", "b", "c", "d", "e"):
-            show(Progress(0, 5, name, "testing"))
-    assert stream.left < 0
-
-
-def test_a_warning_that_cannot_be_shown_ends_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "stderr", Broken(BrokenPipeError(32, "Broken pipe"), 0, False))
-    with _frame._warnings_in_one_line():
-        warnings.warn("the journal was lost", DampyrWarning, stacklevel=1)
-
-
 @pytest.mark.prove
 @pytest.mark.parametrize("end", ["2>&1 | head -1", "2>/dev/full", "<&- >&- 2>&-"])
 def test_a_campaign_goes_on_whatever_becomes_of_its_streams(tmp_path: Path, end: str) -> None:
@@ -331,7 +299,9 @@ def test_exit_codes_of_a_rig_that_fails(tmp_path: Path, fault: str, code: int, w
 
 @pytest.mark.usefixtures("terminal_signals")
 @pytest.mark.parametrize(("how", "code"), [
-    ("stop", 130), ("abort", 130), (signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGHUP, 129), (OSError(28, "full"), 4),
+    ("stop", 130), (signal.SIGTERM, 143), (OSError(28, "full"), 4),
+    pytest.param("abort", 130, marks=pytest.mark.prove), pytest.param(signal.SIGINT, 130, marks=pytest.mark.prove),
+    pytest.param(signal.SIGHUP, 129, marks=pytest.mark.prove),
 ])  # fmt: skip
 def test_exit_codes_of_a_run_that_is_ended(
     tmp_path: Path, how: str | int | OSError, code: int, monkeypatch: pytest.MonkeyPatch
@@ -368,7 +338,12 @@ def test_exit_codes_of_a_run_that_is_ended(
 
 
 @pytest.mark.parametrize(
-    "fault", ["stuck-encoder@4.9s for 120ms", "stuck-encoder@7.2s for 60ms", "slipped-encoder=0.1mm@8s"]
+    "fault",
+    [
+        "stuck-encoder@4.9s for 120ms",
+        pytest.param("stuck-encoder@7.2s for 60ms", marks=pytest.mark.prove),
+        pytest.param("slipped-encoder=0.1mm@8s", marks=pytest.mark.prove),
+    ],
 )
 def test_lost_counts_end_no_campaign_complete(tmp_path: Path, fault: str) -> None:
     done = run(EXAMPLES / "quick_campaign.toml", "--out", tmp_path / "out", "--fault", fault)

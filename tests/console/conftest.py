@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +21,11 @@ import pytest
 
 pytest.importorskip("fastapi")
 from fastapi.testclient import TestClient
+from tests.console.bench_runs import CAMPAIGN, Phase, Until
 from tests.rig_time import RealTime, SimulatedTime
 
-from dampyr.console import app
+from dampyr.console import app, job_processes
+from dampyr.console.bench_session import Bench
 
 ROOT = Path(__file__).resolve().parents[2]
 HERE = "http://127.0.0.1:8077"
@@ -60,25 +63,69 @@ module_bench_time = pytest.fixture(_bench_time, name="module_bench_time", scope=
 
 
 @pytest.fixture
+def bench(tmp_path: Path, bench_time: RealTime) -> Iterator[Bench]:
+    """A bench whose page "a" holds control, nothing connected; its pages are heard of while a test waits."""
+    (tmp_path / "short.toml").write_text(CAMPAIGN)
+    made = Bench(tmp_path, bench_time.open, bench_time)
+    made.clients.join("a")
+    bench_time.while_waiting = lambda: (made.clients.hear("a"), made.clients.hear("b"))
+    yield made
+    with bench_time.passing():
+        made.close()
+
+
+@pytest.fixture
+def until(bench_time: RealTime) -> Until:
+    """``until(condition, seconds)``: wait for something; fail where it does not come."""
+    return bench_time.until
+
+
+@pytest.fixture
+def phase(until: Until) -> Phase:
+    """``phase(bench, name, seconds)``: wait for a phase of the bench."""
+    return lambda bench, name, seconds=30.0: until(lambda: bench.state().phase == name, seconds)
+
+
+@pytest.fixture
+def idle(bench: Bench, phase: Phase) -> Bench:
+    """A bench with a rig that is not armed."""
+    bench.connect("a")
+    phase(bench, "idle")
+    return bench
+
+
+@pytest.fixture
+def armed(idle: Bench, phase: Phase) -> Bench:
+    """A bench that is armed and homed."""
+    idle.arm("a")
+    phase(idle, "armed")
+    idle.home("a", here=True)
+    phase(idle, "armed")
+    assert idle.state().homed
+    return idle
+
+
+@pytest.fixture
 def client(data: Path) -> Iterator[TestClient]:
     """The console over that folder, asked from this machine."""
     with TestClient(app(data), base_url=HERE) as test_client:
         yield test_client
 
 
+def when_ended(client: TestClient, id: str) -> dict[str, Any]:
+    """The job once it has ended."""
+    for _ in range(2000):
+        job = client.get(f"/api/jobs/{id}").json()
+        if job["state"] in ("done", "failed", "cancelled"):
+            return dict(job)
+        time.sleep(0.05)
+    raise AssertionError(f"job {id} did not end: {job}")
+
+
 @pytest.fixture
 def finished(client: TestClient) -> Callable[[str], dict[str, Any]]:
     """``finished(id)``: the job once it has ended."""
-
-    def wait(id: str) -> dict[str, Any]:
-        for _ in range(2000):
-            job = client.get(f"/api/jobs/{id}").json()
-            if job["state"] in ("done", "failed", "cancelled"):
-                return dict(job)
-            time.sleep(0.05)
-        raise AssertionError(f"job {id} did not end: {job}")
-
-    return wait
+    return partial(when_ended, client)
 
 
 @contextmanager
@@ -240,3 +287,22 @@ def accessible() -> Callable[[Any], None]:
         assert violations == []
 
     return check
+
+
+WAITING = """
+import sys
+print('{"stage": "at work", "progress": 0.1}', flush=True)
+sys.stdin.read()  # as a job, it ends with its console
+"""
+
+
+@pytest.fixture
+def light(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Jobs are processes that start at once and do nothing: what is tested is the queue."""
+
+    def start(place: Path) -> subprocess.Popen[str]:
+        command = [sys.executable, "-S", "-c", WAITING]
+        group: dict[str, Any] = {"start_new_session": True} if os.name == "posix" else {}
+        return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, **group)
+
+    monkeypatch.setattr(job_processes, "_start", start)

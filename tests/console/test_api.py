@@ -1,13 +1,10 @@
 """The API keeps to its own description, whatever it is asked: no 500, no traceback, nothing written outside."""
 
-import re
-
 import pytest
 
 pytest.importorskip("fastapi")
 pytest.importorskip("schemathesis")
 import schemathesis
-from fastapi.testclient import TestClient
 from hypothesis import HealthCheck, given, settings
 from schemathesis.checks import not_a_server_error
 from schemathesis.specs.openapi.checks import (
@@ -53,19 +50,9 @@ def exercise(api, folder, examples, leave_out=""):
 
 
 def test_every_path_keeps_to_its_description(api, folder):
-    exercise(api, folder, 3, leave_out="uploads")  # these are tried with bytes of their own in pages/test_records
+    exercise(api, folder, 2, leave_out="uploads")  # these are tried with bytes of their own in test_record_uploads
 
 
 @pytest.mark.prove
 def test_every_path_keeps_to_its_description_at_length(api, folder):
-    exercise(api, folder, 6)
-
-
-def test_the_description_names_what_every_path_does(data):
-    with TestClient(app(data), base_url="http://localhost") as client:
-        schema = client.get("/api/openapi.json").json()
-    for path, methods in schema["paths"].items():
-        assert path.startswith("/api/")
-        for one in methods.values():
-            assert re.search(r"[.)]$", one["description"].strip()), path
-            assert {"400", "404", "422"} <= set(one["responses"])
+    exercise(api, folder, 4)

@@ -163,7 +163,7 @@ def test_what_is_there_is_told_and_changed_without_a_fault(full_console):
     wanted = operations(full_console, lambda path: "/bench" not in path)
     got = {f"{each.method.upper()} {each.path}": exercise(full_console, each, 20) for each in wanted}
     silent = [name for name, statuses in got.items() if min(statuses) >= 300]
-    assert silent == ["PUT /api/records/uploads/{name}"]  # its files are bytes: see pages/test_records
+    assert silent == ["PUT /api/records/uploads/{name}"]  # its files are bytes: see test_record_uploads
     assert {path.parts[0] for path in everything(full_console.folder)} <= {
         ".console", "broken.csv", "campaigns", "cards", "motions", "one.csv", "uploads",
     }  # fmt: skip

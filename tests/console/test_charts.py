@@ -248,16 +248,6 @@ def test_without_the_package_a_sentence_says_what_to_install(data, new_page, mon
     page.get_by_text("whole cycles").wait_for()  # the rest works
 
 
-def test_only_the_listed_files_of_the_package_are_served(client, monkeypatch):
-    for name in application.CHARTS:
-        answer = client.get(f"/bokeh/{name}")
-        assert (answer.status_code, answer.headers["content-type"].partition(";")[0]) == (200, "text/javascript")
-        again = client.get(f"/bokeh/{name}", headers={"if-none-match": answer.headers["etag"]})
-        assert (again.status_code, again.content) == (304, b"")
-    for name in ("bokeh.js", "bokeh-widgets.min.js", "..%2f..%2f__init__.py", "lib/index.js", ""):
-        assert client.get(f"/bokeh/{name}").status_code == 404
-
-
 AXES = [
     ([5.0, 5.001], {"least": 1}, (4.5005, 5.5005)),  # a constant signal, not its noise
     ([0.0, 10.0], {"least": 1, "pad": 0.1}, (-1, 11)),

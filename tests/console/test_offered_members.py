@@ -21,15 +21,6 @@ def test_models_and_add_ons_are_all_parts(client):
     assert list(choices["exports"]) == registry.names("dampyr.export.kinds")
 
 
-def test_formats_of_records_are_all_of_them(client):
-    formats = client.get("/api/records/formats").json()
-    members = dict(registry.members("dampyr.records.formats"))
-    assert [one["name"] for one in formats["read"]] == list(members)
-    writers = [name for name, module in members.items() if hasattr(module, "write")]
-    assert [one["name"] for one in formats["written"]] == sorted([*writers, "png"])
-    assert {"HDF5", "CSV", "PNG"} <= {one["title"] for one in formats["written"]}
-
-
 def test_motions_have_any_suffix_that_is_read(client, data):
     suffixes = [suffix for _, module in registry.members("dampyr.ground_motions.formats") for suffix in module.SUFFIXES]
     (data / "motions").mkdir()

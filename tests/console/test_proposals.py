@@ -6,13 +6,10 @@ import pytest
 
 pytest.importorskip("fastapi")
 
-from tests.identification.synthetic import sine
-
 from dampyr import campaigns, planning
-from dampyr.records import write
-from dampyr.studies import published_damper, raminelli_2020
+from dampyr.studies import published_damper
 
-QUICK = {"tests": 2, "seconds": 4.0, "voltages": [0.0, 1.98], "kinds": ["sine"]}
+QUICK = {"tests": 1, "seconds": 4.0, "voltages": [0.0, 1.98], "kinds": ["sine"]}
 
 
 def done_with(client, finished, **request):
@@ -21,6 +18,19 @@ def done_with(client, finished, **request):
     return finished(job.json()["id"])
 
 
+@pytest.mark.usefixtures("light")
+def test_a_request_waits_as_it_was_sent(client):
+    answer = client.post(
+        "/api/campaigns/proposals", json=QUICK | {"damper": "raminelli_2020", "targets": {"dahl.rho": 0.2}}
+    )
+    assert answer.status_code == 202, answer.text
+    job = client.get(f"/api/jobs/{answer.json()['id']}").json()
+    assert (job["kind"], job["title"]) == ("propose", "tests from raminelli_2020")
+    sent = {name: job["request"][name] for name in (*QUICK, "damper", "targets")}
+    assert sent == QUICK | {"damper": "raminelli_2020", "targets": {"dahl.rho": 0.2}}
+
+
+@pytest.mark.prove  # in a process; tests/console/jobs/test_propose.py does the same work in this one
 def test_a_proposal_from_a_damper_is_that_of_the_library(client, finished):
     job = done_with(client, finished, damper="raminelli_2020", targets={"dahl.rho": 0.2})
     assert job["state"] == "done", job["reason"]
@@ -29,17 +39,6 @@ def test_a_proposal_from_a_damper_is_that_of_the_library(client, finished):
     assert job["result"]["notice"] == ours.origin.notice
     for words in ("--card raminelli_2020", "--target dahl.rho=20%", "--at 1.98", "--kind sine", "--seconds 4"):
         assert words in job["result"]["command"]
-
-
-def test_a_proposal_from_records_and_for_a_peak(client, finished, data):
-    for k, voltage in enumerate((0.0, 1.98)):
-        write(sine(raminelli_2020.damper(), voltage, f"r{k}", noise=2.0), data / f"r{k}.h5")
-    keys = ["data/r0.h5", "data/r1.h5"]
-    job = done_with(client, finished, records=keys, model="dahl", goal="peak", voltage=1.98, peak_target=0.02)
-    assert job["state"] == "done", job["reason"]
-    assert job["result"]["intervals"]["rows"][-1][0] == "the largest drift at 1.98 V"
-    assert "--goal peak" in job["result"]["command"]
-    assert "--peak-target 2%" in job["result"]["command"]
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Acceptance on the Records page: what its endpoint tells, and what a person sees."""
 
 import re
+import shutil
 
 import numpy as np
 import pytest
@@ -16,9 +17,10 @@ VALI, ONE, OTHER = (f"labcontrol/ensaio.{name}.mat" for name in ("vali.1", "A.3"
 CARD = Damper("dahl", {"dahl.kx": Constant(900.0, 0.0, 0.0), "dahl.kw": 150.0, "dahl.rho": 3000.0})
 
 
-@pytest.fixture
-def lab(data):
+@pytest.fixture(scope="module")
+def lab_files(tmp_path_factory):
     """A card, a test of a damper like it, and one of a damper that is 20 % stronger."""
+    data = tmp_path_factory.mktemp("lab")
     (data / "cards").mkdir()
     CARD.save(data / "cards/mine.toml")
     good = sine(CARD, 0.0, "good")
@@ -26,6 +28,13 @@ def lab(data):
     strong = good.replace(note="stronger", name="strong", force=120.0 + 1.2 * (good.force - 120.0))
     records.write(strong, data / "strong.h5")
     records.write(good.replace(note="wrong", name="fast", voltage=3.0), data / "fast.h5")
+    return data
+
+
+@pytest.fixture
+def lab(data, lab_files):
+    """A data folder with those files."""
+    shutil.copytree(lab_files, data, dirs_exist_ok=True)
     return data
 
 

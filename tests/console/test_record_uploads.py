@@ -1,94 +1,29 @@
-"""Records as files: odd names, interrupted ones, uploads with their columns, and what is changed afterwards."""
+"""Uploads of records: their columns, what cannot come in, and what is changed afterwards."""
 
+import io
+import pickle
+import struct
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
-from urllib.parse import quote
+from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.io
 
 pytest.importorskip("fastapi")
+from fastapi.testclient import TestClient
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from tests.console.record_files import BARE, CSV, ROWS, everything, listed, unfolding, upload
+from tests.endurance import count
 
 from dampyr import records
-from dampyr.console import record_answers
-from dampyr.console.record_sources import unique_names
+from dampyr.console import app, record_uploads
+from dampyr.console.limits import READING
 from dampyr.options import options_of
 
-ROWS = [(k / 100, 8 * np.sin(k / 12), 300 * np.cos(k / 12) + 20) for k in range(600)]
-CSV = "time [s],displacement [mm],force [N]\n" + "".join(f"{t},{x:.5f},{f:.4f}\n" for t, x, f in ROWS)
-BARE = "".join(f"{t},{x:.5f},{f:.4f}\n" for t, x, f in ROWS)
 KEY = "data/uploads/a.h5"
-
-
-def upload(client, name, content=CSV, **said):
-    kind = {"content-type": "application/octet-stream"}
-    return client.put(f"/api/records/uploads/{quote(name)}", content=content, params=said, headers=kind)
-
-
-def listed(client):
-    return client.get("/api/records/list", params={"source": "data"}).json()
-
-
-def made(name="a", **more):
-    t, x, f = np.array(ROWS).T
-    return records.Record(t, 1e-3 * x, f, voltage=1.0, name=name, **more)
-
-
-@pytest.mark.parametrize(
-    "name",
-    ["0,25 A.csv", "#3.csv", "O'Neil.csv", "run [2].csv", "50 % & more.csv", "_first.csv", "n" * 120 + ".csv", "ü.csv"],
-)
-def test_a_file_with_an_odd_name_is_listed_and_read(client, data, name):
-    (data / name).write_text(CSV)
-    (one,) = listed(client)
-    assert (one["key"], one["problem"]) == (f"data/{name}", "")
-    for what in ("one", "curves", "cycles"):
-        assert client.get(f"/api/records/{what}", params={"key": one["key"]}).status_code == 200
-
-
-def test_what_cannot_be_used_is_listed_with_the_reason(client, data, tmp_path):
-    (data / "what?.csv").write_text(CSV)
-    (tmp_path / "outside.csv").write_text(CSV)
-    (data / "link.csv").symlink_to(tmp_path / "outside.csv")
-    said = {one["key"]: one["problem"] for one in listed(client)}
-    assert "rename it" in said["data/what?.csv"]
-    assert "links are not followed" in said["data/link.csv"]
-
-
-def test_interrupted_and_repeated_tests_are_marked(client, data):
-    folder = data / "runs" / "day"
-    folder.mkdir(parents=True)
-    for name, attempt, complete in (("a", 1, "no"), ("a-try2", 2, "yes"), ("b", 1, "yes"), ("b-try2", 2, "yes")):
-        about = {"test": name[0], "try": str(attempt)} | ({"complete": "no"} if complete == "no" else {})
-        records.write(made(name[0], provenance=about), folder / f"{name}.h5")
-    marks = {one["key"].rpartition("/")[2]: one["left_out"] for one in listed(client)}
-    assert marks == {
-        "a.h5": "interrupted: its recording was not completed", "a-try2.h5": "",
-        "b.h5": "done again: try 2 of this test is the last", "b-try2.h5": "",
-    }  # fmt: skip
-    tries = [record.provenance["try"] for record in records.read_campaign(folder)]
-    assert tries == ["2", "2"]  # what the command takes
-
-
-@pytest.mark.prove
-def test_records_of_two_runs_with_the_same_names_are_fitted_together(client, data, finished):
-    keys = []
-    for run in ("monday", "tuesday"):
-        folder = data / "runs" / run
-        folder.mkdir(parents=True)
-        records.write(made("01-sine"), folder / "01-sine.h5")
-        keys.append(f"data/runs/{run}/01-sine.h5")
-    job = finished(client.post("/api/identify/jobs", json={"records": keys, "model": "bingham"}).json()["id"])
-    assert job["state"] == "done", job["reason"]
-    assert job["result"]["records"] == ["01-sine (monday)", "01-sine (tuesday)"]
-
-
-def test_names_that_repeat_are_told_apart_by_as_little_as_is_needed():
-    keys = ["data/x/a.h5", "data/y/a.h5", "data/y/b.h5"]
-    assert unique_names(["a", "a", "b"], keys) == ["a (x)", "a (y)", "b"]
-    assert unique_names(["a", "a"], ["data/x/a.h5", "data/x/a-try2.h5"]) == ["a (a.h5)", "a (a-try2.h5)"]
-    assert unique_names(["a", "a"], ["data/x/1/a.h5", "data/y/1/a.h5"]) == ["a (data/x/1/a.h5)", "a (data/y/1/a.h5)"]
 
 
 def test_an_odd_name_is_stored_as_a_safe_one_and_said_so(client):
@@ -117,18 +52,6 @@ def test_a_file_of_a_million_columns_is_answered_in_a_line(client, data):
     answer = upload(client, "many.csv", many)
     assert answer.status_code == 400
     assert len(answer.json()["detail"]) <= 600
-
-
-def test_of_thirty_notes_at_once_none_is_lost(client, data):
-    (data / "a.csv").write_text(CSV)
-    for k in range(30):
-        (data / f"r{k}.csv").write_text(CSV)
-    given = [{"key": f"data/r{k}.csv", "text": str(k)} for k in range(30)]
-    with ThreadPoolExecutor(30) as pool:
-        answers = list(pool.map(lambda note: client.put("/api/records/notes", json=note), given))
-    assert {answer.status_code for answer in answers} == {200}
-    notes = {one["key"]: one["note"] for one in listed(client)}
-    assert [notes[f"data/r{k}.csv"] for k in range(30)] == [str(k) for k in range(30)]
 
 
 def preview(client, name, content, **said):
@@ -209,14 +132,6 @@ def test_a_record_is_renamed_with_its_note_and_deleted_with_its_original(client,
     assert sorted(path.name for path in data.rglob("*.h5")) == ["b.h5"]
 
 
-def test_a_record_of_millions_of_samples_is_measured_on_its_first_part(monkeypatch):
-    monkeypatch.setattr(record_answers, "MAX_MEASURED", 400)
-    about = record_answers.description(made())
-    assert (about["quality"]["samples"], about["duration_s"]) == (600, 5.99)
-    assert about["notes"][0] == "measured on its first 3.99 s of 5.99 s: it has 600 samples"
-    assert about["measured"]["cycles"] < 6
-
-
 @pytest.mark.prove
 def test_forty_megabytes_of_text_are_read_within_a_gigabyte(tmp_path):
     path = tmp_path / "big.csv"
@@ -234,19 +149,128 @@ def test_forty_megabytes_of_text_are_read_within_a_gigabyte(tmp_path):
     assert memory < 1000
 
 
-def test_motions_and_structures_are_no_broken_records(client, data):
-    """In their folders they are not listed; a motion elsewhere says what it is, below what can be read."""
-    motion = "time [s],acceleration [m/s^2]\n" + "".join(f"{k / 100},{np.sin(k / 9):.4f}\n" for k in range(300))
-    for folder in ("motions", "structures"):
-        (data / folder).mkdir()
-        (data / folder / "a.csv").write_text(motion)
-    (data / "a motion.csv").write_text(motion)
-    (data / "b broken.csv").write_text("time [s],force [N]\n0,1\n")
-    (data / "c record.csv").write_text(CSV)
-    entries = listed(client)
-    assert [one["key"] for one in entries] == ["data/c record.csv", "data/a motion.csv", "data/b broken.csv"]
-    assert (
-        "a ground motion of 2.99 s and not a record of a damper; put it into the folder motions"
-        in entries[1]["problem"]
+def test_an_upload_comes_back_as_it_was(client, data):
+    answer = upload(client, "run 1.csv", CSV, voltage=1.98)
+    assert (answer.status_code, answer.json()) == (201, {"key": "data/uploads/run 1.h5", "notices": []})
+    (one,) = client.get("/api/records/list").json()
+    assert one["about"]["input_value"] == 1.98
+    assert one["about"]["measured"]["frequency_hz"] == pytest.approx(100 / 12 / 2 / np.pi, rel=1e-3)
+    assert everything(data) == ["uploads/run 1.h5"]
+
+
+def test_a_second_upload_of_the_same_name_replaces_nothing(client):
+    assert upload(client, "a.csv", CSV).status_code == 201
+    again = upload(client, "a.csv", CSV)
+    assert (again.status_code, again.json()["detail"][:26]) == (409, "there is a record 'a' alre")
+
+
+def test_what_the_file_does_not_say_is_asked_for_in_a_sentence(client, data):
+    text = CSV.replace(" [mm]", "").replace("force", "cell")
+    refused = upload(client, "a.csv", text, unit="displacement=mm")
+    assert refused.status_code == 400
+    assert "force" in refused.json()["detail"]
+    assert str(data) not in refused.text
+    assert upload(client, "a.csv", text, unit=["displacement=mm"], column=["force=cell"]).status_code == 201
+
+
+def test_an_upload_is_read_with_every_option_of_the_reader(client):
+    bare = "".join(f"{8 * np.sin(k / 12):.5f},{-300 * np.cos(k / 12):.4f}\n" for k in range(600))
+    said = {"column": ["displacement=0", "force=1"], "unit": ["displacement=mm", "force=N"], "dt": "10 ms", "header": 0}
+    said |= {"force_sign": -1, "measurement_session": "day 1", "specimen": "no. 7"}
+    answer = upload(client, "bare.csv", bare, **said)
+    assert answer.status_code == 201, answer.text
+    (one,) = client.get("/api/records/list").json()
+    about = one["about"]
+    assert (about["measurement_session"], about["specimen"], about["duration_s"]) == (
+        "day 1",
+        "no. 7",
+        pytest.approx(5.99),
     )
-    assert "ground motion" not in entries[2]["problem"]
+    assert about["measured"]["energy_per_cycle"] > 0
+    assert not about["notes"]
+    refused = upload(client, "again.csv", bare, **(said | {"dt": "10 mm"}))
+    assert (refused.status_code, "'mm' does not measure what 's' measures" in refused.text) == (422, True)
+    matrix = io.BytesIO()
+    scipy.io.savemat(matrix, {"run": np.fromstring(bare.replace("\n", ","), sep=",").reshape(-1, 2)})
+    said = {name: value for name, value in said.items() if name != "header"} | {"variable": "run"}
+    assert upload(client, "run.mat", matrix.getvalue(), **said).status_code == 201
+
+
+def _v5(**variables):
+    page = io.BytesIO()
+    scipy.io.savemat(page, variables)
+    return page.getvalue()
+
+
+HOSTILE = {
+    "empty.csv": b"",
+    "pickle.mat": pickle.dumps(print),
+    "objects.mat": _v5(Ts=0.01, dist=np.array([[{"a": 1}]], dtype=object), forc=np.zeros(20), x_F=np.zeros((20, 3))),
+    "cut.mat": _v5(Ts=0.01, dist=np.zeros(2000), forc=np.zeros(2000), x_F=np.zeros((2000, 3)))[:700],
+    "header.mat": b"MATLAB 5.0 MAT-file".ljust(124)
+    + struct.pack("<HH", 0x0100, 0x4D49)
+    + struct.pack("<II", 15, 2**31 - 8),
+    "noise.h5": b"\x89HDF\r\n\x1a\n" + bytes(range(256)) * 4,
+    "unfolds.h5": unfolding(),
+    "binary.csv": bytes(range(256)) * 20,
+    "words.txt": b"nothing but words\n" * 50,
+    "one-line.csv": b"1," * 300_000,
+    "nan.csv": CSV.replace("20.0", "nan").encode() + b"7,nan,inf\n",
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_hostile_file_is_a_sentence_and_leaves_nothing(client, data, name):
+    refused = upload(client, name, HOSTILE[name])
+    assert refused.status_code == 400
+    assert set(refused.json()) == {"detail"}
+    assert "Traceback" not in refused.text
+    assert str(data) not in refused.text
+    assert "incoming" not in refused.text
+    assert everything(data) == []
+
+
+@pytest.mark.parametrize(
+    "name", ["..%2f..%2fa.csv", "%2e%2e.csv", ".a.csv", "a.exe", "a.csv%00", "a", "a%5cb.csv", "-a.csv", "a.pkl"]
+)
+def test_a_name_that_is_none_is_refused(client, data, name):
+    assert upload(client, name, CSV).status_code in (400, 404)
+    assert everything(data) == []
+
+
+def test_uploads_stop_at_the_quota(data):
+    with TestClient(app(data, quota=20_000), base_url="http://localhost") as client:
+        refused = upload(client, "a.csv", CSV * 4)
+    assert (refused.status_code, everything(data)) == (413, [])
+
+
+def test_an_upload_that_unfolds_to_more_than_may_be_written_is_told(client, data, monkeypatch):
+    monkeypatch.setattr(record_uploads, "READING", replace(READING, written=10_000))
+    refused = upload(client, "a.csv", CSV)
+    assert (refused.status_code, "more than may be written" in refused.text) == (400, True)
+    assert everything(data) == []
+
+
+@pytest.mark.prove
+@settings(max_examples=6, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(content=st.binary(min_size=1, max_size=300), suffix=st.sampled_from(["csv", "txt", "mat", "h5"]))
+def test_no_bytes_make_it_stumble(client, data, content, suffix):
+    assert upload(client, f"a.{suffix}", content).status_code == 400
+    assert everything(data) == []
+
+
+@pytest.mark.prove
+@pytest.mark.endure
+@settings(max_examples=count(300), suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(place=st.integers(0, 20_000), value=st.integers(0, 255), suffix=st.sampled_from(["csv", "mat", "h5"]))
+def test_no_changed_byte_of_a_good_file_makes_it_stumble(client, data, tmp_path, place, value, suffix):
+    good = tmp_path / f"good.{suffix}"
+    if not good.exists():
+        (tmp_path / "start.csv").write_text(CSV)
+        records.write(records.with_velocity(records.read(tmp_path / "start.csv")), good)
+    content = bytearray(good.read_bytes())
+    content[place % len(content)] = value
+    answer = upload(client, good.name, bytes(content))
+    assert answer.status_code in (201, 400)
+    client.delete("/api/records/uploads/good.h5")
+    assert set(everything(data)) <= {".console/notes.json"}  # what was taken and deleted has left its notes behind

@@ -13,7 +13,6 @@ from fastapi import HTTPException
 from tests.console.memory import resident
 
 from dampyr.console.limits import PLANNING, RequestLimits
-from dampyr.console.step_texts import step_kinds
 from dampyr.console.workers import Workers
 from dampyr.errors import InputError, MissingData
 
@@ -139,62 +138,8 @@ def test_a_plan_of_four_hundred_tests_leaves_the_servers_memory_as_it_was(client
     assert resident() - before < 30
 
 
-def test_notes_on_tests_are_said_once_and_in_millimetres(client):
-    text = '[[step]]\nkind = "sine"\namplitude = ["16 mm", "20 mm"]\nfrequency = ["0.1 Hz", "0.2 Hz"]\n'
-    notes = plan(client, text).json()["notes"]
-    assert notes == ["every test: displacement reaches 20 mm; the damper was calibrated up to 12 mm"]
-
-
 def test_it_goes_on_after_the_console_was_closed_and_begun_again():
     again = Workers()
     for _ in range(2):
         assert finished(again.run(None, PLANNING, os.getpid)) != os.getpid()
         again.close()
-
-
-def test_a_rig_with_an_error_in_its_file_is_listed_with_it(client, data):
-    (data / "rigs" / "lab").mkdir(parents=True)
-    (data / "rigs" / "lab" / "rig.toml").write_text("[actuator]\nspeeed = 1\n")
-    problem = client.get("/api/bench/rigs").json()[1]
-    assert problem["name"] == "lab"
-    assert "is not known" in problem["problem"]
-
-
-def test_a_campaign_is_renamed_and_deleted(client, data):
-    text = '[[step]]\nkind = "rest"\nduration = "1 s"\n'
-    for name in ("a", "b"):
-        assert client.put(f"/api/campaigns/files/{name}", json={"text": text}).status_code == 200
-    assert client.post("/api/campaigns/rename", json={"name": "a", "to": "b"}).status_code == 409
-    assert client.post("/api/campaigns/rename", json={"name": "x", "to": "y"}).status_code == 404
-    assert client.post("/api/campaigns/rename", json={"name": "a", "to": "../c"}).status_code == 400
-    assert client.post("/api/campaigns/rename", json={"name": "a", "to": "c"}).status_code == 200
-    assert client.delete("/api/campaigns/files/b").status_code == 204
-    assert client.get("/api/campaigns/files").json() == ["c"]
-
-
-@pytest.mark.parametrize("kind", [kind for kind in step_kinds() if kind.name != "rest"], ids=lambda kind: kind.name)
-def test_every_kind_of_step_has_fields_to_build_it_from(kind):
-    required = {field.name for field in kind.fields if field.required}
-    assert {line.split(" = ")[0] for line in kind.text.splitlines()[2:]} == required
-    assert all(field.value or not field.required for field in kind.fields)
-    assert "m" not in {field.unit for field in kind.fields}
-
-
-def test_a_campaign_file_of_any_size_is_answered(client, data):
-    (data / "campaigns").mkdir()
-    (data / "campaigns" / "large.toml").write_text("#" * 70_000)
-    (data / "campaigns" / "wild.toml").write_text(f"seed = {'9' * 60_000}")
-    answer = client.get("/api/campaigns/files/large")
-    assert (answer.status_code, answer.json()["detail"][:36]) == (400, "large.toml has 68 KiB, a page edits ")
-    assert client.get("/api/campaigns/files/wild").json()["grid"] is None
-
-
-def test_the_path_of_a_campaign_and_of_one_of_its_tests(client):
-    text = 'rest_between = "5 s"\n[[step]]\nkind = "sine"\namplitude = ["2 mm", "3 mm"]\nfrequency = "1 Hz"\n'
-    whole = client.post("/api/campaigns/path", json={"text": text, "rig": ""}).json()
-    assert max(filter(None, whole["displacement"][1])) == pytest.approx(3.0, rel=1e-3)
-    assert whole["voltage"][1].count(None) == 2
-    assert [one["name"] for one in whole["tests"]] == ["01-sine-2mm-1Hz-0V", "02-sine-3mm-1Hz-0V"]
-    one = client.post("/api/campaigns/path", json={"text": text, "rig": "", "test": "01-sine-2mm-1Hz-0V"}).json()
-    assert max(filter(None, one["displacement"][1])) == pytest.approx(2.0, rel=1e-3)
-    assert whole["duration_s"] == pytest.approx(2 * one["duration_s"] + 5.0)

@@ -1,54 +1,94 @@
 """The Identify page: the same numbers as the room gives, and a card that can be loaded."""
 
+import json
+
 import pytest
 
 pytest.importorskip("fastapi")
+from fastapi.testclient import TestClient
+from tests.console.conftest import when_ended
+from tests.identification.synthetic import sine
 
 from dampyr import identification, records, structures
+from dampyr.console import app, worker
+from dampyr.console.identify_schemas import IdentifyRequest
+from dampyr.console.jobs import identify
+from dampyr.console.safe_paths import OWN
 from dampyr.ground_motions import el_centro
 from dampyr.models import Damper
 from dampyr.show.identification.result import error_table, parameter_table, session_table
 from dampyr.studies import raminelli_2020
 
 KEYS = [f"labcontrol/ensaio.{name}.mat" for name in ("A.1", "B.3", "vali.1")]
+ASKED = {"model": "dahl", "session_prior": 0.05}
+DONE = "0123456789abcdef"
 
 
-@pytest.fixture
-def identified(client, finished, campaign_folder):
-    request_body = {"records": KEYS, "model": "dahl + spring"}
-    job = finished(client.post("/api/identify/jobs", json=request_body).json()["id"])
-    assert job["state"] == "done", job["reason"]
-    return job
+def of_synthetic_tests(data, request):
+    """Two short tests and one of validation; the job is done in this process before the console starts, with a bare page."""
+    damper = raminelli_2020.damper()
+    made = [sine(damper, voltage, f"r{voltage:g}", noise=2.0, seconds=4.0) for voltage in (0.0, 1.98, 0.8712)]
+    made[2] = made[2].replace(note="kept for validation", role="validation")
+    for record in made:
+        records.write(record, data / f"{record.name}.h5")
+    asked = IdentifyRequest(records=[f"data/{record.name}.h5" for record in made], **ASKED).model_dump()
+    folder = data / OWN / "jobs" / DONE
+    folder.mkdir(parents=True)
+    (folder / "request.json").write_text(json.dumps({"kind": "identify", "request": asked}))
+    (folder / "job.json").write_text(json.dumps({"id": DONE, "kind": "identify", "title": "a fit", "state": "done"}))
+    with pytest.MonkeyPatch.context() as patch:
+        bare = "<h1>Identified: {}</h1>"
+        patch.setattr(identify, "write_page", lambda fit, path: path.write_text(bare.format(fit.problem.composition)))
+        assert worker.run(folder) == 0
+    with TestClient(app(data), base_url="http://localhost") as client:
+        yield client, client.get(f"/api/jobs/{DONE}").json(), data, made
 
 
-def test_the_fit_is_that_of_the_room_and_the_card_is_kept(client, identified, data, campaign_folder):
-    chosen = [r for r in records.read_campaign(campaign_folder) if r.name in ("ensaio.A.1", "ensaio.B.3")]
-    own, output = identification.fit(chosen, "dahl + spring"), identified["result"]
-    assert output["records"] == ["ensaio.A.1", "ensaio.B.3", "ensaio.vali.1"]
+def of_the_campaign(data, request):
+    """Two tests of the published campaign, and its record of validation; in a process, with its page."""
+    folder = request.getfixturevalue("campaign_folder")
+    measured = {record.name: record for record in records.read_campaign(folder, role=None)}
+    with TestClient(app(data), base_url="http://localhost") as client:
+        job = when_ended(client, client.post("/api/identify/jobs", json={"records": KEYS, **ASKED}).json()["id"])
+        assert job["state"] == "done", job["reason"]
+        yield client, job, data, [measured[f"ensaio.{name}"] for name in ("A.1", "B.3", "vali.1")]
+
+
+@pytest.fixture(scope="module", params=[of_synthetic_tests, pytest.param(of_the_campaign, marks=pytest.mark.prove)])
+def identified(request, tmp_path_factory):
+    """A console and its fit, with a spread of sessions that the form states, computed once; and the records."""
+    data = tmp_path_factory.mktemp("identified") / "data"
+    data.mkdir()
+    yield from request.param(data, request)
+
+
+def test_the_fit_is_that_of_the_room_and_the_card_is_kept(identified):
+    client, job, data, (*chosen, vali) = identified
+    own, output = identification.fit(chosen, "dahl", session_prior=0.05), job["result"]
+    assert output["records"] == [record.name for record in (*chosen, vali)]
     assert output["mean_l1"] == pytest.approx(sum(s.l1 for s in own.scores.values()) / 2, rel=1e-6)
     shown, between, errors = (each["rows"] for each in output["parameters"])
     assert [shown, between, errors] == [make(own).rows for make in (parameter_table, session_table, error_table)]
     assert output["settling"] == 2.0
     (held,) = output["held"]
-    vali = next(r for r in records.read_campaign(campaign_folder, role="validation"))
     if held["problem"] == "":
         assert held["l1"] == pytest.approx(identification.score(own.damper, vali).l1, rel=1e-6)
     else:
         assert "0.8712" in held["problem"]
 
-    place = f"/api/identify/jobs/{identified['id']}"
+    place = f"/api/identify/jobs/{job['id']}"
     for name in ("../x", "a/b", ".x", ""):
         assert client.post(f"{place}/card", json={"name": name}).status_code in (400, 422)
     assert client.post(f"{place}/card", json={"name": "mine"}).status_code == 201
     assert client.post(f"{place}/card", json={"name": "mine"}).status_code == 409
     assert Damper.load(data / "cards/mine.toml").range == own.damper.range
     assert client.get("/api/cards").json() == ["mine.toml"]
-    one = next(r for r in chosen if r.name == "ensaio.A.1")
-    lines = client.get(f"{place}/curves", params={"record": "ensaio.A.1"}).json()
+    one = chosen[0]
+    lines = client.get(f"{place}/curves", params={"record": one.name}).json()
     assert max(lines["time"]["measured"]["y"]) == pytest.approx(one.force.max(), rel=1e-5)
     page = client.get(f"{place}/page")
     assert "attachment" in page.headers["content-disposition"]
-    assert "<h1>Identified: dahl + spring</h1>" in page.text
+    assert "<h1>Identified: dahl</h1>" in page.text
     assert client.get("/api/building/choices").json()["dampers"][0]["name"] == "cards/mine.toml"
 
 
@@ -68,15 +108,9 @@ def test_a_wrong_question_is_a_sentence(client, campaign_folder, request_body, w
     assert words in answer.json()["detail"]
 
 
-def test_only_validation_records_are_refused(client, finished, campaign_folder):
-    job = client.post("/api/identify/jobs", json={"records": KEYS[2:], "model": "dahl"}).json()
-    assert "only validation records" in finished(job["id"])["reason"]
-
-
-def test_the_levels_of_sessions_are_those_that_the_form_states(client, finished, campaign_folder):
+def test_the_levels_of_sessions_are_those_that_the_form_states(identified):
     """Each voltage was measured in one session, so that the spread of their levels is what is stated."""
-    body = {"records": KEYS[:2], "model": "dahl", "session_prior": 0.05}
-    result = finished(client.post("/api/identify/jobs", json=body).json()["id"])["result"]
+    result = identified[1]["result"]
     assert result["data"]["levels"]["session_sd"] == pytest.approx(0.05)
     assert any("5 % (standard deviation) is assumed between sessions" in words for words in result["warnings_of_fit"])
 

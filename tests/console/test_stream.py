@@ -32,7 +32,7 @@ def talk(client):
     return say
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 @example(words="[" * 100_000)
 @example(words=b"\xff\x00")
 @example(words='{"jog": 1' + "0" * 400 + "}")
@@ -45,3 +45,18 @@ def test_a_page_may_say_anything(talk, caplog, words):
     with caplog.at_level(logging.ERROR):
         talk(words)
     assert caplog.text == ""
+
+
+ID = "0123456789abcdef"
+
+
+def stream(client, id=ID, **headers):
+    return client.websocket_connect(f"/api/bench/stream?client={id}", headers=HERE | headers)
+
+
+def test_a_page_that_hears_nothing_gets_no_more(client):
+    with stream(client) as socket:
+        frames = [json.loads(socket.receive_text())["frame"] for _ in range(6)]
+        assert frames == [1, 2, 3, 4, 5, 6]
+        socket.send_text(json.dumps({"abort": 1}))  # what comes next is its answer, and no seventh frame
+        assert json.loads(socket.receive_text()) == {"aborted": 1}
