@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dampyr.errors import InputError
-from dampyr.records import Record, correct_delay, estimate_delay, read_campaign, remove_drift, remove_offset
+from dampyr.records import Record, correct_delay, estimate_delay, remove_drift, remove_offset
 from dampyr.records.conditioning.drift import drift
 from dampyr.records.conditioning.force_offset import mean_force
 
@@ -76,15 +76,15 @@ def test_a_force_without_a_sign_change_has_no_lag(make_sine):
         estimate_delay(record.replace(note="dead cell", force=np.full(record.n, 7.0)))
 
 
-def test_the_real_records_lag_18_to_46_ms(campaign_folder):
-    lags = [estimate_delay(record) for record in read_campaign(campaign_folder)]
+def test_the_real_records_lag_18_to_46_ms(published_fits):
+    lags = [estimate_delay(record) for record in published_fits]
     assert min(lag.seconds for lag in lags) == pytest.approx(0.0165, abs=0.002)
     assert max(lag.seconds for lag in lags) == pytest.approx(0.048, abs=0.003)
     assert all(lag.spread < 0.004 for lag in lags)
 
 
-def test_the_real_offsets_and_drifts(campaign_folder):
-    records = read_campaign(campaign_folder)
+def test_the_real_offsets_and_drifts(published_fits):
+    records = published_fits
     offsets = [mean_force(record) for record in records]
     assert 102 < min(offsets) < 110
     assert 138 < max(offsets) < 142

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dampyr.errors import InputError
-from dampyr.records import Record, measure, read_campaign
+from dampyr.records import Record, measure
 from dampyr.records.checks.label_checks import disagreements
 from dampyr.records.files.campaign_folder import campaign_rows
 from dampyr.records.record import Label
@@ -61,24 +61,24 @@ def test_a_record_without_cycles_cannot_confirm_its_label():
         measure(still)
 
 
-def test_only_row_10_of_table_4_3_disagrees(campaign_folder):
-    said = {record.name: disagreements(record) for record in read_campaign(campaign_folder, role=None)}
+def test_only_row_10_of_table_4_3_disagrees(published):
+    said = {record.name: disagreements(record) for record in published}
     assert {name for name, sentences in said.items() if sentences} == {"ensaio10.2.2"}
     frequency, peak_to_peak = said["ensaio10.2.2"]
     assert "labelled 0.8474 Hz, measures 0.675" in frequency
     assert "labelled 22.41 mm peak to peak, measures 16.2" in peak_to_peak
 
 
-def test_row_10_measures_0_675_hz_and_16_3_mm(campaign_folder):
+def test_row_10_measures_0_675_hz_and_16_3_mm(campaign_folder, published_fits):
     (row,) = [r for r in campaign_rows(campaign_folder) if (r.table, r.row) == ("4.3", 10)]
-    (record,) = [r for r in read_campaign(campaign_folder) if r.name + ".mat" == row.file_name]
+    (record,) = [r for r in published_fits if r.name + ".mat" == row.file_name]
     measurement = measure(record)
     assert measurement.frequency_hz == pytest.approx(0.675, abs=2e-3)
     assert measurement.peak_to_peak_m == pytest.approx(0.0163, abs=1e-4)
 
 
-def test_the_real_motion_is_a_distorted_sine_of_29_to_76_mm_per_s(campaign_folder):
-    measurements = [measure(record) for record in read_campaign(campaign_folder)]
+def test_the_real_motion_is_a_distorted_sine_of_29_to_76_mm_per_s(published_fits):
+    measurements = [measure(record) for record in published_fits]
     assert 0.028 < min(m.peak_speed for m in measurements) < 0.030
     assert 0.072 < max(m.peak_speed for m in measurements) < 0.077
     assert min(m.harmonics[3] for m in measurements) > 0.022

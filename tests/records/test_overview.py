@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dampyr.errors import FileError
-from dampyr.records import Record, overview, read_campaign
+from dampyr.records import Record, overview
 from dampyr.records.checks.label_checks import creates_energy, disagreements
 from dampyr.records.files.comparison import write_comparison
 
@@ -25,8 +25,8 @@ def test_a_sine_repeats_itself(make_sine) -> None:
     assert seen.rms_speed == pytest.approx(0.010 * 2 * np.pi * 0.9 * np.sqrt((1 + 0.09) / 2), rel=0.03)
 
 
-def test_the_campaign_repeats_itself(campaign_folder) -> None:
-    assert all(overview(record).repeats for record in read_campaign(campaign_folder, role=None))
+def test_the_campaign_repeats_itself(published: list[Record]) -> None:
+    assert all(overview(record).repeats for record in published)
 
 
 def test_a_motion_of_many_frequencies_does_not() -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dampyr.records import Record, cycles, quality, read_campaign
+from dampyr.records import Record, cycles, quality
 from dampyr.records.checks.channel_noise import quantum
 from dampyr.records.checks.quality import flat_levels, motion_start
 
@@ -52,8 +52,8 @@ def test_the_quantum_of_rounded_values(step):
     assert quantum(np.ones(100)) is None
 
 
-def test_the_real_quanta(campaign_folder):
-    for record in read_campaign(campaign_folder, role=None):
+def test_the_real_quanta(published):
+    for record in published:
         quality_report = quality(record)
         assert quality_report.quantum["displacement"] == pytest.approx(5e-6, rel=1e-6), record.name
         assert quality_report.quantum["force"] == pytest.approx(0.1873, rel=1e-3), record.name
@@ -78,9 +78,9 @@ def test_false_samples_are_told_with_their_time(make_sine):
     assert any(note.startswith("force has 2 false samples, it seems: at") for note in report.notes)
 
 
-def test_one_false_sample_in_each_real_record_is_seen(campaign_folder):
+def test_one_false_sample_in_each_real_record_is_seen(published):
     """And none where there is none: `test_the_real_records_are_clean` sees no note."""
-    for record in read_campaign(campaign_folder, role=None):
+    for record in published:
         force = np.array(record.force)
         force[record.n // 2] += 2.0 * np.ptp(force)
         times = quality(record.replace(note="spike", force=force)).spikes["force"]
@@ -106,8 +106,8 @@ def test_a_record_that_never_moves_starts_at_its_end():
     assert motion_start(Record(t, np.zeros(50), np.ones(50))) == t[-1]
 
 
-def test_the_real_records(campaign_folder):
-    start = {record.name: motion_start(record) for record in read_campaign(campaign_folder, role=None)}
+def test_the_real_records(published):
+    start = {record.name: motion_start(record) for record in published}
     assert all(0 <= value <= 4.0 for value in start.values())
     assert sum(value > 1.95 for value in start.values()) == 13
     at_once = {name for name, value in start.items() if value <= 0.15}
