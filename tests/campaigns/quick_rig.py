@@ -23,6 +23,20 @@ cycles = 6
 rest_before = "1 s"
 """
 
+TWO_SINES = """
+name = "short"
+rest_between = "0.1 s"
+check_amplitude = "0 mm"
+[[step]]
+kind = "sine"
+amplitude = "4 mm"
+frequency = "1 Hz"
+voltage = ["0 V", "1 V"]
+cycles = 1
+rest_before = "0.2 s"
+"""
+FIRST, SECOND = "01-sine-4mm-1Hz-0V", "02-sine-4mm-1Hz-1V"
+
 
 def quick_rig(*faults: str, settings: RigSettings = QUICK, **options: Any) -> Rig:
     """A simulated rig with these faults, such as ``stalled-motor@7s``."""

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from dampyr import records
 from dampyr.errors import InputError
 from dampyr.records import Record, measure
 from dampyr.records.checks.label_checks import disagreements
@@ -95,3 +96,16 @@ def test_the_frequency_of_one_whole_cycle_between_ramps_is_one_over_its_duration
     x = 0.008 * envelope * np.sin(2 * np.pi * t + phase) + 2e-6 * np.random.default_rng(3).standard_normal(t.size)
     measured = measure(Record(t, x, np.gradient(x, t)))
     assert measured.frequency_hz == pytest.approx(1.0, rel=0.02)
+
+
+def test_distortion_and_error_of_the_amplitude_of_a_record() -> None:
+    time = np.arange(0, 10.0, 0.001)
+    phase = 2 * np.pi * 0.84 * time
+    x = 0.0081 * (np.sin(phase) + 0.03 * np.sin(3 * phase + 1) + 0.04 * np.sin(5 * phase))
+    record = records.Record(
+        time=time, displacement=x, force=np.cos(phase), voltage=0.0, name="a", label=Label(0.016, 0.84)
+    )
+    assert records.total_harmonic_distortion(record) == pytest.approx(0.05, rel=1e-6)
+    assert records.amplitude_error(record) == pytest.approx(0.0125, rel=1e-6)
+    with pytest.raises(InputError, match="no label that says its peak to peak"):
+        records.amplitude_error(records.Record(time=time, displacement=x, force=np.cos(phase), voltage=0.0, name="a"))

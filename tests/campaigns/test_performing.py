@@ -13,18 +13,18 @@ import textwrap
 import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
-from datetime import datetime
 from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from tests.campaigns.quick_rig import quick_rig
 from tests.endurance import Endurance
 
 from dampyr import campaigns, records
 from dampyr.campaigns import RunControl, Stopped, perform, read_journal
-from dampyr.campaigns.record_test import groups_of
 from dampyr.campaigns.run_control import Progress
+from dampyr.cli import cli
 from dampyr.errors import DampyrWarning, FileError, InputError, RigFault
 from dampyr.records.files.recording import Recording
 from dampyr.records.formats import h5
@@ -588,40 +588,6 @@ def test_the_settings_are_those_of_the_rig_file(two: Path, tmp_path: Path) -> No
     assert RigSettings().board.rate == 1000.0
 
 
-def test_a_record_says_its_session_and_its_specimen(two: Path, tmp_path: Path) -> None:
-    """Where nothing is said: the day of the run, and the data sheet; what is said goes before it."""
-    days = {datetime.now().astimezone().date().isoformat()}
-    first, second = perform(two, quick_rig(), tmp_path / "a")
-    days.add(datetime.now().astimezone().date().isoformat())  # the run may have begun before midnight
-    assert first.specimen == second.specimen == "RD-8041-1"
-    assert first.measurement_session == second.measurement_session
-    assert first.measurement_session in {f"{day} RD-8041-1" for day in days}
-    two.write_text('measurement_session = " third mounting "\nspecimen = "no. 7"\n' + TWO, encoding="utf-8")
-    for record in perform(two, quick_rig(), tmp_path / "b"):
-        assert (record.measurement_session, record.specimen) == ("third mounting", "no. 7")
-
-
-@pytest.mark.parametrize(
-    ("specimen", "stated", "expected"),
-    [
-        ({}, {}, ("2026-03-01 RD-8041-1", "RD-8041-1")),
-        ({"card": "cards/number_7.toml"}, {}, ("2026-03-01 number_7", "number_7")),
-        ({"card": "number_7.toml", "name": "no. 7"}, {}, ("2026-03-01 no. 7", "no. 7")),
-        ({"name": "no. 7"}, {"specimen": "no. 8"}, ("2026-03-01 no. 8", "no. 8")),
-        ({"data_sheet": ""}, {}, ("2026-03-01", None)),
-        ({"name": "no. 7"}, {"measurement_session": "day 1"}, ("day 1", "no. 7")),
-    ],
-)
-def test_what_the_campaign_states_goes_before_what_the_rig_does(
-    two: Path, specimen: dict[str, str], stated: dict[str, str], expected: tuple[str, str | None]
-) -> None:
-    settings = replace(RigSettings(), specimen=replace(RigSettings().specimen, **specimen))
-    campaign = campaigns.read(two)
-    campaign = replace(campaign, header=replace(campaign.header, **stated))
-    groups = groups_of(settings, campaign, datetime(2026, 3, 1, 23, 59).astimezone())
-    assert (groups["measurement_session"], groups.get("specimen")) == expected
-
-
 def test_a_name_that_is_none_is_refused_before_anything_moves(two: Path, tmp_path: Path) -> None:
     two.write_text('specimen = "  "\n' + TWO, encoding="utf-8")
     with pytest.raises(FileError, match=r"two\.toml: specimen = '  ' is not a name; give one line of text"):
@@ -629,3 +595,43 @@ def test_a_name_that_is_none_is_refused_before_anything_moves(two: Path, tmp_pat
     (tmp_path / "rig.toml").write_text('[specimen]\nname = "a\\nb"\n', encoding="utf-8")
     with pytest.raises(FileError, match=r"rig\.toml: .*name = 'a\\nb' is not a name"):
         load_settings(tmp_path / "rig.toml")
+
+
+def test_what_was_scaled_is_in_the_record_the_journal_and_what_run_prints(tmp_path: Path) -> None:
+    text = """
+        name = "fitted"
+        rest_between = "0.2 s"
+        check_amplitude = 0
+        [[step]]
+        kind = "sweep"
+        amplitude = "8 mm"
+        start = "1 Hz"
+        stop = "3 Hz"
+        duration = "2 s"
+        rest_before = "0.2 s"
+        fit_limits = true
+        [[step]]
+        kind = "earthquake"
+        motion = "motion.csv"
+        rest_before = "0 s"
+    """
+    t = np.arange(0.0, 2.0, 0.02)  # 2 m/s^2 at 2 Hz: 160 mm/s, twice what the table can do
+    shaken = 2.0 * np.sin(0.5 * np.pi * t) ** 2 * np.sin(4 * np.pi * t)
+    rows = "".join(f"{at:.2f},{value:.6f}\n" for at, value in zip(t, shaken, strict=True))
+    (tmp_path / "motion.csv").write_text(f"time [s],acceleration [m/s^2]\n{rows}")
+    (tmp_path / "fitted.toml").write_text(text)
+    done = CliRunner().invoke(
+        cli,
+        ["run", str(tmp_path / "fitted.toml"), "--out", str(tmp_path / "out")],
+        env={"COLUMNS": "400"},
+    )
+    assert done.exit_code == 0
+    fitted = campaigns.plan(tmp_path / "fitted.toml").tests
+    flat = " ".join(done.stdout.split())
+    for test in fitted:
+        assert f"{test.name}: {test.fitted}" in flat
+        assert h5.provenance(tmp_path / "out" / f"{test.name}.h5")["fitted"] == test.fitted
+    assert [event.detail for event in read_journal(tmp_path / "out")[1] if event.what == "fitted"] == [
+        test.fitted for test in fitted
+    ]
+    assert fitted[1].fitted.startswith("scaled to 0.")
