@@ -148,4 +148,3 @@ def test_the_header_lets_every_step_learn_but_those_that_say_no() -> None:
         sine(), {**sine(), "learn": False}, {k: v for k, v in sine().items() if k != "learn"}, learn=True
     ).tests
     assert [test.learn for test in tests] == [True, False, True]
-
