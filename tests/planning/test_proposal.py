@@ -72,28 +72,6 @@ def test_laws_by_interpolation_leave_steps_of_voltage_out() -> None:
     assert any("no steps of voltage" in note for note in plain_laws.notes)
 
 
-@pytest.mark.prove
-def test_a_peak_is_planned_for_by_its_gradient() -> None:
-    peak = Peak(structures.two_storey(), ground_motions.el_centro().scaled(0.3), 1.98)
-    planned = propose(DAHL, RIG, goal="peak", peak=peak, tests=3, **QUICK)
-    assert planned.goal == "the largest drift at 1.98 V"
-    assert planned.peak == pytest.approx(peak.value(DAHL), rel=0.05)
-    assert planned.peak_after is not None
-    assert 0.0 < planned.peak_after < 1.0
-    with pytest.raises(RangeError, match="outside"):
-        propose(DAHL, RIG, goal="peak", peak=replace(peak, voltage=3.5), tests=3, **QUICK)
-    # two records at 1.98 V do not say how records differ there, so the peak has no interval yet
-    few = [
-        sine(DAHL, u, f"{u:g}V-{k}", 0.06 / (2 * np.pi * f), float(f), seconds=4.0)
-        for u, n in ((0.0, 4), (1.98, 2))
-        for k, f in enumerate(np.geomspace(0.5, 2.0, n))
-    ]
-    options = QUICK | {"kinds": ("sine",), "laws": "interpolation", "model": "dahl"}
-    after_few = propose(few, RIG, goal="peak", peak=peak, tests=3, **options)
-    assert after_few.peak_before == np.inf
-    assert after_few.peak_after is not None
-    assert np.isfinite(after_few.peak_after)
-    assert "none ->" in repr(after_few)
 
 
 @pytest.mark.parametrize(
