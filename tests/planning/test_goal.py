@@ -47,6 +47,7 @@ def test_a_peak_is_planned_for_by_its_gradient() -> None:
 CONSTANT = Damper("dahl", {"dahl.kx": 1500.0, "dahl.kw": 200.0, "dahl.rho": 15000.0})
 
 
+@pytest.mark.prove
 def test_a_peak_scales_with_the_motion_the_friction_and_the_shape_together() -> None:
     """f = kx v + kw w with dw = rho (dx - w |dx|): a motion s times as strong, kw s times and rho 1/s times as great, gives all
     displacements s times; so the logarithm's derivatives by kw, less that by rho, and by the scale are 1 in all."""
