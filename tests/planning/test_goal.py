@@ -68,7 +68,7 @@ def test_targets_are_the_least_that_is_asked_of_a_coefficient() -> None:
     plan = layout(DAHL, [0.0, 1.0, 1.98, 3.212])
     assert np.all(parameter_goal(plan, {}).weights == np.where(plan.held, 0.0, 1.0))
     labels = [label for label in plan.labels if label.startswith("dahl.kw")]
-    goal = parameter_goal(plan, {"dahl.kw": 0.1, labels[0]: 0.05})
+    goal = parameter_goal(plan, {labels[0]: 0.05, "dahl.kw": 0.1})
     aims = dict(zip(plan.labels, goal.targets, strict=True))
     assert [aims[label] for label in labels] == [0.05, *[0.1] * (len(labels) - 1)]
     assert all(np.isinf(aims[label]) for label in plan.labels if not label.startswith("dahl.kw"))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from dampyr.campaigns.kinds import kind
+from dampyr.campaigns.steps.random import unit_path
 from dampyr.errors import InputError
 from dampyr.rig import RigSettings
 
@@ -30,6 +31,11 @@ def test_its_peaks_are_those_of_its_path():
     assert not np.array_equal(
         x, kind("random")(0.01, high=1.0, duration=20.0, period=0.002, seed=3).drive(RIG).displacement
     )
+
+
+def test_the_speed_of_its_path_is_the_derivative_in_the_tapers_too():
+    t, x, v = unit_path(0.2, 1.0, 20.0, 2, 8.0)
+    np.testing.assert_allclose(v, np.gradient(x, t), atol=1e-3 * np.abs(v).max())
 
 
 @pytest.mark.parametrize(
