@@ -51,13 +51,12 @@ def test_a_proposal_says_what_is_expected_and_why(proposal: Proposal) -> None:
         replace(DAHL, covariance=np.diag((0.01 * DAHL.coefficients) ** 2)),
         RIG,
         tests=2,
-        seconds=4.0,
-        voltages=(0.0,),
-        kinds=("sine",),
+        **{**QUICK, "kinds": ("sine",)},
     )
     assert of_card.before["dahl.kw @ 0 V"] == pytest.approx(0.0196, rel=0.01)
 
 
+@pytest.mark.prove
 def test_no_interval_is_promised_wider_than_the_records_give_it() -> None:
     """Of laws by values a test at one voltage says nothing of the other."""
     records = [
@@ -73,6 +72,7 @@ def test_no_interval_is_promised_wider_than_the_records_give_it() -> None:
             assert half == pytest.approx(one.before[label], rel=0.5)
 
 
+@pytest.mark.prove
 def test_laws_by_interpolation_leave_steps_of_voltage_out() -> None:
     plain_laws = propose(DAHL, RIG, tests=3, laws="interpolation", **QUICK)
     assert {test.candidate.kind for test in plain_laws.tests} == {"sine"}
