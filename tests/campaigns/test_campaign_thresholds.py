@@ -6,13 +6,15 @@ from typing import Any, get_type_hints
 
 import numpy as np
 import pytest
+from tests.campaigns.quick_rig import quick_rig
 
+from dampyr import records
 from dampyr.campaigns import campaign_of, perform
 from dampyr.campaigns.campaign_thresholds import USUAL, CampaignThresholds
 from dampyr.campaigns.marks import MeasuredTest, drifting_zero, sudden_force, zero_moved
 from dampyr.config import origin
 from dampyr.errors import InputError, RigFault
-from dampyr.rig import RigSettings, simulated
+from dampyr.rig import RigSettings
 from dampyr.rig.uncertainty_budget import Evidence
 
 SINE = {
@@ -51,20 +53,23 @@ def test_a_leap_is_marked_by_the_threshold_that_holds() -> None:
     assert len(list(sudden_force(replace(measured, force=force, thresholds=lower)))) == 1
 
 
-def test_a_campaign_is_judged_by_the_thresholds_that_it_is_given(tmp_path: Path) -> None:
+def test_a_campaign_is_judged_by_the_thresholds_that_it_is_given(drifted: Path, tmp_path: Path) -> None:
+    """The same drift of the cell, with the thresholds as usual and with wide ones."""
     campaign = campaign_of({"name": "drift", "check_amplitude": 0, "step": [SINE]})
     wide = CampaignThresholds(cycle_drift=1e3, rest_drift=1e3, pass_shift=1e3)
-    for thresholds, marked in ((None, True), (wide, False)):
-        with simulated(faults=["drifting-cell=5@2s"]) as rig:
-            [record] = perform(campaign, rig, tmp_path / f"marked {marked}", thresholds=thresholds)
-        assert bool(record.marks) is marked
-        changed = "" if marked else "rest_drift = 1000 N, cycle_drift = 1000 N, pass_shift = 1000 N"
-        assert record.provenance.get("thresholds", "") == changed
+    with quick_rig("drifting-cell=5@2s") as rig:
+        [unmarked] = perform(campaign, rig, tmp_path, thresholds=wide)
+    marked = records.read_campaign(drifted)[1]
+    assert marked.name == unmarked.name.replace("01", "02")
+    assert bool(marked.marks)
+    assert marked.provenance.get("thresholds", "") == ""
+    assert not unmarked.marks
+    assert unmarked.provenance["thresholds"] == "rest_drift = 1000 N, cycle_drift = 1000 N, pass_shift = 1000 N"
 
 
 def test_no_test_begins_after_a_stroke_that_the_threshold_does_not_allow(tmp_path: Path) -> None:
     campaign = campaign_of({"name": "stroke", "step": [SINE]})
-    with simulated() as rig, pytest.raises(RigFault, match="the slow stroke before the first test was"):
+    with quick_rig() as rig, pytest.raises(RigFault, match="the slow stroke before the first test was"):
         perform(campaign, rig, tmp_path, thresholds=CampaignThresholds(stroke_error=1e-6))
 
 

@@ -440,7 +440,7 @@ def test_campaigns_with_faults_are_safe_and_their_records_right(tmp_path: Path) 
     """A few of those above, for every run of the tests."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)
-        trials, _ = run_trials(10, 1, tmp_path)
+        trials, _ = run_trials(5, 1, tmp_path)
     for trial in trials:
         assert not trial.unsafe, trial
         assert not trial.wrong or any(holds(trial) for holds in UNSEEN.values()), trial

@@ -1,11 +1,24 @@
-"""Synthetic records whose truth is known."""
+"""Synthetic records whose truth is known, and the published ones."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from dampyr.records import Record
+from dampyr.records import Record, read_campaign
+
+
+@pytest.fixture(scope="session")
+def published(campaign_folder: Path) -> list[Record]:
+    """All records of the published campaign, read once: what is worked out of a record is kept with it."""
+    return read_campaign(campaign_folder, role=None)
+
+
+@pytest.fixture(scope="session")
+def published_fits(published: list[Record]) -> list[Record]:
+    """Those of them that are for fits."""
+    return [record for record in published if record.role == "fit"]
 
 
 @pytest.fixture

@@ -16,7 +16,6 @@ from dampyr.records import (
     describe,
     measure,
     read,
-    read_campaign,
 )
 from dampyr.records.cycle_analysis.cycles import legs, turning_points
 
@@ -142,8 +141,8 @@ def test_cycle_average_is_the_cycle(make_sine):
         cycle_average(record, samples=4)
 
 
-def test_all_real_records_have_regular_cycles(campaign_folder):
-    records = read_campaign(campaign_folder, role=None)
+def test_all_real_records_have_regular_cycles(published):
+    records = published
     assert len(records) == 39
     for record in records:
         points = turning_points(record)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from dampyr.errors import DampyrWarning, FileError, InputError, MissingData
-from dampyr.records import Record, nominal_inputs, read, read_campaign, write
+from dampyr.records import Record, read, read_campaign, write
 
 UNITS = {"time": "s", "displacement": "mm", "force": "N"}
 
@@ -40,53 +40,6 @@ def test_every_file_is_a_record_named_by_its_stem_in_natural_order(folder: Path)
     assert [r.name for r in records] == ["quake_1,5A", "run2_0.25A", "run2_0.5A", "run10_0.5A"]
     assert {r.current for r in records} == {0.5}
     np.testing.assert_allclose(np.max(records[0].displacement), 5e-3, rtol=1e-3)
-
-
-def test_units_roles_and_inputs_are_said_once(folder: Path) -> None:
-    say(folder, 'validation = ["quake*"]\ncurrent = "*_{}A"')
-    assert [(r.name, r.current) for r in read_campaign(folder)] == [
-        ("run2_0.25A", 0.25), ("run2_0.5A", 0.5), ("run10_0.5A", 0.5),
-    ]  # fmt: skip
-    [quake] = read_campaign(folder, role="validation")
-    assert (quake.role, quake.current) == ("validation", 1.5)
-    assert "role validation from reading.toml" in quake.history
-    assert read(folder / "run2_0.25A.txt").current == 0.25
-    assert read(folder / "run2_0.25A.txt", current=0.3).current == 0.3
-
-
-def test_inputs_as_a_table_or_a_number(folder: Path) -> None:
-    say(folder, 'voltage = {"run2_*" = 1.0, "run10_0.5A.txt" = 2.0}')
-    assert [r.voltage for r in read_campaign(folder)] == [None, 1.0, 1.0, 2.0]
-    say(folder, "voltage = 3")
-    assert {r.voltage for r in read_campaign(folder)} == {3.0}
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("validation = [", "is not valid TOML"),
-        ("valid = []", "'valid' is not known; choose from units, columns, voltage, current, dt, variable, header, "),
-        ('validation = "quake*"', "is not a list of patterns"),
-        ('validation = ["earth*"]', "'earth*' matches no file of the folder"),
-        ('current = "run{}"', "current = 'run{}' does not match the file quake_1,5A.txt"),
-        ('current = "no number"', "must hold {} once"),
-        ('current = "{}_{}"', "must hold {} once"),
-        ("current = true", "is neither a number"),
-        ("current = 1\nvoltage = 1", "a record has one input"),
-        ('current = {"run*" = 1, "run2*" = 2}', "gives run2_0.25A.txt both 1 and 2 A"),
-        ("units = 3", "is not a table"),
-        ('columns = {stroke = "x"}', "'stroke', which is not a channel"),
-        ("columns = {force = 1.5}", "columns['force'] = 1.5 must be a text or a whole number"),
-    ],
-)
-def test_a_wrong_reading_toml_is_one_line(folder: Path, text: str, words: str) -> None:
-    (folder / "reading.toml").write_text(text, encoding="utf-8")
-    with pytest.raises(FileError) as caught:
-        read_campaign(folder, units=UNITS)
-    message = str(caught.value)
-    assert message.startswith(str(folder / "reading.toml"))
-    assert words in message
-    assert "\n" not in message
 
 
 def test_texts_without_numbers_are_left_out_and_named(folder: Path) -> None:
@@ -149,59 +102,6 @@ def test_one_of_two_inputs_can_be_left_out(tmp_path: Path) -> None:
         assert read(path, columns={"voltage": none}).current == 0.5
 
 
-def measured(value: float, noise: float = 0.005, n: int = 2000, seed: int = 0, **fields: object) -> Record:
-    t = 0.002 * np.arange(n)
-    values = value + noise * np.random.default_rng(seed).standard_normal(n)
-    return Record(t, np.sin(t), np.cos(t), current=values, **fields)
-
-
-def test_noisy_constants_that_agree_are_one_input() -> None:
-    values = (-0.0141, 0.4996, 0.5003, 1.4991, 1.5027)
-    records = [measured(value, seed=k) for k, value in enumerate(values)]
-    nominal_records = nominal_inputs(records)
-    assert [r.current for r in nominal_records] == [0.0, 0.5, 0.5, 1.501, 1.501]
-    assert "constant but for noise, 0.4995 A as measured: counts as 0.5 A" in nominal_records[1].history[-1]
-    assert all(isinstance(r.current, np.ndarray) for r in records)
-    again = nominal_inputs(nominal_records)
-    assert [r.current for r in again] == [r.current for r in nominal_records]
-
-
-def test_inputs_that_differ_by_more_than_the_tolerance_stay_apart() -> None:
-    nominal_records = nominal_inputs([measured(value, seed=k) for k, value in enumerate((1.0, 1.04, 1.5))])
-    assert [r.current for r in nominal_records] == [1.0, 1.04, 1.5]
-    chain = [measured(1.0 + 0.02 * k, noise=0.0, seed=k) for k in range(6)]
-    assert len({r.input_value for r in nominal_inputs(chain)}) == 6
-
-
-@pytest.mark.parametrize("shape", ["step", "ramp", "on and off", "wave"])
-def test_an_input_that_varies_keeps_its_channel(shape: str) -> None:
-    t = 0.002 * np.arange(2000)
-    u = {
-        "step": np.where(t < 3.0, 0.5, 0.6),
-        "ramp": 0.5 + 0.03 * t,
-        "on and off": 0.75 + 0.75 * np.sign(np.sin(60.0 * t)),
-        "wave": 0.75 + 0.2 * np.sin(60.0 * t),
-    }[shape]
-    record = Record(t, np.sin(t), np.cos(t), current=u)
-    [varying, constant] = nominal_inputs([record, measured(1.0)])
-    assert varying is record
-    assert constant.current == 1.0
-
-
-def test_what_was_stated_stays_and_draws_what_was_measured() -> None:
-    stated = [Record(*np.tile(np.arange(9.0), (3, 1)), current=value) for value in (0.0, 1.00, 1.01)]
-    nominal_records = nominal_inputs([*stated, measured(0.997)])
-    assert [r.current for r in nominal_records] == [0.0, 1.00, 1.01, 1.00]
-    assert nominal_records[1] is stated[1]
-    assert nominal_inputs([measured(1.497)], nominal_values=(0.0, 1.5))[0].current == 1.5
-
-
-def test_volts_and_amperes_are_not_mixed() -> None:
-    volts = Record(*np.tile(np.arange(9.0), (3, 1)), voltage=1.0, name="v")
-    with pytest.raises(InputError, match="v has a voltage and record a current"):
-        nominal_inputs([volts, measured(1.0)])
-
-
 @pytest.mark.parametrize(
     ("name", "pattern", "value"),
     [
@@ -231,98 +131,6 @@ def test_names_with_inputs_are_listed_in_the_order_of_the_inputs(tmp_path: Path)
         put(tmp_path / f"sine_{text}.txt")
     say(tmp_path, 'current = "*_{}A"')
     assert [r.current for r in read_campaign(tmp_path)] == [0.125, 0.25, 0.5, 0.75, 1.0, 10.0]
-
-
-SECTIONS = """
-force_sign = -1
-measurement_session = "day 1"
-specimen = {"run*" = "no. 1", "quake*" = "no. 2"}
-current = "*_{}A"
-
-[[files]]
-pattern = ["quake*", "run10*"]
-force_sign = 1
-[files.units]
-force = "kN"
-
-[[files]]
-pattern = "run10*"
-voltage = 2
-measurement_session = "day 2"
-"""
-
-
-def test_a_section_goes_before_what_stands_above_it(folder: Path) -> None:
-    (folder / "reading.toml").write_text(
-        SECTIONS + '[units]\ntime = "s"\ndisplacement = "mm"\nforce = "N"\n', encoding="utf-8"
-    )
-    quake, first, _, tenth = read_campaign(folder)
-    assert np.max(quake.force) == pytest.approx(50e3)
-    assert np.max(first.force) < 50.0  # its largest was the first sample, now the smallest
-    assert first.force[0] == pytest.approx(-50.0)
-    assert tenth.force[0] == pytest.approx(50e3)
-    assert [r.input for r in (quake, first, tenth)] == ["A", "A", "V"]
-    assert tenth.voltage == 2.0
-    assert [r.specimen for r in (quake, first, tenth)] == ["no. 2", "no. 1", "no. 1"]
-    assert [r.measurement_session for r in (quake, first, tenth)] == ["day 1", "day 1", "day 2"]
-    assert read(folder / "run10_0.5A.txt", current=0.5, specimen="no. 3").specimen == "no. 3"
-    assert "measurement_session 'day 2' as stated" in tenth.history
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("files = 3", "files = 3 is not a list of tables; write each as [[files]] with its pattern"),
-        ("[[files]]\nheader = 1", "[[files]] 1: pattern = None is not a pattern; write it as in"),
-        ('[[files]]\npattern = "earth*"', "'earth*' matches no file of the folder"),
-        (
-            '[[files]]\npattern = "run*"\nvalidation = ["a"]',
-            "[[files]] 1: 'validation' is not known; choose from pattern, units,",
-        ),
-        ('[[files]]\npattern = "run*"\nheader = -1', "[[files]] 1: header = -1 is not allowed; it must be at least 0"),
-        ('[[files]]\npattern = "run*"\nforce_sign = 2', "[[files]] 1: force_sign = 2 is not allowed; it must be -1"),
-        (
-            '[[files]]\npattern = "run*"\ndt = "2 mm"',
-            "[[files]] 1: dt: the unit 'mm' does not measure what 's' measures",
-        ),
-        ('[[files]]\npattern = "run*"\ndt = -1', "[[files]] 1: dt = -1 s is not allowed; it must be greater than 0"),
-        ('[[files]]\npattern = "run*"\nvariable = ""', "[[files]] 1: variable = '' is not a name"),
-        ('[[files]]\npattern = "run*"\nvoltage = 1\ncurrent = 1', "[[files]] 1: voltage and current are both given"),
-        ('specimen = " "', "specimen = ' ' is not a name; give one line of text"),
-        ("measurement_session = 2026-03-01", "is not a text; give a name in quotes"),
-        (
-            'specimen = {"run*" = "a", "run2*" = "b"}',
-            "specimen gives run2_0.25A.txt both 'a' and 'b'; make the patterns exclusive",
-        ),
-        (
-            '[[files]]\npattern = "run*"\nheader = 1\n[[files]]\npattern = "run2*"\nheader = 0',
-            "'run*' and 'run2*' give run2_0.25A.txt two values of header, 1 and 0; make the patterns exclusive",
-        ),
-        (
-            '[[files]]\npattern = "run*"\nunits.force = "N"\n[[files]]\npattern = "run2*"\nunits.force = "kN"',
-            "'run*' and 'run2*' give run2_0.25A.txt two values of units.force, 'N' and 'kN'",
-        ),
-        (
-            '[[files]]\npattern = "run*"\nvoltage = 1\n[[files]]\npattern = "run2*"\ncurrent = 1',
-            "'run*' and 'run2*' give run2_0.25A.txt a voltage and a current; a record has one input",
-        ),
-    ],
-)
-def test_a_wrong_section_is_one_line(folder: Path, text: str, words: str) -> None:
-    (folder / "reading.toml").write_text(text, encoding="utf-8")
-    with pytest.raises(FileError) as caught:
-        read_campaign(folder, units=UNITS)
-    message = str(caught.value)
-    assert message.startswith(str(folder / "reading.toml"))
-    assert words in message
-    assert "\n" not in message
-
-
-def test_two_sections_may_say_the_same(folder: Path) -> None:
-    same = '[[files]]\npattern = "{}"\nheader = 1\nunits = {{force = "N"}}\n'
-    (folder / "reading.toml").write_text(same.format("run*") + same.format("run2*"), encoding="utf-8")
-    units = {"time": "s", "displacement": "mm", "force": "N"}
-    assert len(read_campaign(folder, units=units)) == 4
 
 
 def test_a_campaign_table_may_name_sessions_and_specimens(folder: Path) -> None:

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from dampyr import records
 from dampyr.errors import InputError
-from dampyr.records import Record, measure, read_campaign
-from dampyr.records.checks.label_checks import disagreements
+from dampyr.records import Record, measure
 from dampyr.records.files.campaign_folder import campaign_rows
 from dampyr.records.record import Label
 
@@ -35,50 +35,16 @@ def test_gas_force_times_drift_is_no_dissipation(make_sine):
     assert measure(drifting).energy_per_cycle == pytest.approx(measure(still).energy_per_cycle, rel=5e-3)
 
 
-def test_an_unlabelled_good_record_agrees(make_sine):
-    assert disagreements(make_sine()) == []
-
-
-def test_an_inverted_force_is_flagged(make_sine):
-    said = disagreements(make_sine(viscous=-3000.0, name="upside down"))
-    assert len(said) == 1
-    assert said[0].startswith("upside down: its loops create energy")
-    assert said[0].endswith("force sign inverted?")
-
-
-@pytest.mark.parametrize(("off", "words"), [((1.1, 1.0), "Hz"), ((1.0, 0.9), "mm peak to peak"), ((1.02, 0.98), None)])
-def test_a_label_that_disagrees_is_reported(make_sine, off, words):
-    said = disagreements(make_sine(label=Label(0.02 * off[1], 0.9 * off[0])))
-    assert len(said) == (0 if words is None else 1)
-    assert words is None or words in said[0]
-
-
-def test_a_record_without_cycles_cannot_confirm_its_label():
-    t = 0.01 * np.arange(100)
-    still = Record(t, np.zeros(100), np.ones(100), label=Label(0.02, 1.0))
-    assert "cannot be checked" in disagreements(still)[0]
-    with pytest.raises(InputError, match="no whole cycle"):
-        measure(still)
-
-
-def test_only_row_10_of_table_4_3_disagrees(campaign_folder):
-    said = {record.name: disagreements(record) for record in read_campaign(campaign_folder, role=None)}
-    assert {name for name, sentences in said.items() if sentences} == {"ensaio10.2.2"}
-    frequency, peak_to_peak = said["ensaio10.2.2"]
-    assert "labelled 0.8474 Hz, measures 0.675" in frequency
-    assert "labelled 22.41 mm peak to peak, measures 16.2" in peak_to_peak
-
-
-def test_row_10_measures_0_675_hz_and_16_3_mm(campaign_folder):
+def test_row_10_measures_0_675_hz_and_16_3_mm(campaign_folder, published_fits):
     (row,) = [r for r in campaign_rows(campaign_folder) if (r.table, r.row) == ("4.3", 10)]
-    (record,) = [r for r in read_campaign(campaign_folder) if r.name + ".mat" == row.file_name]
+    (record,) = [r for r in published_fits if r.name + ".mat" == row.file_name]
     measurement = measure(record)
     assert measurement.frequency_hz == pytest.approx(0.675, abs=2e-3)
     assert measurement.peak_to_peak_m == pytest.approx(0.0163, abs=1e-4)
 
 
-def test_the_real_motion_is_a_distorted_sine_of_29_to_76_mm_per_s(campaign_folder):
-    measurements = [measure(record) for record in read_campaign(campaign_folder)]
+def test_the_real_motion_is_a_distorted_sine_of_29_to_76_mm_per_s(published_fits):
+    measurements = [measure(record) for record in published_fits]
     assert 0.028 < min(m.peak_speed for m in measurements) < 0.030
     assert 0.072 < max(m.peak_speed for m in measurements) < 0.077
     assert min(m.harmonics[3] for m in measurements) > 0.022
@@ -95,3 +61,16 @@ def test_the_frequency_of_one_whole_cycle_between_ramps_is_one_over_its_duration
     x = 0.008 * envelope * np.sin(2 * np.pi * t + phase) + 2e-6 * np.random.default_rng(3).standard_normal(t.size)
     measured = measure(Record(t, x, np.gradient(x, t)))
     assert measured.frequency_hz == pytest.approx(1.0, rel=0.02)
+
+
+def test_distortion_and_error_of_the_amplitude_of_a_record() -> None:
+    time = np.arange(0, 10.0, 0.001)
+    phase = 2 * np.pi * 0.84 * time
+    x = 0.0081 * (np.sin(phase) + 0.03 * np.sin(3 * phase + 1) + 0.04 * np.sin(5 * phase))
+    record = records.Record(
+        time=time, displacement=x, force=np.cos(phase), voltage=0.0, name="a", label=Label(0.016, 0.84)
+    )
+    assert records.total_harmonic_distortion(record) == pytest.approx(0.05, rel=1e-6)
+    assert records.amplitude_error(record) == pytest.approx(0.0125, rel=1e-6)
+    with pytest.raises(InputError, match="no label that says its peak to peak"):
+        records.amplitude_error(records.Record(time=time, displacement=x, force=np.cos(phase), voltage=0.0, name="a"))

@@ -1,14 +1,10 @@
 """Which motions repeat themselves, and what is told of those that do not; forces written side by side."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from dampyr.errors import FileError
-from dampyr.records import Record, overview, read_campaign
-from dampyr.records.checks.label_checks import creates_energy, disagreements
-from dampyr.records.files.comparison import write_comparison
+from dampyr.records import Record, overview
+from dampyr.records.checks.label_checks import creates_energy
 
 
 def chirp(sign: float = 1.0) -> Record:
@@ -25,8 +21,8 @@ def test_a_sine_repeats_itself(make_sine) -> None:
     assert seen.rms_speed == pytest.approx(0.010 * 2 * np.pi * 0.9 * np.sqrt((1 + 0.09) / 2), rel=0.03)
 
 
-def test_the_campaign_repeats_itself(campaign_folder) -> None:
-    assert all(overview(record).repeats for record in read_campaign(campaign_folder, role=None))
+def test_the_campaign_repeats_itself(published: list[Record]) -> None:
+    assert all(overview(record).repeats for record in published)
 
 
 def test_a_motion_of_many_frequencies_does_not() -> None:
@@ -47,32 +43,3 @@ def test_a_sweep_does_not_and_its_work_tells_the_sign() -> None:
     )
     assert not creates_energy(chirp())
     assert creates_energy(chirp(-1.0))
-
-
-def test_half_a_cycle_with_an_inverted_force_is_flagged() -> None:
-    t = 0.01 * np.arange(100)
-    x = 0.01 * np.sin(3.0 * t)
-    record = Record(t, x, -500.0 * np.gradient(x, t), name="half")
-    assert "half: its loops create energy" in disagreements(record)[0]
-    assert disagreements(record.replace(note="turned", force=-record.force)) == []
-
-
-def test_forces_side_by_side(tmp_path: Path) -> None:
-    record = chirp()
-    path = write_comparison(record, 0.5 * record.force, tmp_path / "a.csv", offset=3.0)
-    table = np.loadtxt(path, delimiter=",", skiprows=3)
-    np.testing.assert_allclose(table.T[:3], [record.time, record.displacement, record.force], rtol=1e-8)
-    np.testing.assert_allclose(table.T[3], 0.5 * record.force + 3.0, rtol=1e-8)
-    assert path.read_text().splitlines()[2] == "time [s],displacement [m],measured force [N],predicted force [N]"
-    write_comparison(record, record.force, path)
-    np.testing.assert_allclose(np.loadtxt(path, delimiter=",", skiprows=3)[:, 3], record.force, rtol=1e-8)
-    assert [each.name for each in tmp_path.iterdir()] == ["a.csv"]
-
-
-def test_a_file_of_somebody_else_is_not_replaced(tmp_path: Path) -> None:
-    (tmp_path / "a.csv").write_text("mine\n")
-    with pytest.raises(FileError, match="was not written by dampyr"):
-        write_comparison(chirp(), chirp().force, tmp_path / "a.csv")
-    assert (tmp_path / "a.csv").read_text() == "mine\n"
-    with pytest.raises(FileError, match="cannot be written"):
-        write_comparison(chirp(), chirp().force, tmp_path / "no" / "a.csv")

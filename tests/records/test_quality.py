@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from dampyr.records import Record, cycles, quality, read_campaign
-from dampyr.records.checks.channel_noise import quantum
-from dampyr.records.checks.quality import flat_levels, motion_start
+from dampyr.records import Record, cycles, quality
+from dampyr.records.checks.quality import motion_start
 
 
 def test_a_clean_record_has_no_notes(make_sine):
@@ -44,16 +43,8 @@ def test_a_saturated_force_is_reported(make_sine):
     assert "force" not in quality(record).saturated
 
 
-@pytest.mark.parametrize("step", [5e-6, 1e-3, 0.1873073])
-def test_the_quantum_of_rounded_values(step):
-    values = np.random.default_rng(4).normal(0, 40 * step, 2000)
-    assert quantum(np.round(values / step) * step) == pytest.approx(step, rel=1e-6)
-    assert quantum(values) is None
-    assert quantum(np.ones(100)) is None
-
-
-def test_the_real_quanta(campaign_folder):
-    for record in read_campaign(campaign_folder, role=None):
+def test_the_real_quanta(published):
+    for record in published:
         quality_report = quality(record)
         assert quality_report.quantum["displacement"] == pytest.approx(5e-6, rel=1e-6), record.name
         assert quality_report.quantum["force"] == pytest.approx(0.1873, rel=1e-3), record.name
@@ -78,9 +69,9 @@ def test_false_samples_are_told_with_their_time(make_sine):
     assert any(note.startswith("force has 2 false samples, it seems: at") for note in report.notes)
 
 
-def test_one_false_sample_in_each_real_record_is_seen(campaign_folder):
+def test_one_false_sample_in_each_real_record_is_seen(published):
     """And none where there is none: `test_the_real_records_are_clean` sees no note."""
-    for record in read_campaign(campaign_folder, role=None):
+    for record in published:
         force = np.array(record.force)
         force[record.n // 2] += 2.0 * np.ptp(force)
         times = quality(record.replace(note="spike", force=force)).spikes["force"]
@@ -106,8 +97,8 @@ def test_a_record_that_never_moves_starts_at_its_end():
     assert motion_start(Record(t, np.zeros(50), np.ones(50))) == t[-1]
 
 
-def test_the_real_records(campaign_folder):
-    start = {record.name: motion_start(record) for record in read_campaign(campaign_folder, role=None)}
+def test_the_real_records(published):
+    start = {record.name: motion_start(record) for record in published}
     assert all(0 <= value <= 4.0 for value in start.values())
     assert sum(value > 1.95 for value in start.values()) == 13
     at_once = {name for name, value in start.items() if value <= 0.15}
@@ -162,40 +153,3 @@ def test_fast_motions_have_no_leaps():
     selected = np.r_[0:600, 640 : t.size]
     x = 0.01 * np.sin(2 * np.pi * t)
     assert not quality(Record(t[selected], x[selected], x[selected])).leaps
-
-
-@pytest.mark.parametrize("step", [0.0, 0.2])
-@pytest.mark.parametrize("noise", [0.3, 1.0])
-def test_a_level_without_the_noise_of_its_channel_is_flat(step: float, noise: float) -> None:
-    """Clipped after the noise, at the quantile of a known share; before the noise it is a plateau as friction gives."""
-    t = np.arange(20_000) / 1000.0
-    draw, wave = noise * np.random.default_rng(4).standard_normal(t.size), 300.0 * np.sin(2 * np.pi * 0.83 * t)
-
-    def read(values: np.ndarray) -> np.ndarray:
-        return np.round(values / step) * step if step else values
-
-    assert flat_levels(read(wave + draw), slice(None), step) == []
-    assert flat_levels(read(np.clip(wave, -200.0, 200.0) + draw), slice(None), step) == []
-    levels = flat_levels(read(np.clip(wave + draw, -1e3, 200.0)), slice(None), step)
-    assert [level for level, _ in levels] == pytest.approx([200.0], abs=0.5)
-    share = 0.5 - np.arcsin(200.0 / 300.0) / np.pi  # of a sine that is above two thirds of its peak
-    assert np.mean(levels[0][1]) == pytest.approx(share, abs=0.01)
-
-
-def test_a_channel_without_noise_has_no_flat_level() -> None:
-    """Nothing tells its flat tops from friction; and a range of 1e12 steps takes no memory."""
-    t = np.arange(5000) / 1000.0
-    assert flat_levels(np.clip(np.sin(6.0 * t), -0.5, 0.5), slice(None), 0.0) == []
-    wide = 1e9 * np.sin(6.0 * t) + 1e-3 * np.random.default_rng(1).standard_normal(t.size)
-    assert flat_levels(wide, slice(None), 1e-3) == []
-
-
-@pytest.mark.parametrize("noise", [0.0, 0.02, 0.1, 0.3])
-@pytest.mark.parametrize("step", [0.0, 0.2])
-def test_friction_is_no_flat_level_whatever_its_noise(noise: float, step: float) -> None:
-    """Constant over the stroke but for what turns it round, also where the converter's steps hide the noise."""
-    t = np.arange(20_000) / 1000.0
-    draw = noise * np.random.default_rng(2).standard_normal(t.size)
-    for knee in (1e-3, 0.1):
-        force = 80.0 * np.tanh(np.cos(2 * np.pi * 0.3 * t) / knee) + draw
-        assert flat_levels(np.round(force / step) * step if step else force, slice(None), step) == []

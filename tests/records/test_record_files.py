@@ -5,7 +5,7 @@ import pytest
 
 from dampyr import registry
 from dampyr.errors import FileError, InputError, MissingData
-from dampyr.records import ReadOptions, read, with_velocity, write
+from dampyr.records import read, with_velocity, write
 from dampyr.records.files.record_files import REGISTRY
 
 
@@ -33,13 +33,6 @@ def test_a_file_that_is_not_there(tmp_path):
         read(tmp_path / "no.mat")
 
 
-@pytest.mark.parametrize("argument", ["units", "columns"])
-def test_a_word_that_is_no_channel(tmp_path, argument):
-    (tmp_path / "a.csv").write_text("t [s],x [m],f [N]\n0,0,0\n")
-    with pytest.raises(InputError, match=rf"{argument} names 'stroke', which is not a channel; choose from time, "):
-        read(tmp_path / "a.csv", **{argument: {"stroke": "mm"}})
-
-
 def test_input_in_the_file_and_in_the_call(tmp_path, make_sine):
     path = write(make_sine(voltage=1.98), tmp_path / "a.h5")
     assert read(path, voltage=1.98).voltage == 1.98
@@ -64,14 +57,6 @@ def test_what_is_written_is_read_back(tmp_path, make_sine, suffix):
     assert back.voltage == 1.98
 
 
-def test_a_csv_keeps_every_bit_and_a_varying_input(tmp_path, make_sine):
-    record = make_sine()
-    record = record.replace(note="a varying input", current=np.linspace(0.1, 0.7, record.n), voltage=None)
-    back = read(write(record, tmp_path / "a.csv"))
-    assert np.array_equal(back.force, record.force)
-    assert np.array_equal(back.current, record.current)
-
-
 def test_the_campaigns_format_says_what_it_cannot_hold(tmp_path, make_sine):
     record = make_sine()
     with pytest.raises(FileError, match="needs a velocity"):
@@ -91,31 +76,3 @@ def test_every_broken_file_is_one_line_naming_it(tmp_path):
             assert str(caught.value).startswith(str(tmp_path / name))
             assert "\n" not in str(caught.value)
             assert ";" in str(caught.value)  # what is wrong; how to repair it
-
-
-def test_what_is_said_comes_as_one_object_or_by_name(tmp_path, make_sine):
-    path = write(make_sine(), tmp_path / "a.csv")
-    options = ReadOptions(voltage="1980 mV", specimen=" no. 7 ", smoothed=0.05, lowpass="40")
-    assert (options.voltage, options.specimen, str(options.smoothed), options.lowpass) == (
-        1.98,
-        "no. 7",
-        "0.05 s",
-        40.0,
-    )
-    record = read(path, ReadOptions(voltage="1980 mV", specimen="no. 7"), voltage=0.5)
-    assert (record.voltage, record.specimen) == (0.5, "no. 7")
-    wrong = {
-        "volt": (1.0, r"read\(..., volt=\) is not known; did you mean 'voltage'"),
-        "dt": (-1.0, "dt = -1 s is not allowed; it must be greater than 0"),
-        "header": (-1, "header = -1 is not allowed; it must be at least 0"),
-        "variable": (" ", "variable = ' ' is not a name"),
-        "columns": ({"force": 1.5}, r"columns\['force'\] = 1.5 must be a text or a whole number"),
-        "specimen": ("", "specimen = '' is not a name"),
-    }
-    for name, (value, words) in wrong.items():
-        with pytest.raises(InputError, match=words):
-            read(path, **{name: value})
-    with pytest.raises(
-        InputError, match=r"read: options are of the type float; give ReadOptions, or keyword arguments"
-    ):
-        read(path, 1.98)

@@ -207,7 +207,7 @@ def check(acknowledged: int, path: Path) -> None:
     np.testing.assert_array_equal(record.force, 100.0 * np.cos(np.arange(record.n)))
 
 
-@pytest.mark.parametrize("after", [0.05, 0.2])
+@pytest.mark.parametrize("after", [pytest.param(0.05, marks=pytest.mark.prove), 0.2])
 def test_a_killed_writer_leaves_every_acknowledged_sample(tmp_path: Path, after: float) -> None:
     check(*killed(tmp_path, after))
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dampyr.errors import FileError, InputError
+from dampyr.errors import FileError
 from dampyr.records import read, write
 
 ROWS = [(0.01 * k, 2.5 * k, 10.0 * k - 20) for k in range(10)]
@@ -49,38 +49,6 @@ def test_commas_and_spaces_are_commas(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text("t [s], x [m], f [N]\n" + "\n".join(f"{k}, {k}, {k}" for k in range(9)))
     assert read(path).force[2] == 2.0
-
-
-def test_units_and_columns_declared(tmp_path):
-    path = tmp_path / "plain.txt"
-    path.write_text(lines(" "))
-    declared = {"time": "s", "displacement": "mm", "force": "N"}
-    record = read(path, columns={"time": 0, "displacement": 1, "force": 2}, units=declared)
-    assert record.displacement[3] == pytest.approx(7.5e-3)
-    path = tmp_path / "named.csv"
-    path.write_text("clock,LVDT,cell\n" + lines(","))
-    record = read(path, columns={"time": "clock", "displacement": "lvdt", "force": "cell"}, units=declared)
-    assert record.force[0] == -20.0
-
-
-def test_all_channels(tmp_path):
-    head = "time [s],displacement [mm],velocity [mm/s],force [lbf],voltage [mV],temperature [°F]\n"
-    path = tmp_path / "all.csv"
-    path.write_text(head + "\n".join(f"{k / 100},{k},{k},1,{1980},212" for k in range(9)))
-    record = read(path)
-    assert record.velocity[2] == pytest.approx(2e-3)
-    assert record.force[0] == pytest.approx(4.4482216)
-    assert record.voltage == pytest.approx(1.98)
-    assert isinstance(record.voltage, float)
-    assert record.temperature[0] == pytest.approx(100.0)
-
-
-def test_a_voltage_that_changes_is_a_channel(tmp_path):
-    path = tmp_path / "steps.csv"
-    path.write_text("t [s],x [m],f [N],u [V]\n" + "\n".join(f"{k / 100},{k},{k},{k // 5}" for k in range(10)))
-    record = read(path)
-    assert np.array_equal(record.voltage, [0.0] * 5 + [1.0] * 5)
-    assert record.input_value == pytest.approx(0.5)
 
 
 HEAD = "time [s],displacement [mm],force [N]\n"
@@ -160,13 +128,6 @@ def test_units_in_a_line_of_their_own(tmp_path):
     assert record.force[3] == pytest.approx(6e3)
 
 
-def test_all_columns_without_a_unit_are_named_at_once(tmp_path):
-    path = tmp_path / "a.txt"
-    path.write_text("Time\tDisp\tForce [N]\n" + "\n".join(f"{k}\t{k}\t{k}" for k in range(9)))
-    with pytest.raises(FileError, match=r"the columns 'Time', 'Disp' have no unit; .*--unit time=s"):
-        read(path)
-
-
 NAMES = "Time;Displacement (mm);Force (N)\n"
 
 
@@ -229,39 +190,6 @@ def test_time_stamps_that_cannot_be(tmp_path, times, message):
         read(tmp_path / "a.csv")
 
 
-def test_an_interval_in_the_place_of_a_coarse_clock(tmp_path):
-    path = tmp_path / "a.csv"
-    path.write_text(NAMES + stamped(["10:00:00"] * 10))
-    assert read(path, columns={"time": "-"}, dt="5 ms").time == pytest.approx(0.005 * np.arange(10))
-    with pytest.raises(
-        FileError, match=r"dt = 0.005 s was given, but the column 'Time' is the time; leave one of them out"
-    ):
-        read(path, dt=0.005)
-    with pytest.raises(FileError, match=r"the column of the force holds '10:00:00', which is not a number"):
-        read(path, columns={"force": 0, "time": None}, dt=0.005)
-
-
-def test_a_column_by_its_full_header(tmp_path):
-    path = tmp_path / "a.csv"
-    head = "time [s],Displacement (V),Displacement (mm),force [N]\n"
-    path.write_text(head + "\n".join(f"{t},{x / 4},{x},{f}" for t, x, f in ROWS))
-    for said in ("Displacement (mm)", "displacement [MM]", 2, "2"):
-        assert read(path, columns={"displacement": said}).displacement == pytest.approx([1e-3 * row[1] for row in ROWS])
-    with pytest.raises(
-        FileError, match=r"columns Displacement \[V\] and Displacement \[mm\] could all be the displacement"
-    ):
-        read(path)
-    both = r"2 columns are called 'Displacement' \('Displacement \[V\]' is number 1 and 'Displacement \[mm\]' is number 2\)"
-    with pytest.raises(FileError, match=both):
-        read(path, columns={"displacement": "Displacement"})
-    with pytest.raises(
-        FileError, match=r"there is no column 'Displacement \(in\)'; choose from time \[s\], Displacement \[V\], "
-    ):
-        read(path, columns={"displacement": "Displacement (in)"})
-    with pytest.raises(FileError, match=r"the column 0 is declared as the time and as the force; name two columns"):
-        read(path, columns={"displacement": 2, "time": 0, "force": 0})
-
-
 def test_a_file_without_header_after_lines_of_text(tmp_path):
     said = {
         "columns": {"time": 0, "displacement": 1, "force": 2},
@@ -304,26 +232,6 @@ def test_a_testing_machine_writes_units_below_the_names(tmp_path, unit):
     )
     assert record.force == pytest.approx([row[2] for row in ROWS])
     assert record.temperature == pytest.approx(np.full(10, 21.5))
-
-
-@pytest.mark.parametrize(("unit", "value"), [("degF", 68.0), ("K", 293.15), ("C", 20.0), ("deg F", 68.0), ("°C", 20.0)])
-def test_a_temperature_in_its_units(tmp_path, unit, value):
-    path = tmp_path / "a.csv"
-    path.write_text(f"t [s],x [mm],f [N],temp [{unit}]\n" + "\n".join(f"{t},{x},{f},{value}" for t, x, f in ROWS))
-    assert read(path).temperature == pytest.approx(np.full(10, 20.0))
-    path.write_text("t [s],x [mm],f [N],temp\n" + "\n".join(f"{t},{x},{f},{value}" for t, x, f in ROWS))
-    assert read(path, units={"temperature": unit}).temperature == pytest.approx(np.full(10, 20.0))
-
-
-def test_the_sign_of_the_force_is_turned_where_it_is_declared(tmp_path):
-    path = tmp_path / "a.csv"
-    path.write_text(HEAD + lines(","))
-    plain, turned = read(path), read(path, force_sign=-1)
-    assert np.array_equal(turned.force, -plain.force)
-    assert turned.history[-1] == "force turned, as its sign was declared"
-    assert np.array_equal(read(path, force_sign=1).force, plain.force)
-    with pytest.raises(InputError, match=r"force_sign = -2 is not allowed; it must be -1, which turns the force, or 1"):
-        read(path, force_sign=-2)
 
 
 def test_session_and_specimen_go_through_comments(tmp_path):
@@ -385,27 +293,3 @@ def test_numbers_are_the_same_whichever_way_they_are_read(tmp_path, text):
     path.write_text("\n".join(lines))
     with pytest.raises(FileError, match=r"line 9: '2x5' is not a number"):
         read(path, header=0, **said)
-
-
-def test_an_empty_cell_is_wrong_only_where_a_channel_has_it(tmp_path):
-    path = tmp_path / "a.csv"
-    rows = [f"{t},{x},{'3000' if k == 0 else ''},{f}" for k, (t, x, f) in enumerate(ROWS)]
-    path.write_text("time [s],displacement [mm],fs [Hz],force [N]\n" + "\n".join(rows))
-    assert read(path).force == pytest.approx([row[2] for row in ROWS])
-    rows[4] = rows[4].replace(",10.0,", ",,")
-    path.write_text("time [s],displacement [mm],fs [Hz],force [N]\n" + "\n".join(rows))
-    with pytest.raises(FileError, match=r"line 6: the cell of the displacement is empty; repair or cut out the line"):
-        read(path)
-
-
-def test_every_channel_that_no_column_is_stands_in_one_message(tmp_path):
-    path = tmp_path / "a.csv"
-    path.write_text("Zeit [s];Weg [mm];Kraft [kN]\n" + lines(";", ","))
-    words = r"no column is the time, the displacement or the force \(there: Zeit, Weg, Kraft\); declare which, "
-    options = r"--column time=NAME --column displacement=NAME --column force=NAME or columns=.*--dt 0.001"
-    with pytest.raises(FileError, match=words + options):
-        read(path)
-    with pytest.raises(
-        FileError, match=r"no column is the displacement or the force .*, --column displacement=NAME --c"
-    ):
-        read(path, columns={"time": "Zeit"})

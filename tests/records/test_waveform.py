@@ -1,13 +1,11 @@
 """Sines, sweeps and earthquakes told apart."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import el_centro
-from dampyr.records import Record, read_campaign
+from dampyr.records import Record
 from dampyr.records.cycle_analysis.waveform import waveform
 
 
@@ -35,8 +33,8 @@ def test_an_earthquake_is_random() -> None:
     assert waveform(record(motion.time, smooth)) == "random"
 
 
-def test_the_campaign_is_made_of_sines(campaign_folder: Path) -> None:
-    assert {waveform(r) for r in read_campaign(campaign_folder)} == {"sine"}
+def test_the_campaign_is_made_of_sines(published_fits: list[Record]) -> None:
+    assert {waveform(r) for r in published_fits} == {"sine"}
 
 
 def test_a_record_is_cut_and_thinned_by_name() -> None:

@@ -375,7 +375,7 @@ CHECKED = {
     "checks": [
         "tests/test_registry.py", "tests/test_names.py", "tests/test_layers.py", "tests/test_docs.py",
         "tests/structures/test_control_laws.py", "tests/records/test_record_files.py",
-        "tests/records/test_campaign_folder.py", "tests/campaigns/test_plan.py", "tests/export/kinds/test_c.py",
+        "tests/records/test_campaign_folder.py", "tests/campaigns/test_planned_tests.py", "tests/export/kinds/test_c.py",
         "-m", "not prove",
         "-k", "not violation and not offence and not has_its_reader_do and not python_in and not fits_as_they "
         "and not building_as and not c_of_the and not how_to_is",

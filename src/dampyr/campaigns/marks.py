@@ -24,6 +24,7 @@ from dampyr.rig.thermal_model import COLD, COPPER
 from dampyr.rig.uncertainty_budget import Evidence
 
 PIECE = 2**17  # samples that are looked at at a time: two minutes at 1 kHz
+CHUNK = 64  # samples that are looked at together first, where a stretch is followed to its end
 WINDOW = 0.02  # s in which a reading is looked at: 20 samples at 1 kHz, which the noise of a live cell leaves
 ABRUPT = 0.05  # s about a reversal or a change of the voltage, within which the force may leap
 AT_REST = 5.0e-5  # m: ten counts of the encoder; the force of a table at rest does not leap
@@ -158,8 +159,14 @@ def _find_standing(measured: MeasuredTest) -> list[slice]:
 
 def _extend_stretch(volts: Array, at: int, level: float, way: int, spread: float) -> int:
     """The last sample from ``at`` on, forwards or backwards, that is still at ``level``."""
-    while 0 <= at + way < len(volts) and abs(volts[at + way] - level) <= spread:
-        at += way
+    length = CHUNK
+    while 0 <= at + way < len(volts):
+        ahead = volts[at + 1 : at + 1 + length] if way > 0 else volts[max(0, at - length) : at][::-1]
+        leaves = np.flatnonzero(~(np.abs(ahead - level) <= spread))
+        if leaves.size:
+            return at + way * int(leaves[0])
+        at += way * len(ahead)
+        length *= 2
     return at
 
 

@@ -6,10 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.campaigns.learned_sine import campaign, sine
 
 from dampyr import campaigns
 from dampyr.campaigns import available_steps, perform, plan
 from dampyr.campaigns.kinds import kind
+from dampyr.campaigns.learning import (
+    TRIES,
+)
 from dampyr.campaigns.planned_tests import WAYS
 from dampyr.errors import FileError, InputError, MissingData
 from dampyr.rig import RigSettings, simulated
@@ -155,3 +159,28 @@ def test_the_card_of_a_rig_lies_beside_it(tmp_path):
     (tmp_path / "card.toml").unlink()
     with pytest.raises((MissingData, FileError), match=r"card\.toml"):
         plan(EXAMPLES / "quick_campaign.toml", tmp_path / "rig.toml")
+
+
+def test_a_plan_counts_the_tries_as_at_most_five() -> None:
+    without, learning = plan(campaign(sine(learn=False))), plan(campaign(sine()))
+    assert learning.duration == pytest.approx((TRIES + 1) * without.duration + TRIES * 0.2)
+    assert "its drive is learned first, in at most 5 tries" in learning.tests[0].notes
+
+
+def test_a_sweep_is_lowered_to_what_the_rig_can_do_where_it_asks_for_it() -> None:
+    sweep = {
+        "kind": "sweep",
+        "amplitude": "8 mm",
+        "start": "0.5 Hz",
+        "stop": "3 Hz",
+        "duration": "10 s",
+        "voltage": "1.98 V",
+    }
+    refused = plan(campaign(sweep)).tests[0]
+    assert "lower the amplitude to" in refused.refusal
+    [test] = plan(campaign(sweep | {"fit_limits": True})).tests
+    assert not test.refusal
+    assert test.fitted.startswith(
+        f"amplitude lowered to {1e3 * test.step.amplitude:g} mm instead of 8 mm: at 8 mm it needs"
+    )
+    assert f"lower the amplitude to {1e3 * test.step.amplitude:g} mm" in refused.refusal

@@ -12,18 +12,19 @@ import sys
 import textwrap
 import time
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
-from datetime import datetime
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
+from tests.campaigns.quick_rig import quick_rig
 from tests.endurance import Endurance
 
 from dampyr import campaigns, records
 from dampyr.campaigns import RunControl, Stopped, perform, read_journal
-from dampyr.campaigns.record_test import groups_of
 from dampyr.campaigns.run_control import Progress
+from dampyr.cli import cli
 from dampyr.errors import DampyrWarning, FileError, InputError, RigFault
 from dampyr.records.files.recording import Recording
 from dampyr.records.formats import h5
@@ -56,12 +57,26 @@ def two(tmp_path: Path) -> Path:
     return path
 
 
-def rig(*faults: str) -> Rig:
-    return simulated(faults=faults)
+@dataclass
+class Performed:
+    """A campaign performed on the simulated rig as it is, and what it told meanwhile."""
+
+    campaign: Path
+    folder: Path
+    reports: list[Progress] = field(default_factory=list)
 
 
-def test_each_test_is_a_file_that_says_everything(two: Path, tmp_path: Path) -> None:
-    folder = perform(two, rig(), tmp_path / "out").folder
+@pytest.fixture(scope="module")
+def performed(tmp_path_factory: pytest.TempPathFactory) -> Performed:
+    place = tmp_path_factory.mktemp("performed")
+    (place / "two.toml").write_text(TWO, encoding="utf-8")
+    done = Performed(place / "two.toml", place / "out")
+    perform(done.campaign, simulated(), done.folder, done.reports.append)
+    return done
+
+
+def test_each_test_is_a_file_that_says_everything(performed: Performed) -> None:
+    folder = performed.folder
     recorded = records.read_campaign(folder)
     assert [record.name for record in recorded] == ["01-sine-5mm-1Hz-0V", "02-sine-5mm-1Hz-1.5V"]
     first, second = recorded
@@ -89,27 +104,25 @@ def test_each_test_is_a_file_that_says_everything(two: Path, tmp_path: Path) -> 
     ]  # fmt: skip
 
 
-def test_the_same_seed_gives_the_same_bits(two: Path, tmp_path: Path) -> None:
-    both = [perform(two, rig(), tmp_path / name) for name in ("a", "b")]
+def test_the_same_seed_gives_the_same_bits(performed: Performed, tmp_path: Path) -> None:
+    both = [records.read_campaign(performed.folder), perform(performed.campaign, simulated(), tmp_path / "again")]
     for one, other in zip(*both, strict=True):
         np.testing.assert_array_equal(one.force, other.force)
 
 
-def test_progress_is_told_with_every_block(two: Path, tmp_path: Path) -> None:
-    reports: list[Progress] = []
-    perform(two, rig(), tmp_path / "out", reports.append)
-    testing = [each for each in reports if each.phase == "testing"]
-    assert {each.done for each in testing} == {0, 1}
+def test_progress_is_told_with_every_block(performed: Performed) -> None:
+    testing = [report for report in performed.reports if report.phase == "testing"]
+    assert {report.done for report in testing} == {0, 1}
     assert testing[-1].fraction == pytest.approx(1.0, abs=0.02)
     assert testing[-1].cycles == pytest.approx(testing[-1].planned_cycles, abs=0.5)
-    assert np.all(np.diff([each.time_left for each in testing]) <= 1e-9)
-    assert max(abs(each.force) for each in testing) > 100.0
-    assert max(each.stroke for each in testing) == pytest.approx(0.010, rel=0.05)
+    assert np.all(np.diff([report.time_left for report in testing]) <= 1e-9)
+    assert max(abs(report.force) for report in testing) > 100.0
+    assert max(report.stroke for report in testing) == pytest.approx(0.010, rel=0.05)
 
 
 def test_what_the_rig_cannot_do_is_refused_before_anything_is_written(tmp_path: Path) -> None:
     settings = {"step": [{"kind": "sine", "amplitude": "30 mm", "frequency": "1 Hz"}]}
-    opened = rig()
+    opened = quick_rig()
     with pytest.raises(InputError, match="lower the amplitude to"):
         perform(campaigns.campaign_of(settings), opened, tmp_path / "out")
     assert not (tmp_path / "out").exists()
@@ -119,27 +132,26 @@ def test_what_the_rig_cannot_do_is_refused_before_anything_is_written(tmp_path: 
 def test_a_fault_ends_the_test_and_the_next_run_goes_on_with_it(two: Path, tmp_path: Path) -> None:
     folder = tmp_path / "out"
     with pytest.raises(RigFault, match="is the motor blocked"):
-        perform(two, rig("stalled-motor@22s"), folder)
+        perform(two, quick_rig("stalled-motor@22s"), folder)
     tests, _ = read_journal(folder)
     assert [test.state for test in tests] == ["complete", "failed"]
     record = records.read(folder / "02-sine-5mm-1Hz-1.5V.h5")
     assert (record.provenance["exit_status"], record.provenance["ring"]) == ("failed", "firmware")
     assert "is the motor blocked" in record.provenance["reason"]
     assert len(records.read_campaign(folder)) == 1
-    perform(two, rig(), folder)
+    perform(two, quick_rig(), folder)
     assert [test.attempt for test in read_journal(folder)[0]] == [1, 2]
     assert (folder / "02-sine-5mm-1Hz-1.5V.try2.h5").is_file()
     assert len(records.read_campaign(folder)) == 2
-    again = rig()
+    again = quick_rig()
     perform(two, again, folder)  # nothing is left
     assert again.board.simulator.time == 0.0
 
 
-def test_another_campaign_in_the_folder_is_refused(two: Path, tmp_path: Path) -> None:
-    perform(two, rig(), tmp_path / "out")
+def test_another_campaign_in_the_folder_is_refused(performed: Performed, two: Path) -> None:
     two.write_text(TWO.replace("5 mm", "6 mm"), encoding="utf-8")
     with pytest.raises(InputError, match="holds the campaign 'two', and this one differs"):
-        perform(two, rig(), tmp_path / "out")
+        perform(two, simulated(), performed.folder)
 
 
 def pressing(control: RunControl, button: str, at: int) -> object:
@@ -156,7 +168,7 @@ def pressing(control: RunControl, button: str, at: int) -> object:
 
 def test_stop_ends_in_order(two: Path, tmp_path: Path) -> None:
     control = RunControl()
-    opened = rig()
+    opened = simulated()
     with pytest.raises(Stopped, match="run it again to go on"):
         perform(two, opened, tmp_path / "out", pressing(control, "stop", 30), control)
     record = records.read(tmp_path / "out/01-sine-5mm-1Hz-0V.h5")
@@ -168,7 +180,7 @@ def test_stop_ends_in_order(two: Path, tmp_path: Path) -> None:
 def test_abort_acts_at_once(two: Path, tmp_path: Path) -> None:
     control = RunControl()
     with pytest.raises((RigFault, Stopped)):
-        perform(two, rig(), tmp_path / "out", pressing(control, "abort", 30), control)
+        perform(two, simulated(), tmp_path / "out", pressing(control, "abort", 30), control)
     assert read_journal(tmp_path / "out")[0][0].state == "stopped"
 
 
@@ -183,13 +195,13 @@ def test_pause_waits_between_tests(two: Path, tmp_path: Path) -> None:
         if paused == 5:
             control.resume()
 
-    perform(two, rig(), tmp_path / "out", show, control)
+    perform(two, quick_rig(), tmp_path / "out", show, control)
     assert paused >= 5
     assert [e.what for e in read_journal(tmp_path / "out")[1]].count("resumed") == 1
 
 
 def test_a_full_disk_ends_the_test_cleanly(two: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    opened, append, count = rig(), Recording.append, 0
+    opened, append, count = simulated(), Recording.append, 0
 
     def full(self: Recording, values: object) -> int:
         nonlocal count
@@ -218,7 +230,7 @@ def test_room_is_reserved_before_anything_moves(
     def refused(*_: object) -> None:
         raise OSError(number, os.strerror(number))
 
-    opened = rig()
+    opened = quick_rig()
     monkeypatch.setattr(os, "posix_fallocate", refused)
     with pytest.raises(FileError, match=r"01-sine-5mm-1Hz-0V cannot be recorded: .*: \d+ bytes are needed"):
         perform(two, opened, tmp_path / "out")
@@ -235,7 +247,7 @@ def test_a_test_that_never_began_leaves_no_file(two: Path, tmp_path: Path, monke
 
     monkeypatch.setattr(ArmedRig, "go", stuck)
     with pytest.raises(RigFault, match="the table stands"):
-        perform(two, rig(), tmp_path / "out")
+        perform(two, quick_rig(), tmp_path / "out")
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"journal.sqlite"}
 
 
@@ -359,7 +371,7 @@ def test_wherever_room_runs_out_a_campaign_ends_in_order(way: str, reserved: str
 
 
 def test_a_cell_wired_backwards_is_seen_before_the_first_test(two: Path, tmp_path: Path) -> None:
-    opened = rig()
+    opened = quick_rig()
     assert opened.calibration is not None
     opened.calibration = replace(opened.calibration, scale=-613.0)
     with pytest.raises(RigFault, match="is the force's sign inverted"):
@@ -447,7 +459,7 @@ def test_a_killed_host_leaves_a_rig_at_rest_and_its_samples(two: Path, tmp_path:
     assert not ended
     check_saved(tmp_path / "out", acknowledged)
     check_rest(box)
-    perform(two, rig(), tmp_path / "out")
+    perform(two, simulated(), tmp_path / "out")
     assert [test.state for test in read_journal(tmp_path / "out")[0]] == ["complete"] * 2
     assert any("interrupted" in event.detail for event in read_journal(tmp_path / "out")[1])
 
@@ -549,11 +561,11 @@ def test_kills_over_the_wires(two: Path, tmp_path: Path, endurance: Endurance) -
     )
 
 
-@pytest.mark.parametrize("new", [False, True])
+@pytest.mark.parametrize("new", [pytest.param(False, marks=pytest.mark.prove), True])
 def test_counts_that_were_lost_since_the_last_campaign_are_seen_before_the_next(
     two: Path, tmp_path: Path, new: bool
 ) -> None:
-    first = rig()
+    first = quick_rig()
     simulator = first.board.simulator
     perform(two, first, tmp_path / "a")
     simulator.faults = (FaultSpec("slipped-encoder", simulator.time, amount=-0.0017),)
@@ -576,40 +588,6 @@ def test_the_settings_are_those_of_the_rig_file(two: Path, tmp_path: Path) -> No
     assert RigSettings().board.rate == 1000.0
 
 
-def test_a_record_says_its_session_and_its_specimen(two: Path, tmp_path: Path) -> None:
-    """Where nothing is said: the day of the run, and the data sheet; what is said goes before it."""
-    days = {datetime.now().astimezone().date().isoformat()}
-    first, second = perform(two, rig(), tmp_path / "a")
-    days.add(datetime.now().astimezone().date().isoformat())  # the run may have begun before midnight
-    assert first.specimen == second.specimen == "RD-8041-1"
-    assert first.measurement_session == second.measurement_session
-    assert first.measurement_session in {f"{day} RD-8041-1" for day in days}
-    two.write_text('measurement_session = " third mounting "\nspecimen = "no. 7"\n' + TWO, encoding="utf-8")
-    for record in perform(two, rig(), tmp_path / "b"):
-        assert (record.measurement_session, record.specimen) == ("third mounting", "no. 7")
-
-
-@pytest.mark.parametrize(
-    ("specimen", "stated", "expected"),
-    [
-        ({}, {}, ("2026-03-01 RD-8041-1", "RD-8041-1")),
-        ({"card": "cards/number_7.toml"}, {}, ("2026-03-01 number_7", "number_7")),
-        ({"card": "number_7.toml", "name": "no. 7"}, {}, ("2026-03-01 no. 7", "no. 7")),
-        ({"name": "no. 7"}, {"specimen": "no. 8"}, ("2026-03-01 no. 8", "no. 8")),
-        ({"data_sheet": ""}, {}, ("2026-03-01", None)),
-        ({"name": "no. 7"}, {"measurement_session": "day 1"}, ("day 1", "no. 7")),
-    ],
-)
-def test_what_the_campaign_states_goes_before_what_the_rig_does(
-    two: Path, specimen: dict[str, str], stated: dict[str, str], expected: tuple[str, str | None]
-) -> None:
-    settings = replace(RigSettings(), specimen=replace(RigSettings().specimen, **specimen))
-    campaign = campaigns.read(two)
-    campaign = replace(campaign, header=replace(campaign.header, **stated))
-    groups = groups_of(settings, campaign, datetime(2026, 3, 1, 23, 59).astimezone())
-    assert (groups["measurement_session"], groups.get("specimen")) == expected
-
-
 def test_a_name_that_is_none_is_refused_before_anything_moves(two: Path, tmp_path: Path) -> None:
     two.write_text('specimen = "  "\n' + TWO, encoding="utf-8")
     with pytest.raises(FileError, match=r"two\.toml: specimen = '  ' is not a name; give one line of text"):
@@ -617,3 +595,43 @@ def test_a_name_that_is_none_is_refused_before_anything_moves(two: Path, tmp_pat
     (tmp_path / "rig.toml").write_text('[specimen]\nname = "a\\nb"\n', encoding="utf-8")
     with pytest.raises(FileError, match=r"rig\.toml: .*name = 'a\\nb' is not a name"):
         load_settings(tmp_path / "rig.toml")
+
+
+def test_what_was_scaled_is_in_the_record_the_journal_and_what_run_prints(tmp_path: Path) -> None:
+    text = """
+        name = "fitted"
+        rest_between = "0.2 s"
+        check_amplitude = 0
+        [[step]]
+        kind = "sweep"
+        amplitude = "8 mm"
+        start = "1 Hz"
+        stop = "3 Hz"
+        duration = "2 s"
+        rest_before = "0.2 s"
+        fit_limits = true
+        [[step]]
+        kind = "earthquake"
+        motion = "motion.csv"
+        rest_before = "0 s"
+    """
+    t = np.arange(0.0, 2.0, 0.02)  # 2 m/s^2 at 2 Hz: 160 mm/s, twice what the table can do
+    shaken = 2.0 * np.sin(0.5 * np.pi * t) ** 2 * np.sin(4 * np.pi * t)
+    rows = "".join(f"{at:.2f},{value:.6f}\n" for at, value in zip(t, shaken, strict=True))
+    (tmp_path / "motion.csv").write_text(f"time [s],acceleration [m/s^2]\n{rows}")
+    (tmp_path / "fitted.toml").write_text(text)
+    done = CliRunner().invoke(
+        cli,
+        ["run", str(tmp_path / "fitted.toml"), "--out", str(tmp_path / "out")],
+        env={"COLUMNS": "400"},
+    )
+    assert done.exit_code == 0
+    fitted = campaigns.plan(tmp_path / "fitted.toml").tests
+    flat = " ".join(done.stdout.split())
+    for test in fitted:
+        assert f"{test.name}: {test.fitted}" in flat
+        assert h5.provenance(tmp_path / "out" / f"{test.name}.h5")["fitted"] == test.fitted
+    assert [event.detail for event in read_journal(tmp_path / "out")[1] if event.what == "fitted"] == [
+        test.fitted for test in fitted
+    ]
+    assert fitted[1].fitted.startswith("scaled to 0.")
