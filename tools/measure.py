@@ -43,7 +43,7 @@ constants without a reason
     give no reason: 178 of 382 [200 of 382].
 modules with a test file
     Modules whose functions have five lines or more below their ``def`` lines, and how many of these have a file
-    ``test_<name>.py`` anywhere under ``tests/`` (without the leading underscore of a name); those without are listed.
+    ``test_<name>.py`` in the same folder under ``tests/`` (without the leading underscore of a name); those without are listed.
 walks
     A stop is a function of ours that the call enters, a return is going back into a file that was left. Counted so: the
     call is traced (``sys.setprofile``), and of the functions of ``src/dampyr`` that it enters each counts once, where it is
@@ -261,9 +261,10 @@ def repeated_names(modules: Sequence[Module]) -> dict[str, int]:
 
 def tested_modules(modules: Sequence[Module], tests: Path) -> dict[str, Any]:
     """How many modules with behaviour there are, how many have a test file of their name, and the others."""
-    files = {path.stem.removeprefix("test_") for path in tests.rglob("test_*.py")}
     behaving = [module for module in modules if not module.path.stem.startswith("__") and body_lines(module) >= 5]
-    without = [module.name for module in behaving if module.path.stem.lstrip("_") not in files]
+    folders = {module.name: tests.joinpath(*module.name.split(".")[1:-1]) for module in behaving}
+    names = {module.name: f"test_{module.path.stem.lstrip('_')}.py" for module in behaving}
+    without = [name for name, folder in folders.items() if not (folder / names[name]).is_file()]
     return {"of": len(behaving), "with": len(behaving) - len(without), "without": without}
 
 
