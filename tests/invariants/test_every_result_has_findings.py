@@ -38,7 +38,8 @@ def test_what_has_an_origin_has_findings_or_is_part_of_what_has() -> None:
         for module in pkgutil.walk_packages(folder.__path__, f"dampyr.{package}."):
             importlib.import_module(module.name)
     assert dampyr.__version__
-    with_origin = {kind for kind in subclasses(Shown) if has(kind, "origin")}
+    shown = {kind for kind in subclasses(Shown) if kind.__module__.startswith("dampyr.")}
+    with_origin = {kind for kind in shown if has(kind, "origin")}
     without = {kind.__name__ for kind in with_origin if not has(kind, "findings")}
     assert without == set(PARTS)
     assert {"Record", "Fit", "Damper", "Response", "EnsembleResult", "Planned"} <= {k.__name__ for k in with_origin}
