@@ -16,6 +16,7 @@ def check(root: Path) -> subprocess.CompletedProcess[str]:
     return run_file(TOOL, "--root", root)
 
 
+@pytest.mark.prove
 def test_this_checkout_has_no_notice_of_others() -> None:
     run = check(CHECKOUT)
     assert run.returncode == 0, run.stdout + run.stderr

@@ -528,6 +528,7 @@ def test_the_reference_of_the_record_file_is_what_is_written(tmp_path: Path) -> 
         assert place[1:] in paths
 
 
+@pytest.mark.prove
 def test_the_model_of_the_how_to_is_a_model(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from dampyr.identification import fit
     from dampyr.models import parts

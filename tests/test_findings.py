@@ -130,6 +130,7 @@ def test_the_command_says_each_once_below_its_table(card: Path) -> None:
     assert "quiet" not in text
 
 
+@pytest.mark.prove
 def test_a_hybrid_test_has_the_doubts_of_its_damper(card: Path) -> None:
     with pytest.warns(FindingWarning):
         result = delayed_result(two_storey(), el_centro(), Damper.load(card), 0.001)

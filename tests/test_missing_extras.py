@@ -117,6 +117,7 @@ def test_nothing_of_an_extra_is_loaded_with_dampyr(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize("more", [[], pytest.param(["--real-time"], marks=pytest.mark.prove)])
 def test_a_simulated_rig_needs_no_extra(folder: Path, tmp_path: Path, more: list[str]) -> None:
     """A campaign is performed where nothing of an extra can be imported, by the process that reads the rig either."""

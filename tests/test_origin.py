@@ -126,6 +126,7 @@ def test_a_file_whose_name_no_card_can_hold_is_refused_in_one_sentence(
         reader(path)
 
 
+@pytest.mark.prove
 def test_a_hybrid_test_without_a_rig_is_virtual_and_has_the_origin_of_its_card() -> None:
     result = delayed_result(two_storey(), el_centro().scaled(0.1), replace(DAHL, origin=ONE), 0.001)
     assert result.origin == replace(combined([ONE]), kind="virtual")

@@ -47,6 +47,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.prove
 def test_the_wheel_holds_every_file_of_the_package(built: Path) -> None:
     [wheel] = built.glob("*.whl")
     names = set(zipfile.ZipFile(wheel).namelist())
@@ -58,6 +59,7 @@ def test_the_wheel_holds_every_file_of_the_package(built: Path) -> None:
     assert "dampyr/py.typed" in names
 
 
+@pytest.mark.prove
 def test_the_sdist_builds_the_same_wheel(built: Path, tmp_path: Path) -> None:
     [sdist], [wheel] = built.glob("*.tar.gz"), built.glob("*.whl")
     with tarfile.open(sdist) as archive:
@@ -70,6 +72,7 @@ def test_the_sdist_builds_the_same_wheel(built: Path, tmp_path: Path) -> None:
     assert sorted(again.namelist()) == sorted(zipfile.ZipFile(wheel).namelist())
 
 
+@pytest.mark.prove
 def test_the_wheel_runs_from_a_folder_of_its_own(built: Path, tmp_path: Path) -> None:
     [wheel] = built.glob("*.whl")
     with zipfile.ZipFile(wheel) as archive:

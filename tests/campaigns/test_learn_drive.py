@@ -218,6 +218,7 @@ def test_an_error_that_rises_ends_learning_and_the_best_drive_is_played(
     assert float(about["learning_error"]) == pytest.approx(errors[0], rel=0.05)
 
 
+@pytest.mark.prove
 def test_there_are_five_tries_at_most(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(learn_drive, "next_set_points", with_gain(0.05))
     folder = perform(campaign(sine(amplitude="4 mm", frequency="2 Hz", cycles=1)), quick_rig(), tmp_path).folder

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import pytest
 from click.testing import CliRunner, Result
 
 from dampyr.cli import cli
@@ -12,6 +13,7 @@ def run(*args: str | Path) -> Result:
     return CliRunner().invoke(cli, ["export", *map(str, args)], catch_exceptions=False)
 
 
+@pytest.mark.prove
 def test_a_lag_is_left_out_by_name_for_c(tmp_path: Path) -> None:
     card = published.damper("spencer_1997").save(tmp_path / "card.toml")
     refused = run(card, "--to", "c", "--out", tmp_path)

@@ -140,6 +140,7 @@ def test_json_has_null_and_the_reason_where_there_is_no_interval(folder: Path) -
     }
 
 
+@pytest.mark.prove
 def test_of_every_record_by_itself_json_labels_the_errors(folder: Path) -> None:
     for output in json.loads(run(folder, "--model", "dahl", "--each", "--json").stdout):
         assert set(output["within_records_only"]) == set(output["parameters"])

@@ -45,6 +45,7 @@ def test_validate_and_export_take_a_name(tmp_path: Path) -> None:
     assert (tmp_path / "damper.c").is_file()
 
 
+@pytest.mark.prove
 def test_the_specimen_of_a_rig_takes_a_name(tmp_path: Path) -> None:
     (tmp_path / "rig.toml").write_text('[specimen]\ncard = "spencer_1997"\n', "utf-8")
     done = run("run", EXAMPLES / "quick_campaign.toml", "--dry-run", "--rig", tmp_path / "rig.toml")

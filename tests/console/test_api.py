@@ -49,6 +49,7 @@ def exercise(api, folder, examples, leave_out=""):
         one()
 
 
+@pytest.mark.prove
 def test_every_path_keeps_to_its_description(api, folder):
     exercise(api, folder, 2, leave_out="uploads")  # these are tried with bytes of their own in test_record_uploads
 

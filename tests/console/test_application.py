@@ -42,6 +42,7 @@ def test_only_the_listed_files_of_the_package_are_served(client, monkeypatch):
         assert client.get(f"/bokeh/{name}").status_code == 404
 
 
+@pytest.mark.prove
 def test_the_description_names_what_every_path_does(data):
     with TestClient(app(data), base_url="http://localhost") as client:
         schema = client.get("/api/openapi.json").json()

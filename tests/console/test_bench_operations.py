@@ -62,6 +62,7 @@ def test_a_complete_folder_is_refused_before_anything_moves(armed: Bench, phase:
     assert armed.state().phase == "idle"
 
 
+@pytest.mark.prove
 def test_a_queue_goes_on_only_after_what_was_complete(armed: Bench, until: Until, phase: Phase) -> None:
     start(armed, "one")
     for name in ("two", "three"):

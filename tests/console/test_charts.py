@@ -59,6 +59,7 @@ def drawn(page):
     page.get_by_role("button", name="Save", exact=True).first.wait_for()
 
 
+@pytest.mark.prove
 @pytest.mark.quick
 def test_a_zoom_in_one_chart_zooms_all_of_the_record(records_page):
     page = records_page()

@@ -90,6 +90,7 @@ def test_a_card_may_be_extrapolated_and_records_relevelled(client, lab):
     assert judged(client, "data/strong.h5", reference="cards/mine.toml").json()["relevelled"] == []
 
 
+@pytest.mark.prove
 def test_many_points_are_thinned_and_none_outside_is_lost(client, data):
     t = np.arange(0.0, 1500.0, 0.05)
     x, v = 0.01 * np.sin(2 * np.pi * t), 0.02 * np.pi * np.cos(2 * np.pi * t)

@@ -192,6 +192,7 @@ def test_of_many_who_keep_a_card_by_one_name_one_does(with_a_fit, data):
     assert len(list((data / "cards").iterdir())) == 5
 
 
+@pytest.mark.prove
 def test_of_many_who_save_a_new_campaign_by_one_name_one_does(client, data):
     def text(k):
         return f'name = "{k}"\n[[step]]\nkind = "rest"\nduration = "{k + 1} s"\n'

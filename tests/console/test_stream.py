@@ -54,6 +54,7 @@ def stream(client, id=ID, **headers):
     return client.websocket_connect(f"/api/bench/stream?client={id}", headers=HERE | headers)
 
 
+@pytest.mark.prove
 def test_a_page_that_hears_nothing_gets_no_more(client):
     with stream(client) as socket:
         frames = [json.loads(socket.receive_text())["frame"] for _ in range(6)]

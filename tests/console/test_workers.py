@@ -131,6 +131,7 @@ def test_campaigns_that_unfold_are_refused_quickly_in_plain_words(client):
     assert resident() - before < 30
 
 
+@pytest.mark.prove
 def test_a_plan_of_four_hundred_tests_leaves_the_servers_memory_as_it_was(client):
     plan(client, '[[step]]\nkind = "rest"\n')
     before = resident()

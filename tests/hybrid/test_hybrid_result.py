@@ -26,6 +26,7 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> tuple[HybridResult, Rig, P
         return run(folder, rig), rig, folder
 
 
+@pytest.mark.prove
 def test_the_peaks_are_within_5_percent_of_the_computed_ones(done):
     result, _, _ = done
     assert np.abs(result.differences).max() < 0.03  # floor 5 %

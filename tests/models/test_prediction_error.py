@@ -123,6 +123,7 @@ def test_a_level_that_is_no_factor_is_refused(level: float) -> None:
         damper().at_level(level)
 
 
+@pytest.mark.prove
 def test_draws_have_the_levels_of_the_sessions_and_of_the_record_in_them() -> None:
     """ln of kw: twice the variance of a session (that of the fit and that to come), and that of a record."""
     drawn = damper().draws(1000, seed=1)  # the standard error of a spread is 2.2 %

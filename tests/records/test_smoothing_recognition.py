@@ -17,6 +17,7 @@ def smoothed(record, samples):
     return record.replace(note="smoothed", **{c: averaged(getattr(record, c), *reach) for c in there})
 
 
+@pytest.mark.prove
 def test_no_false_alarm_on_the_campaign(published):
     assert len(published) >= 39
     alarms = {record.name: recognise_smoothing(record) for record in published}

@@ -32,6 +32,7 @@ def test_its_peaks_go_to_ours_at_first_order(volts: float) -> None:
     assert np.all(gaps[0] > 2 * gaps[-1])
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize(
     ("accuracy", "allowed"), [pytest.param("fast", 1e-3, marks=pytest.mark.prove), ("strict", 2e-4)]
 )

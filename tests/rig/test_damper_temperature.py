@@ -76,6 +76,7 @@ def test_each_arming_saves_it(tmp_path: Path) -> None:
     assert "delete this file where another damper is mounted" in (tmp_path / NAME).read_text()
 
 
+@pytest.mark.prove
 def test_a_killed_host_leaves_what_was_saved_while_it_ran(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys.modules["dampyr.campaigns.performing"], "SAVE_EVERY", 0.0)
     (tmp_path / "hot.toml").write_text(HOT)

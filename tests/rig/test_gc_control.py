@@ -18,6 +18,7 @@ def nothing_set_aside():
     gc.unfreeze()
 
 
+@pytest.mark.prove
 def test_what_exists_is_not_looked_at_again():
     objects = [[k] for k in range(150_000)]
     before = len(gc.get_objects())

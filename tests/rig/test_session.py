@@ -482,6 +482,7 @@ def test_arming_in_many_random_orders(endurance: Endurance) -> None:
     )
 
 
+@pytest.mark.prove
 def test_a_rig_over_the_wires_is_armed_again_and_again() -> None:
     with over_wires_here() as rig:
         with rig.armed() as table:

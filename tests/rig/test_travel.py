@@ -289,6 +289,7 @@ def test_verifying_the_index_passes_it_from_wherever_the_table_stands(place: flo
         assert table.loop.status.index_passes > before
 
 
+@pytest.mark.prove
 def test_a_rig_over_the_wires_latches_the_index() -> None:
     with over_wires_here(faults=["slipped-encoder=0.1mm@8s"]) as rig, rig.armed() as table:
         table.home()

@@ -73,6 +73,7 @@ def test_wrong_constants_are_covered_by_the_uncertainty_of_a_rig_that_was_not_ca
                 assert error < 3.0 * record.uncertainty[name].standard + 1e-4, (record.name, name)
 
 
+@pytest.mark.prove
 def test_wrong_constants_are_found_by_calibration(tmp_path: Path) -> None:
     """Gain, resistance, scale, zero and bandwidth; then the uncertainty is small, and the records are within it."""
     with simulated(BELIEVED, parts=TRUE) as opened:

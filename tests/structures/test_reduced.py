@@ -159,6 +159,7 @@ def test_weights_of_a_law_are_those_of_the_floors() -> None:
     assert response.converged
 
 
+@pytest.mark.prove
 def test_an_ensemble_takes_the_structure_that_a_response_takes() -> None:
     whole = structures.shear_building([1e5] * 2, [1.5e8] * 2, damping_ratio=0.02)
     made, damper, wanted = by_modes(whole, [2]), dashpot(1e6), ("displacement", "acceleration")

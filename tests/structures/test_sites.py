@@ -84,6 +84,7 @@ def test_the_calibrated_stroke_holds_over_two_storeys_too(building, cubics):
 DAHL = {"dahl.kx": 1000.0, "dahl.kw": 200.0, "dahl.rho": 1000.0}
 
 
+@pytest.mark.prove
 def test_draws_are_of_the_dampers_before_their_parts_are_left_out() -> None:
     """As `Damper.draws` gives them, by the seed; of several dampers each has its own seed, of one in two places one."""
     card = Damper("dahl", DAHL, covariance=np.diag([1e2, 1.0, 1e2]))

@@ -114,6 +114,7 @@ def test_the_order_in_which_workers_end_changes_nothing(monkeypatch: pytest.Monk
     assert {what for what, _ in calls} >= {"screening models", "validating the best"}
 
 
+@pytest.mark.prove
 def test_what_cannot_be_fitted_says_why_and_does_not_stop_the_rest() -> None:
     flat = [r.thinned(2).replace(note="one voltage", voltage=1.0) for r in campaign() if r.voltage == 1.0]
     ranking = leaderboard(

@@ -144,6 +144,7 @@ def test_it_stands_in_the_page(alike: Fit, tmp_path: Path) -> None:
     assert "trade against each other" in page
 
 
+@pytest.mark.prove
 def test_on_the_campaign_it_names_what_is_known_of_it(published_fit: Fit) -> None:
     fitted = published_fit
     first = identifiability(fitted)

@@ -237,6 +237,7 @@ def test_a_varying_input_counts_at_every_input_that_it_passes() -> None:
     assert levels.session_reml == pytest.approx(0.1, abs=0.05)
 
 
+@pytest.mark.prove
 def test_the_published_campaign_is_told_that_level_and_voltage_cannot_be_told_apart(published_fit: Fit) -> None:
     done = published_fit
     assert any(

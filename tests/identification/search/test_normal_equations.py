@@ -91,7 +91,13 @@ CASES = {
 }
 
 
-LONG = {"delayed", "accelerated", "varying and delayed", "varying and warm"}  # their kernels take long to compile
+LONG = {
+    "delayed",
+    "accelerated",
+    "gains and temperatures",
+    "varying and delayed",
+    "varying and warm",
+}  # their kernels take long to compile
 
 
 @pytest.mark.parametrize(

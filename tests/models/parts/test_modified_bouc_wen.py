@@ -61,6 +61,7 @@ def test_the_step_is_of_second_order(p: PrintedModifiedBoucWen, at_2400: float) 
     assert errors[0] / errors[2] > 150.0  # 256 but for where the turns fall between the samples
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize("step", [0.02, 1.0])
 def test_a_long_step_stays_bounded(step: float) -> None:
     t = np.arange(200) * step

@@ -38,6 +38,7 @@ def within_bands(measured: Characteristics) -> None:
     assert abs(measured.drift) < 0.7e-3
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize("voltage", VOLTAGES)
 def test_simulated_records_lie_in_the_bands(
     simulated: dict[tuple[float, int], Characteristics], voltage: float

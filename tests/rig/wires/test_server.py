@@ -255,6 +255,7 @@ def test_errors_of_the_board_arrive_as_nidaqmx_errors(serve: Start) -> None:
     assert -200279 in seen
 
 
+@pytest.mark.prove
 def test_when_the_client_leaves_the_rig_runs_on_alone_and_ends(serve: Start) -> None:
     served = serve("--once", process=True)
     host = served.host()

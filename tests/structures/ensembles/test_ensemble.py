@@ -65,6 +65,7 @@ def test_a_bare_building(precision: int) -> None:
     assert "force" not in dataset or dataset.sizes["site"] == 0
 
 
+@pytest.mark.prove
 def test_single_precision_is_good_for_four_digits(cubics: Damper) -> None:
     double, single = (ensemble(two_storey(), el_centro(), cubics, [1.0], precision=p).dataset for p in (64, 32))
     np.testing.assert_allclose(single.drift, double.drift, rtol=2e-4)

@@ -55,7 +55,7 @@ def suite() -> list[tuple[GroundMotion, float, float]]:
     return [(motion, u, scale) for motion, scale in motions for u in (0.0, 1.0, 2.25)]
 
 
-@pytest.mark.parametrize("accuracy", ["fast", "strict"])
+@pytest.mark.parametrize("accuracy", ["fast", pytest.param("strict", marks=pytest.mark.prove)])
 def test_the_standard_suite(cubics: Damper, accuracy: str) -> None:
     assert worst(cubics, suite(), accuracy)[0] < LIMIT
 

@@ -41,6 +41,7 @@ def within_3_percent(name: str, case: int, own: np.ndarray) -> bool:
 
 
 class TestTheSampleController:
+    @pytest.mark.prove
     @CASES
     def test_all_criteria_are_the_replicas_within_3_percent(self, el_centro: GroundMotion, case: int) -> None:
         run = perform_virtual(*arrangements(case)[PHASE_LEAD], el_centro)

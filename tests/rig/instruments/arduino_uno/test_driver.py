@@ -139,6 +139,7 @@ def arduino(boots: float) -> Iterator[str]:
         os.close(far)
 
 
+@pytest.mark.prove
 @pytest.mark.skipif(sys.platform == "win32", reason="no pseudo-terminals")
 @pytest.mark.parametrize("boots", [1.6, *(pytest.param(each, marks=pytest.mark.prove) for each in (0.5, 2.0, 3.0))])
 def test_a_serial_port_whose_uno_boots(boots: float) -> None:
