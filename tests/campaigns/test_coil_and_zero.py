@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.campaigns.quick_rig import QUICK
+from tests.campaigns.quick_rig import usual_settings
 
 from dampyr import records
 from dampyr.campaigns import campaign_of, perform
@@ -15,22 +15,24 @@ from dampyr.records import Record
 from dampyr.records.formats import h5
 from dampyr.rig import RigSettings, simulated
 
-WIRED = replace(QUICK, wires=replace(QUICK.wires, coil_voltage="ai2", coil_current="ai3"))
-CAMPAIGN = {
-    "rest_between": "0.5 s",
-    "step": [
-        {"kind": "sine", "amplitude": "8 mm", "frequency": "1 Hz", "cycles": 2, "voltage": ["0.5 V", "1.98 V"]},
-        {"kind": "sine", "amplitude": "5 mm", "frequency": "2 Hz", "cycles": 2, "voltage": "0 V"},
-    ],
-}
 Performed = Callable[..., list[Record]]
 
 
-@pytest.fixture
-def performed(tmp_path: Path) -> Performed:
-    def run(*faults: str, rig: RigSettings = WIRED, parts: RigSettings | None = None) -> list[Record]:
-        with simulated(rig, faults=faults, parts=parts) as opened:
-            perform(campaign_of(CAMPAIGN), opened, tmp_path / "out")
+def wired(coil_voltage: str = "ai2", coil_current: str = "ai3") -> RigSettings:
+    """A rig that reads its coil."""
+    settings = usual_settings()
+    return replace(settings, wires=replace(settings.wires, coil_voltage=coil_voltage, coil_current=coil_current))
+
+
+@pytest.fixture(params=[pytest.param((2, 2), id="short"), pytest.param((4, 5), id="long", marks=pytest.mark.prove)])
+def performed(tmp_path: Path, request: pytest.FixtureRequest) -> Performed:
+    cycles, faster = request.param
+    step = {"kind": "sine", "amplitude": "8 mm", "frequency": "1 Hz", "cycles": cycles, "voltage": ["0.5 V", "1.98 V"]}
+    last = step | {"amplitude": "5 mm", "frequency": "2 Hz", "cycles": faster, "voltage": "0 V"}
+
+    def run(*faults: str, rig: RigSettings | None = None, parts: RigSettings | None = None) -> list[Record]:
+        with simulated(rig or wired(), faults=faults, parts=parts) as opened:
+            perform(campaign_of({"rest_between": "0.5 s", "step": [step, last]}), opened, tmp_path / "out")
         return records.read_campaign(tmp_path / "out")
 
     return run
@@ -61,7 +63,7 @@ def test_a_voltage_that_changes_in_a_test_is_read_back_too(tmp_path: Path) -> No
         "voltages": ["0 V", "1.5 V"],
         "hold": "1 s",
     }
-    with simulated(WIRED) as opened:
+    with simulated(wired()) as opened:
         perform(campaign_of({"step": [step]}), opened, tmp_path / "out")
     (record,) = records.read_campaign(tmp_path / "out")
     assert isinstance(record.voltage, np.ndarray)
@@ -85,7 +87,7 @@ def test_a_broken_coil_spoils_a_test(performed: Performed) -> None:
 
 def test_a_broken_coil_is_seen_where_only_the_current_is_read(performed: Performed) -> None:
     with pytest.raises(RigFault, match=r"A flow through the coil at 0\.5 V"):
-        performed("open-coil@9s", rig=replace(WIRED, wires=replace(WIRED.wires, coil_voltage="")))
+        performed("open-coil@9s", rig=wired(coil_voltage=""))
 
 
 def test_a_coil_that_is_hotter_than_the_damper_is_thought_to_be_is_marked(performed: Performed) -> None:
@@ -96,14 +98,14 @@ def test_a_coil_that_is_hotter_than_the_damper_is_thought_to_be_is_marked(perfor
 
 
 def test_a_supply_of_another_gain_is_marked(performed: Performed) -> None:
-    weak = replace(WIRED, supply=replace(WIRED.supply, gain=0.9))
+    weak = replace(wired(), supply=replace(wired().supply, gain=0.9))
     first, second, third = performed(parts=weak)
     assert (first.voltage, second.voltage, third.voltage) == pytest.approx((0.45, 1.782, 0.0), abs=2e-3)
     assert "the coil has 1.78 V where 1.98 V were commanded" in second.marks[0]
 
 
 def test_without_readings_a_record_says_that_its_voltage_is_the_commanded_one(performed: Performed) -> None:
-    for record in performed("dead-supply@9s", rig=QUICK):
+    for record in performed("dead-supply@9s", rig=usual_settings()):
         assert record.marks == ()
         assert record.provenance["voltage"].startswith("as commanded: nothing reads the coil's")
 
@@ -121,7 +123,7 @@ def test_counts_that_were_lost_go_into_the_uncertainty(tmp_path: Path) -> None:
     lost = {}
     for fault in ((), ("slipped-encoder=10um@10s",)):
         folder = tmp_path / str(len(fault))
-        with simulated(WIRED, faults=fault) as opened:
+        with simulated(wired(), faults=fault) as opened:
             perform(campaign, opened, folder)
         (record,) = records.read_campaign(folder)
         lost[fault] = record.uncertainty["displacement"].parts["lost counts"]

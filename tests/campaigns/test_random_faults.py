@@ -436,11 +436,12 @@ def test_a_motor_that_stands_on_the_way_to_a_test_ends_the_campaign_as_a_fault(
         perform(tmp_path / "short.toml", rig, tmp_path / "out")
 
 
-def test_campaigns_with_faults_are_safe_and_their_records_right(tmp_path: Path) -> None:
-    """A few of those above, for every run of the tests."""
+@pytest.mark.parametrize(("first", "count"), [(0, 5), pytest.param(5, 10, marks=pytest.mark.prove)])
+def test_campaigns_with_faults_are_safe_and_their_records_right(tmp_path: Path, first: int, count: int) -> None:
+    """A few of those above, for every run of the tests; another rig in the proofs."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)
-        trials, _ = run_trials(5, 1, tmp_path)
+        trials, _ = run_trials(count, 1, tmp_path, first)
     for trial in trials:
         assert not trial.unsafe, trial
         assert not trial.wrong or any(holds(trial) for holds in UNSEEN.values()), trial

@@ -45,7 +45,7 @@ def fitted_once(fits: dict[tuple[object, ...], Fit], monkeypatch: pytest.MonkeyP
     fit = identification.fit
 
     def once(records: list[Record], model: str, options: object, *more: Any) -> Fit:
-        key = (*(record.name for record in records), model, repr(options))
+        key = (*(record.name for record in records), model, repr(options), repr(more))
         if key not in fits:
             fits[key] = fit(records, model, options, *more)
         return fits[key]

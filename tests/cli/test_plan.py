@@ -22,20 +22,21 @@ def card(tmp_path: Path) -> Path:
 
 
 @pytest.fixture(scope="module")
-def proposals() -> list[Any]:
+def proposals() -> dict[str, Any]:
     """What was computed."""
-    return []
+    return {}
 
 
 @pytest.fixture
-def proposed_once(proposals: list[Any], monkeypatch: pytest.MonkeyPatch) -> None:
+def proposed_once(proposals: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
     """The quick proposal is computed once: these tests are of what is printed and written."""
     propose = planning.propose
 
     def once(*args: Any, **kwargs: Any) -> Any:
-        if not proposals:
-            proposals.append(propose(*args, **kwargs))
-        return proposals[0]
+        asked = repr((args, kwargs))
+        if asked not in proposals:
+            proposals[asked] = propose(*args, **kwargs)
+        return proposals[asked]
 
     monkeypatch.setattr(planning, "propose", once)
 

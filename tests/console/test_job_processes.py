@@ -113,8 +113,10 @@ def test_jobs_wait_for_one_another_and_the_waiting_can_be_cancelled(data):
         client.post(f"/api/jobs/{first}/cancel")
 
 
-@pytest.mark.usefixtures("light")
-def test_a_job_ends_with_its_console_and_is_told_when_it_starts_again(data):
+@pytest.mark.parametrize("work", ["light", pytest.param("computed", marks=pytest.mark.prove)])
+def test_a_job_ends_with_its_console_and_is_told_when_it_starts_again(data, request, work):
+    if work == "light":
+        request.getfixturevalue("light")
     with TestClient(app(data), base_url="http://localhost") as client:
         id = client.post("/api/building/ensembles", json=LONG).json()["id"]
         begun(client, id)

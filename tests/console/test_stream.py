@@ -41,6 +41,17 @@ def talk(client):
 @example(words='{"heard": 1e999}')
 @given(words=WORDS)
 def test_a_page_may_say_anything(talk, caplog, words):
+    is_answered(talk, caplog, words)
+
+
+@pytest.mark.prove
+@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@given(words=WORDS)
+def test_a_page_may_say_anything_at_length(talk, caplog, words):
+    is_answered(talk, caplog, words)
+
+
+def is_answered(talk, caplog, words):
     caplog.clear()
     with caplog.at_level(logging.ERROR):
         talk(words)

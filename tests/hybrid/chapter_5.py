@@ -1,5 +1,6 @@
 """The building of chapter 5 under the strong part of El Centro, and its damper."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
@@ -24,17 +25,25 @@ def strong_part() -> GroundMotion:
     return whole.changed(whole.acceleration[: round(STRONG / whole.dt) + 1], "its strong part")
 
 
+SHAKES = [strong_part, pytest.param(el_centro, marks=pytest.mark.prove)]  # motions of a test
+
+
 @cache
-def all_computed(voltage: float) -> Response:
-    """The building under the strong part, its damper at a voltage."""
-    return respond(two_storey(), strong_part(), raminelli_2020.damper(), voltage=voltage)
+def all_computed(voltage: float, motion: Callable[[], GroundMotion] = strong_part) -> Response:
+    """The building under the strong part or all of it, its damper at a voltage."""
+    return respond(two_storey(), motion(), raminelli_2020.damper(), voltage=voltage)
 
 
-def shaken(voltage: float, model: Damper | None = None, **changes: object) -> Substructure:
-    """Chapter 5's building under the strong part of El Centro, its damper predicted by ``model``."""
-    motion, h = strong_part(), 0.001
-    response = all_computed(voltage)
-    ground = np.interp(np.arange(int(motion.duration / h) + 1) * h, motion.time, motion.acceleration)
+def shaken(
+    voltage: float,
+    model: Damper | None = None,
+    motion: Callable[[], GroundMotion] = strong_part,
+    **changes: object,
+) -> Substructure:
+    """Chapter 5's building under the strong part of El Centro, or all of it, its damper predicted by ``model``."""
+    record, h = motion(), 0.001
+    response = all_computed(voltage, motion)
+    ground = np.interp(np.arange(int(record.duration / h) + 1) * h, record.time, record.acceleration)
     about = Substructure(
         two_storey(), 1, ground, h, model, voltage, size=float(response.peak_displacement[0]),
         input_energy=float(response.energy.input[-1]),

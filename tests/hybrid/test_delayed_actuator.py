@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from tests.hybrid.chapter_5 import PRINTED, peak, shaken
+from tests.hybrid.chapter_5 import PRINTED, SHAKES, peak, shaken
 
 from dampyr.hybrid import Substructure, run_delayed
 from dampyr.models import Damper
@@ -13,9 +13,10 @@ from dampyr.studies import raminelli_2020
 
 
 @pytest.mark.parametrize("lead", [0.0, 0.004, 0.010])
-def test_it_does_not_matter_how_the_lag_is_parted(lead):
+@pytest.mark.parametrize("motion", SHAKES)
+def test_it_does_not_matter_how_the_lag_is_parted(lead, motion):
     """What leaves its host ahead of its time and what is predicted beyond it come to the same."""
-    about = shaken(0.8712, raminelli_2020.damper(), lag=0.010 - lead, adaptive=False)
+    about = shaken(0.8712, raminelli_2020.damper(), motion, lag=0.010 - lead, adaptive=False)
     run = run_delayed(about, raminelli_2020.damper(), 0.010, lead)
     assert peak(run) == pytest.approx(PRINTED[0.8712], rel=1e-4)
 

@@ -36,7 +36,7 @@ def campaign(seed: int, per_voltage: int) -> list[Record]:
 @pytest.mark.endure
 @pytest.mark.parametrize("per_voltage", [8, pytest.param(10, marks=pytest.mark.by_hand)])
 def test_intervals_hold_the_truth_as_often_as_they_say(per_voltage: int, endurance: Endurance) -> None:
-    campaigns = endurance.count(CAMPAIGNS, part=10)
+    campaigns = endurance.count(CAMPAIGNS, part=5)
     truth = np.concatenate([law.values for law in LAWS.values()])
     held, naive = np.zeros(truth.size), np.zeros(truth.size)
     for seed in range(campaigns):
@@ -117,7 +117,8 @@ def share_held(
     [
         *(((n,) * 4, (20.0,)) for n in (3, 6)),
         *(pytest.param((n,) * 4, (20.0,), marks=pytest.mark.by_hand) for n in (4, 10)),
-        *(pytest.param((n,) * 4, (8.0, 14.0, 40.0), marks=pytest.mark.by_hand) for n in (3, 6)),
+        ((3,) * 4, (8.0, 14.0, 40.0)),
+        pytest.param((6,) * 4, (8.0, 14.0, 40.0), marks=pytest.mark.by_hand),
     ],
     ids=str,
 )
@@ -143,7 +144,7 @@ def test_intervals_of_few_records_with_gains_of_their_own(
 
 @pytest.mark.prove
 def test_intervals_widen_as_records_become_fewer() -> None:
-    widths = [share_held((n,) * 4, 8)[1] for n in (3, 6)]
+    widths = [share_held((n,) * 4, 15)[1] for n in (3, 6)]
     for name in LIKE_THE_RIG:
         each = [w[name] for w in widths]
         assert each == sorted(each, reverse=True), (name, each)
@@ -151,8 +152,6 @@ def test_intervals_widen_as_records_become_fewer() -> None:
 
 @pytest.mark.prove
 def test_a_voltage_of_two_records_gives_no_interval_and_spoils_no_other() -> None:
-    shares, _ = share_held((6, 6, 6, 2), 10)
+    shares, _ = share_held((6, 6, 6, 2), 20)
     assert not any("3.212" in label for label in shares)
-    assert (
-        np.mean(list(shares.values())) >= 0.87
-    )  # 0.95 less three standard errors of 10 campaigns of nine intervals, which are not quite independent
+    assert np.mean(list(shares.values())) >= 0.87  # 0.95 less three standard errors of 20 campaigns of nine intervals

@@ -126,12 +126,12 @@ def test_a_level_that_is_no_factor_is_refused(level: float) -> None:
 @pytest.mark.prove
 def test_draws_have_the_levels_of_the_sessions_and_of_the_record_in_them() -> None:
     """ln of kw: twice the variance of a session (that of the fit and that to come), and that of a record."""
-    drawn = damper().draws(1000, seed=1)  # the standard error of a spread is 2.2 %
+    drawn = damper().draws(4000, seed=1)  # the standard error of a spread is 1.1 %
     logs = np.log([one.coefficients[2:4] for one in drawn])
     np.testing.assert_allclose(np.std(logs, axis=0), math.sqrt(2 * 0.08**2 + 0.03**2), rtol=0.05)
     np.testing.assert_allclose(np.std([one.coefficients[4] for one in drawn]), 10.0, rtol=0.05)  # rho has no level
     assert np.corrcoef(logs.T)[0, 1] == pytest.approx((0.08**2 + 0.03**2) / (2 * 0.08**2 + 0.03**2), abs=0.05)
-    plain = damper().draws(1000, seed=1, levels=False)
+    plain = damper().draws(4000, seed=1, levels=False)
     np.testing.assert_allclose(np.std([one.coefficients for one in plain], axis=0), [1, 1, 0.1, 0.1, 10], rtol=0.05)
 
 
@@ -144,9 +144,10 @@ def test_draws_take_the_covariance_within_sessions_where_there_is_one(tmp_path: 
     assert small.on_brace(1e6).prediction_error.within_sessions.shape == (6, 6)  # type: ignore[union-attr]
 
 
-def test_few_degrees_of_freedom_widen_the_draws() -> None:
-    few = damper(session_freedom=3.0).draws(600, seed=2)
-    many = damper().draws(600, seed=2)
+@pytest.mark.parametrize("number", [600, pytest.param(4000, marks=pytest.mark.prove)])
+def test_few_degrees_of_freedom_widen_the_draws(number: int) -> None:
+    few = damper(session_freedom=3.0).draws(number, seed=2)
+    many = damper().draws(number, seed=2)
     wide, narrow = (
         np.quantile([math.log(one.coefficients[2]) for one in each], 0.97) - math.log(50.0) for each in (few, many)
     )

@@ -133,10 +133,11 @@ def test_between_the_knots_of_its_laws_too(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", [n for n in published.available_sets() if equations(n) is not simple])
-def test_a_ratio_of_laws_is_right_to_a_ten_thousandth(name: str) -> None:
+@pytest.mark.parametrize("inputs", [112, pytest.param(333, marks=pytest.mark.prove)])
+def test_a_ratio_of_laws_is_right_to_a_ten_thousandth(name: str, inputs: int) -> None:
     damper, p = made(name), published.about(name).numbers
     z_max = np.sqrt(p["A"] / (p["beta"] + p.get("gamma", p.get("gama"))))
-    for u in np.linspace(*damper.range, 112):
+    for u in np.linspace(*damper.range, inputs):
         if equations(name) is eldorado:
             alpha, c0, c1 = (sum(p[f"{a}_{k}"] * u**k for k in range(4)) for a in ("alpha", "c0", "c1"))
         else:
@@ -216,6 +217,15 @@ def test_a_control_law_with_a_lag_of_its_own_and_c_code_refuse_it(tmp_path: Path
     with pytest.raises(InputError, match=words):
         export(made("spencer_1997"), "c", tmp_path)
     assert export(made("spencer_1997", "lag"), "c", tmp_path)
+
+
+@pytest.mark.prove
+def test_the_lag_of_a_modified_bouc_wen_damper_is_that_of_a_law_with_the_same_lag() -> None:
+    whole, building = ground_motions.el_centro().scaled(0.05), structures.two_storey()
+    motion = ground_motions.GroundMotion(whole.acceleration[:101], whole.dt, "the first 2 s")
+    ours = structures.respond(building, motion, {1: made("spencer_1997")}, voltage=LAW())
+    theirs = structures.respond(building, motion, {1: made("spencer_1997", "lag")}, voltage=LAW(lag=1.0 / 190.0))
+    np.testing.assert_allclose(ours.peak_displacement, theirs.peak_displacement, rtol=1e-9)
 
 
 @pytest.mark.prove

@@ -1,7 +1,7 @@
 """The texts of figures instead of their pictures, for tests of what stands on a page: rendering is nine tenths of its time."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from html import escape
 from pathlib import Path
 
@@ -39,3 +39,6 @@ def texts_alone() -> Iterator[None]:
         monkeypatch.setattr(notebook, "as_svg", texts_as_svg)
         monkeypatch.setattr(saved_figures, "save", save)
         yield
+
+
+PICTURES = [texts_alone, pytest.param(nullcontext, marks=pytest.mark.prove)]  # their texts alone, and as they are

@@ -8,6 +8,7 @@ import pkgutil
 import re
 import warnings
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from hashlib import sha256
@@ -36,7 +37,7 @@ from dampyr.show.descriptions import description_of
 from dampyr.show.pages import result_page
 from dampyr.shown import Shown
 from dampyr.source_digest import full_version
-from tests.stories.figure_texts import texts_alone
+from tests.stories.figure_texts import PICTURES, texts_alone
 
 CAMPAIGN = """
 name = "one"
@@ -351,10 +352,13 @@ def test_the_console_says_it_in_its_lists_and_results(made: Made, tmp_path: Path
     assert identified["data"]["origin"]["kind"] == "simulated"
 
 
-def test_a_virtual_hybrid_test_is_virtual_everywhere(tmp_path: Path) -> None:
+@pytest.mark.parametrize("pictures", PICTURES)
+def test_a_virtual_hybrid_test_is_virtual_everywhere(
+    tmp_path: Path, pictures: Callable[[], AbstractContextManager[None]]
+) -> None:
     said, page, figures = NOTICES["virtual"], tmp_path / "hybrid.html", tmp_path / "figures"
     words = ["hybrid", "--delay", "0.01", "--voltage", "1.98", "--duration", "4", "--report", str(page)]
-    with texts_alone():
+    with pictures():
         done = CliRunner().invoke(cli, [*words, "--figures", str(figures)], catch_exceptions=False)
     assert done.stdout.splitlines()[0] == said
     assert "virtual hybrid test" in done.stdout

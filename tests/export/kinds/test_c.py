@@ -89,6 +89,11 @@ def test_a_sigmoid_behind_a_compliance_at_10_khz_is_the_same_in_c(tmp_path) -> N
 
 
 STRICT = "-std=c99 -O2 -Wall -Wextra -Wconversion -Wdouble-promotion -pedantic -Werror"
+# Their kernels take long to compile; a new part is looked at by `make test`.
+LONG = {
+    "bingham", "biviscous", "bouc_wen", "gas_spring", "hysteretic_biviscous", "lugre", "maxwell_slip", "modified_bouc_wen",
+    "offset", "sigmoid", "spring", *SERIES,
+}  # fmt: skip
 LIBRARY = [name for name in available_parts() if part(name).force is not None and "inertia" not in name]
 
 
@@ -98,7 +103,7 @@ LIBRARY = [name for name in available_parts() if part(name).force is not None an
 @pytest.mark.parametrize(
     "name",
     [
-        name if name in ("dahl", "hyperbolic_tangent") else pytest.param(name, marks=pytest.mark.prove)
+        pytest.param(name, marks=[pytest.mark.prove] * (name in LONG))
         for name in (*LIBRARY, *(name for name in SERIES if "inertia" not in name))
     ],
 )
@@ -183,8 +188,9 @@ def test_bouc_wen_with_a_large_sigma_walks_the_same_path(tmp_path) -> None:
 
 
 @needs_gcc
-def test_what_needs_no_library_is_linked_with_none(tmp_path) -> None:
-    damper = Damper("spring", typical("spring"))
+@pytest.mark.parametrize("name", ["spring", pytest.param("maxwell_slip + spring", marks=pytest.mark.prove)])
+def test_what_needs_no_library_is_linked_with_none(tmp_path, name: str) -> None:
+    damper = Damper(name, typical(name))
     export(damper, "c", tmp_path)
     assert "It needs no mathematics library." in (tmp_path / "damper.h").read_text()
     (tmp_path / "main.c").write_text(MAIN)

@@ -99,14 +99,15 @@ def test_pooled_errors_share_what_records_differ_by_and_not_the_motions(five: Sp
         assert np.std(np.log(pooled)) < np.std(np.log(list(one.errors.values())))
 
 
-def test_the_damper_of_the_mean_and_new_ones(five: Specimens) -> None:
+@pytest.mark.parametrize("number", [600, pytest.param(2000, marks=pytest.mark.prove)])
+def test_the_damper_of_the_mean_and_new_ones(five: Specimens, number: int) -> None:
     damper = five.damper()
     assert damper.values(0.0) == pytest.approx([one.mean for one in five.spreads.values()])
     widths = np.sqrt(np.diag(damper.covariance)) / damper.coefficients
     expected = [0.5 * np.diff(np.log(one.new_specimen))[0] / t.ppf(0.975, 4) for one in five.spreads.values()]
     np.testing.assert_allclose(widths, expected)
     assert np.linalg.eigvalsh(damper.covariance / np.outer(damper.coefficients, damper.coefficients)).min() > -1e-12
-    many = five.new_specimens(600, seed=1)
+    many = five.new_specimens(number, seed=1)
     table = np.array([one.values(0.0) for one in many])
     for column, one in zip(table.T, five.spreads.values(), strict=True):
         np.testing.assert_allclose(np.quantile(np.log(column), [0.025, 0.975]), np.log(one.new_specimen), atol=0.08)

@@ -103,3 +103,10 @@ def test_wrong_splits_are_refused(records: list[Record], split: str, folds: int,
 def test_two_inputs_cannot_be_left_out(records: list[Record]) -> None:
     with pytest.raises(InputError, match="three or more; the records have 2"):
         cross_validate([r for r in records if r.voltage in (0.0, 1.0)], "dahl", "input")
+
+
+@pytest.mark.prove
+def test_folds_repeat_by_seed(records: list[Record]) -> None:
+    one, same, other = (cross_validate(records, "dahl", options=FitOptions(folds=3, seed=s)) for s in (1, 1, 2))
+    assert [f.fitted_on for f in one.folds] == [f.fitted_on for f in same.folds]
+    assert [f.fitted_on for f in one.folds] != [f.fitted_on for f in other.folds]

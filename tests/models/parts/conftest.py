@@ -4,7 +4,8 @@ import pytest
 from tests.models.plain_kernels import run_as_plain_python
 
 
-@pytest.fixture
-def plain(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The kernels as plain Python."""
-    run_as_plain_python(monkeypatch)
+@pytest.fixture(params=["plain", pytest.param("compiled", marks=pytest.mark.prove)])
+def plain(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
+    """The kernels as plain Python, and in a proof as they are compiled."""
+    if request.param == "plain":
+        run_as_plain_python(monkeypatch)

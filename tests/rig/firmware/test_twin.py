@@ -395,9 +395,10 @@ def test_the_index_is_found_on_either_side_and_gives_the_place(idle: Bench) -> N
     assert status.position == idle.counts + 900 + 400
 
 
-def test_a_search_without_an_index_gives_up(armed: Bench) -> None:
+@pytest.mark.parametrize("half", [500, pytest.param(1300, marks=pytest.mark.prove)])
+def test_a_search_without_an_index_gives_up(armed: Bench, half: int) -> None:
     armed.done(Request.DISARM)
-    armed.done(Request.LIMITS, -500, 500, *LIMITS[2:])
+    armed.done(Request.LIMITS, -half, half, *LIMITS[2:])
     armed.done(Request.ARM)
     armed.done(Request.HOME, 1, 0)
     reached = []
@@ -408,8 +409,10 @@ def test_a_search_without_an_index_gives_up(armed: Bench) -> None:
             break
     assert armed.twin.state == State.ARMED
     assert not armed.status.homed
-    assert max(map(abs, reached)) <= 500 + c.SPARE + 50  # half of the limits' distance, for it may stand at one of them
-    assert min(reached) == pytest.approx(-700, abs=50)
+    assert (
+        max(map(abs, reached)) <= half + c.SPARE + 50
+    )  # half of the limits' distance, for it may stand at one of them
+    assert min(reached) == pytest.approx(-half - 200, abs=50)
 
 
 def test_reversals_rise_pause_and_fall(armed: Bench) -> None:
@@ -487,11 +490,24 @@ def requests() -> st.SearchStrategy[tuple[Request, tuple[int, ...]]]:
     return st.sampled_from(list(Request)).flatmap(lambda k: st.tuples(st.just(k), bodies.get(k, st.just(()))))
 
 
+Steps = list[tuple[tuple[Request, tuple[int, ...]], int, bool]]
+STEPS = st.lists(st.tuples(requests(), st.integers(0, 130), st.booleans()), max_size=30)
+
+
 @settings(max_examples=60, deadline=None)
-@given(st.lists(st.tuples(requests(), st.integers(0, 130), st.booleans()), max_size=30), st.booleans())
-def test_no_sequence_of_requests_harms_it(
-    steps: list[tuple[tuple[Request, tuple[int, ...]], int, bool]], ready: bool
-) -> None:
+@given(STEPS, st.booleans())
+def test_no_sequence_of_requests_harms_it(steps: Steps, ready: bool) -> None:
+    unharmed(steps, ready)
+
+
+@pytest.mark.prove
+@settings(max_examples=150, deadline=None)
+@given(STEPS, st.booleans())
+def test_no_longer_row_of_sequences_harms_it(steps: Steps, ready: bool) -> None:
+    unharmed(steps, ready)
+
+
+def unharmed(steps: Steps, ready: bool) -> None:
     bench = Bench()
     if ready:
         bench.ask(Request.HELLO, 2)

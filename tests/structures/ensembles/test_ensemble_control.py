@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from itertools import product
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -32,8 +33,12 @@ HIGH = 3.212
 
 @pytest.fixture(scope="module")
 def motions() -> list[GroundMotion]:
+    return two_motions(2.0, 1.2)
+
+
+def two_motions(first: float, second: float) -> list[GroundMotion]:
     """Of different steps, which laws must fit both."""
-    return [kanai_tajimi(2.0, dt=0.02, seed=1, pga=3.0), kanai_tajimi(1.2, dt=0.01, seed=2, pga=2.0)]
+    return [kanai_tajimi(first, dt=0.02, seed=1, pga=3.0), kanai_tajimi(second, dt=0.01, seed=2, pga=2.0)]
 
 
 @pytest.fixture(scope="module")
@@ -41,22 +46,28 @@ def law() -> object:
     return control_law("on_off", high=HIGH)
 
 
-@pytest.mark.parametrize("first", [0, pytest.param(1, marks=pytest.mark.prove)])
-def test_the_peaks_are_those_of_single_responses(cubics: Damper, motions: list, law: object, first: int) -> None:
-    """Of every second case."""
-    lagging = control_law("on_off", high=HIGH, lag=0.01)
+@pytest.mark.parametrize(
+    ("seconds", "second", "firsts"),
+    [((2.0, 1.2), "on_off", [0]), pytest.param((4.0, 3.0), "clipped_optimal", [0, 1], marks=pytest.mark.prove)],
+    ids=["short", "long"],
+)
+def test_the_peaks_are_those_of_single_responses(
+    cubics: Damper, law: object, seconds: tuple[float, float], second: str, firsts: list[int]
+) -> None:
+    """Of every second case of short motions, and of every case."""
+    motions, lagging = two_motions(*seconds), control_law(second, high=HIGH, lag=0.01)
     inputs = [0.0, law, HIGH, lagging]
     dataset = ensemble(two_storey(), motions, [None, cubics], inputs, [0.5, 2.0], accuracy="strict").dataset
     assert dataset.attrs["one_by_one"] == 2 * 2 * 2
     assert dataset.attrs["error_estimate"] < 1e-3
-    for u, name in ((1, law), (3, lagging)):
-        for k, motion in enumerate(motions):
-            s = (k + u // 2 + first) % 2
-            one = respond(two_storey(), motion.scaled((0.5, 2.0)[s]), {1: cubics}, voltage=name, accuracy=5e-5)
-            here = dataset.isel(building=0, damper=1, input=u, motion=k, scale=s)
-            np.testing.assert_allclose(here.drift, one.peak_drift, rtol=1e-3)
-            np.testing.assert_allclose(here.displacement, one.peak_displacement, rtol=1e-3)
-            np.testing.assert_allclose(here.energy, one.energy.dampers[:, -1], rtol=2e-3)
+    for u, k, first in product((1, 3), (0, 1), firsts):
+        s = (k + u // 2 + first) % 2
+        motion = motions[k].scaled((0.5, 2.0)[s])
+        one = respond(two_storey(), motion, {1: cubics}, voltage=inputs[u], accuracy=5e-5)
+        here = dataset.isel(building=0, damper=1, input=u, motion=k, scale=s)
+        np.testing.assert_allclose(here.drift, one.peak_drift, rtol=1e-3)
+        np.testing.assert_allclose(here.displacement, one.peak_displacement, rtol=1e-3)
+        np.testing.assert_allclose(here.energy, one.energy.dampers[:, -1], rtol=2e-3)
     alone = ensemble(two_storey(), motions, cubics, [0.0, HIGH], [0.5, 2.0], accuracy="strict").dataset
     np.testing.assert_array_equal(
         dataset.drift[:, 1, [0, 2]], alone.drift[:, 0]
