@@ -197,6 +197,9 @@ def test_what_is_wrong_on_the_wire_ends_the_command_with_that_sentence() -> None
         client.send(3, 0.0, 0.0, 0.0, 0.0)
         client.close()
         assert "the client left without a word: 0 steps" in "".join(server.communicate(timeout=60))
+    with served("--voltage", "0") as (port, server), closing(Client(port)) as client:
+        client.send(77)
+        assert "the client sent 77" in "".join(server.communicate(timeout=60))
     with served("--voltage", "0", "--json") as (port, server), closing(Client(port)) as client:
         client.send(3, 0.0, 0.0, 0.0, 0.0)
         client.send(5)

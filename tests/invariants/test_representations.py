@@ -363,6 +363,12 @@ def test_it_shows_itself(name: str, made: SimpleNamespace, agg: Any) -> None:
         its_table_is_a_data_frame(example)
 
 
+@pytest.mark.prove
+@pytest.mark.parametrize("name", sorted(EXAMPLES))
+def test_its_figures_are_laid_out_without_a_complaint(name: str, made: SimpleNamespace, agg: Any) -> None:
+    its_plots_are_axes_with_units_and_something_on_them(EXAMPLES[name](made), agg, laid_out=True)
+
+
 def its_text_is_a_few_lines_without_addresses(example: Any) -> None:
     text = repr(example)
     assert len(text.splitlines()) <= LINES, text
@@ -405,7 +411,7 @@ def agg() -> Iterator[Any]:
     pyplot.switch_backend(before)
 
 
-def its_plots_are_axes_with_units_and_something_on_them(example: Any, agg: Any) -> None:
+def its_plots_are_axes_with_units_and_something_on_them(example: Any, agg: Any, laid_out: bool = False) -> None:
     from matplotlib.axes import Axes
 
     for name, draw in drawings(example):
@@ -419,7 +425,8 @@ def its_plots_are_axes_with_units_and_something_on_them(example: Any, agg: Any) 
         assert len(words - {""}) >= 1, name
         assert all(re.search(r"\[.+\]$", text) for text in words - {"", "floor"}), (name, words)
         figure = axes[0].figure
-        figure.set_layout_engine("none")  # where panels come to lie takes most of the time, and is not asked here
+        if not laid_out:
+            figure.set_layout_engine("none")  # where panels come to lie takes most of the time
         figure.canvas.draw()
         pixels = np.asarray(figure.canvas.buffer_rgba())[..., :3]
         assert np.mean(np.any(pixels < 250, axis=-1)) > 0.005, f"{name} is blank"

@@ -126,6 +126,13 @@ def test_its_dampers_go_into_an_ensemble(linear: Fit, brief: int) -> None:
     assert peaks.sizes["damper"] == 3
 
 
+@pytest.mark.prove
+def test_many_steps_are_admissible_too() -> None:
+    vague = fit(noisy_records(count=4, amplitude=(2e-5, 6e-5), seed=3, seconds=3.0), "dahl")
+    samples = sample_posterior(vague, lengths=2.0, steps=100)
+    assert all(np.all(values > 0.0) for values in samples.samples.values())
+
+
 def test_its_dampers_are_admissible_and_its_samples_make_tables(brief: int) -> None:
     vague = fit(noisy_records(count=4, amplitude=(2e-5, 6e-5), seed=3, seconds=3.0), "dahl")
     samples = sample_posterior(vague, lengths=2.0, steps=brief)

@@ -84,9 +84,10 @@ def test_of_unequal_errors_q_is_at_its_quantiles_and_the_likelihood_at_its_top()
     assert all(likelihood(one.spread) >= likelihood(other) for other in np.linspace(0.0, 2.0, 500))
 
 
-def test_without_spread_its_lower_end_is_zero() -> None:
+@pytest.mark.parametrize("repeats", [80, pytest.param(200, marks=pytest.mark.prove)])
+def test_without_spread_its_lower_end_is_zero(repeats: int) -> None:
     rng, s = np.random.default_rng(2), np.full(10, 0.05)
-    ends = [random_effects(s * rng.standard_normal(10), s).spread_interval for _ in range(80)]
+    ends = [random_effects(s * rng.standard_normal(10), s).spread_interval for _ in range(repeats)]
     share = np.mean([low == 0.0 for low, _ in ends])
     assert share > 0.94  # 97.5 % of them are expected
     assert np.mean([high >= 0.0 for _, high in ends]) == 1.0

@@ -146,10 +146,11 @@ def test_the_pieces_of_one_record_are_no_records_of_their_own() -> None:
     assert fit(three, "dahl").within_records == {}
 
 
-def test_errors_with_noise_are_of_the_right_size() -> None:
+@pytest.mark.parametrize("seeds", [16, pytest.param(24, marks=pytest.mark.prove)])
+def test_errors_with_noise_are_of_the_right_size(seeds: int) -> None:
     truth = Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 70.0, "dahl.rho": 2500.0})
     numbers, errors = [], []
-    for seed in range(16):
+    for seed in range(seeds):
         fit_result = fit(sine(truth, 0.0, noise=4.0, seed=seed, seconds=12.0), "dahl")
         numbers.append(list(fit_result.parameters.values()))
         errors.append(list(fit_result.stderr.values()))

@@ -98,9 +98,10 @@ def looked_up(damper: Damper, inputs: np.ndarray) -> np.ndarray:
     return out[:, list(damper.all_laws).index("bouc_wen.n")]
 
 
-def test_a_fitted_line_that_ends_at_a_limit_makes_a_damper() -> None:
+@pytest.mark.parametrize("draws", [100, pytest.param(300, marks=pytest.mark.prove)])
+def test_a_fitted_line_that_ends_at_a_limit_makes_a_damper(draws: int) -> None:
     rng = np.random.default_rng(0)
-    for k in range(100):
+    for k in range(draws):
         low, high = np.sort(rng.uniform(0.0, 3.0, 2))
         ends = (1.0, rng.uniform(1.0, 3.0)) if k % 2 else (rng.uniform(1.0, 3.0), 1.0)
         column = Column("bouc_wen.n", AT_LEAST_ONE, "polynomial", (low, high))
