@@ -15,13 +15,13 @@ from dampyr.origin import NOTICES
 from dampyr.records import read, read_campaign
 from dampyr.rig import simulated
 from dampyr.studies import demo
-from tests.stories.test_bad_input import dampyr
+from tests.stories.test_bad_input import in_a_process
 
 pytestmark = pytest.mark.prove
 
 
 def run_json(*arguments: str | Path) -> dict:
-    done = dampyr(*arguments, "--json")
+    done = in_a_process(*arguments, "--json")
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
