@@ -38,6 +38,16 @@ class Follow:
     bias: float = 0.0
 
 
+def gains(law, building, row):
+    weights = np.zeros(2 * building.n + 1)
+    weights[building.n] = 1.0
+    return weights
+
+
+def decide(signal: float, low: float, high: float, bias: float) -> float:
+    return high + bias if signal > 0.0 else low
+
+
 def reference(damper: Damper, motion: GroundMotion, chosen: Callable, period: float, lag: float) -> tuple:
     """Peaks (n,) and the state at the end of the plain equations, by scipy between the instants at which anything changes.
 
