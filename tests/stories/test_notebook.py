@@ -142,7 +142,7 @@ def test_the_walk_runs_and_shows_what_it_says(
         page += [f"<pre>{escape(printed)}</pre>"] * bool(printed)
         if value is not None:
             html = as_html(value)
-            assert "0x" not in repr(value), cell["id"]
+            assert not re.search(r"\b0x[0-9a-f]+", repr(value)), cell["id"]  # no address; a folder may be called so
             if isinstance(value, Shown):
                 ElementTree.fromstring(html)
                 assert not re.search(r"<script|\bsrc=", html)
