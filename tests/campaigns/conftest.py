@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from tests.campaigns import quick_rig as rigs
-from tests.campaigns.quick_rig import QUICK, SHORT, TWO_SINES, quick_rig
+from tests.campaigns.quick_rig import QUICK, SHORT, TWO, TWO_SINES, quick_rig
 
 from dampyr.campaigns import perform
 
@@ -37,3 +37,11 @@ def two_sines(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def lab(two_sines: Path, tmp_path: Path) -> Path:
     """A copy of it, to be changed."""
     return Path(shutil.copytree(two_sines, tmp_path / "lab"))
+
+
+@pytest.fixture
+def two(tmp_path: Path) -> Path:
+    """The file of a campaign of two tests."""
+    path = tmp_path / "two.toml"
+    path.write_text(TWO, encoding="utf-8")
+    return path

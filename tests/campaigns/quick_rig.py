@@ -5,7 +5,10 @@ A proof reads the rig as it ships: the block is the interlocks' reaction.
 
 import os
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from dampyr.rig import Rig, RigSettings, simulated
 
@@ -41,6 +44,32 @@ rest_before = "0.2 s"
 """
 FIRST, SECOND = "01-sine-4mm-1Hz-0V", "02-sine-4mm-1Hz-1V"
 
+QUAKE = (
+    TWO_SINES.split("[[step]]")[0]
+    + '[[step]]\nkind = "earthquake"\nmotion = "motion.csv"\nscale = 0.02\nrest_before = "0.2 s"\n'
+)
+
+
+def motion(path: Path, size: float) -> None:
+    """A ground motion of one second, ``size`` in m/s²."""
+    t = np.arange(0.0, 1.0, 0.02)
+    rows = "".join(f"{at:.2f},{size * np.sin(4 * np.pi * at):.6f}\n" for at in t)
+    path.write_text(f"time [s],acceleration [m/s^2]\n{rows}")
+
+
+TWO = """
+name = "two"
+operator = "A. Person"
+note = "a note"
+rest_between = "0.5 s"
+[[step]]
+kind = "sine"
+amplitude = "5 mm"
+frequency = "1 Hz"
+voltage = ["0 V", "1.5 V"]
+cycles = 2
+rest_before = "0.5 s"
+"""
 
 proving = False  # whether the test that runs is a proof; conftest.py sets it
 

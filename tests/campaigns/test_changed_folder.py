@@ -9,9 +9,8 @@ from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
-import numpy as np
 import pytest
-from tests.campaigns.quick_rig import FIRST, SECOND, TWO_SINES, quick_rig
+from tests.campaigns.quick_rig import FIRST, QUAKE, SECOND, TWO_SINES, motion, quick_rig
 
 from dampyr import records
 from dampyr.campaigns import campaign, perform
@@ -34,18 +33,6 @@ def test_a_second_host_is_refused(lab: Path) -> None:
     perform(lab / "short.toml", quick_rig(), lab / "out", again=[SECOND], progress=second)
     assert f"is used by another campaign: process {os.getpid()} on" in str(errors[0])
     assert len(list((lab / "out").glob("*.h5"))) == 3
-
-
-QUAKE = (
-    TWO_SINES.split("[[step]]")[0]
-    + '[[step]]\nkind = "earthquake"\nmotion = "motion.csv"\nscale = 0.02\nrest_before = "0.2 s"\n'
-)
-
-
-def motion(path: Path, size: float) -> None:
-    t = np.arange(0.0, 1.0, 0.02)
-    rows = "".join(f"{at:.2f},{size * np.sin(4 * np.pi * at):.6f}\n" for at in t)
-    path.write_text(f"time [s],acceleration [m/s^2]\n{rows}")
 
 
 def test_a_journal_with_the_digest_of_paths_is_gone_on_with(tmp_path: Path) -> None:

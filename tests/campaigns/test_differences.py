@@ -6,9 +6,8 @@ from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
-from tests.campaigns.quick_rig import FIRST, QUICK, SECOND, TWO_SINES, quick_rig
+from tests.campaigns.quick_rig import FIRST, QUAKE, QUICK, SECOND, TWO_SINES, motion, quick_rig
 
 from dampyr import records
 from dampyr.campaigns import perform, read_journal
@@ -34,18 +33,6 @@ def test_another_campaign_is_told_what_differs(lab: Path, change: tuple[str, str
     (lab / "out/journal.sqlite").unlink()
     with pytest.raises(FileError, match="is not of the campaign 'short'"):
         perform(lab / "short.toml", quick_rig(), lab / "out")
-
-
-QUAKE = (
-    TWO_SINES.split("[[step]]")[0]
-    + '[[step]]\nkind = "earthquake"\nmotion = "motion.csv"\nscale = 0.02\nrest_before = "0.2 s"\n'
-)
-
-
-def motion(path: Path, size: float) -> None:
-    t = np.arange(0.0, 1.0, 0.02)
-    rows = "".join(f"{at:.2f},{size * np.sin(4 * np.pi * at):.6f}\n" for at in t)
-    path.write_text(f"time [s],acceleration [m/s^2]\n{rows}")
 
 
 def test_a_campaign_with_its_motion_goes_on_where_it_was_moved_to_and_not_with_another_motion(tmp_path: Path) -> None:

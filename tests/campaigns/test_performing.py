@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from tests.campaigns.quick_rig import quick_rig
+from tests.campaigns.quick_rig import TWO, quick_rig
 from tests.endurance import Endurance
 
 from dampyr import campaigns, records
@@ -34,27 +34,6 @@ from dampyr.rig.instruments.arduino_uno.wire import InProcess
 from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
 from dampyr.rig.session import ArmedRig
 from dampyr.rig.simulation.faults import FaultSpec
-
-TWO = """
-name = "two"
-operator = "A. Person"
-note = "a note"
-rest_between = "0.5 s"
-[[step]]
-kind = "sine"
-amplitude = "5 mm"
-frequency = "1 Hz"
-voltage = ["0 V", "1.5 V"]
-cycles = 2
-rest_before = "0.5 s"
-"""
-
-
-@pytest.fixture
-def two(tmp_path: Path) -> Path:
-    path = tmp_path / "two.toml"
-    path.write_text(TWO, encoding="utf-8")
-    return path
 
 
 @dataclass

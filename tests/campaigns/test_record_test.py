@@ -5,33 +5,12 @@ from datetime import datetime
 from pathlib import Path
 
 import pytest
-from tests.campaigns.quick_rig import quick_rig
+from tests.campaigns.quick_rig import TWO, quick_rig
 
 from dampyr import campaigns
 from dampyr.campaigns import perform
 from dampyr.campaigns.record_test import groups_of
 from dampyr.rig import RigSettings
-
-TWO = """
-name = "two"
-operator = "A. Person"
-note = "a note"
-rest_between = "0.5 s"
-[[step]]
-kind = "sine"
-amplitude = "5 mm"
-frequency = "1 Hz"
-voltage = ["0 V", "1.5 V"]
-cycles = 2
-rest_before = "0.5 s"
-"""
-
-
-@pytest.fixture
-def two(tmp_path: Path) -> Path:
-    path = tmp_path / "two.toml"
-    path.write_text(TWO, encoding="utf-8")
-    return path
 
 
 def test_a_record_says_its_session_and_its_specimen(two: Path, tmp_path: Path) -> None:

@@ -1,12 +1,12 @@
 """dampyr plan: a table, a campaign file, JSON, and one line for what is wrong."""
 
 import json
-import re
 from pathlib import Path
 from typing import Any
 
 import pytest
 from click.testing import CliRunner
+from tests.cli.asked_once import asked_once
 from tests.planning.laboratory import DAHL
 
 from dampyr import campaigns, planning
@@ -31,15 +31,7 @@ def proposals() -> dict[str, Any]:
 @pytest.fixture
 def proposed_once(proposals: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
     """The quick proposal is computed once: these tests are of what is printed and written."""
-    propose = planning.propose
-
-    def once(*args: Any, **kwargs: Any) -> Any:
-        asked = re.sub(r" at 0x\w+", "", repr((args, kwargs)))  # what shows progress is another one each time
-        if asked not in proposals:
-            proposals[asked] = propose(*args, **kwargs)
-        return proposals[asked]
-
-    monkeypatch.setattr(planning, "propose", once)
+    monkeypatch.setattr(planning, "propose", asked_once(planning.propose, proposals))
 
 
 def plan(*arguments):

@@ -2,13 +2,13 @@
 
 import importlib
 import json
-import re
 from pathlib import Path
 from typing import Any
 
 import click
 import pytest
 from click.testing import CliRunner, Result
+from tests.cli.asked_once import asked_once
 
 from dampyr.cli import cli
 from dampyr.studies import raminelli_2020
@@ -33,15 +33,7 @@ def reproductions() -> dict[str, Any]:
 @pytest.fixture
 def computed_once(reproductions: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
     """The study is computed once: these tests are of what is printed and written."""
-    reproduce = raminelli_2020.reproduce
-
-    def once(*args: Any, **kwargs: Any) -> Any:
-        asked = re.sub(r" at 0x\w+", "", repr((args, kwargs)))  # what shows progress is another one each time
-        if asked not in reproductions:
-            reproductions[asked] = reproduce(*args, **kwargs)
-        return reproductions[asked]
-
-    monkeypatch.setattr(raminelli_2020, "reproduce", once)
+    monkeypatch.setattr(raminelli_2020, "reproduce", asked_once(raminelli_2020.reproduce, reproductions))
 
 
 @pytest.mark.parametrize("as_json", [False, True])

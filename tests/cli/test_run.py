@@ -12,6 +12,7 @@ from pathlib import Path
 import h5py
 import pytest
 from click.testing import CliRunner
+from tests.short_campaign import FIRST, SECOND, SHORT
 
 from dampyr import records
 from dampyr.campaigns import read_journal
@@ -74,21 +75,6 @@ def test_a_campaign_that_is_refused_does_not_run(tmp_path):
     assert done.exit_code == 2
     assert "needs 251.3 mm/s" in done.stderr
     assert not (tmp_path / "out").exists()
-
-
-SHORT = """
-name = "short"
-rest_between = "0.2 s"
-check_amplitude = 0.0
-[[step]]
-kind = "sine"
-amplitude = "4 mm"
-frequency = "1 Hz"
-voltage = ["0 V", "0.8712 V"]
-cycles = 2
-rest_before = "0.2 s"
-"""
-FIRST, SECOND = "01-sine-4mm-1Hz-0V", "02-sine-4mm-1Hz-0.8712V"
 
 
 @pytest.fixture(scope="module")

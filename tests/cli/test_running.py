@@ -6,24 +6,12 @@ from pathlib import Path
 
 import pytest
 from tests.cli.broken_stream import Broken
+from tests.short_campaign import SHORT
 
 from dampyr import campaigns
 from dampyr.campaigns.run_control import Progress
 from dampyr.cli import _running
 from dampyr.cli._running import shown
-
-SHORT = """
-name = "short"
-rest_between = "0.2 s"
-check_amplitude = 0.0
-[[step]]
-kind = "sine"
-amplitude = "4 mm"
-frequency = "1 Hz"
-voltage = ["0 V", "0.8712 V"]
-cycles = 2
-rest_before = "0.2 s"
-"""
 
 
 @pytest.mark.parametrize("terminal", [True, False])

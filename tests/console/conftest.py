@@ -21,8 +21,9 @@ import pytest
 
 pytest.importorskip("fastapi")
 from fastapi.testclient import TestClient
-from tests.console.bench_runs import CAMPAIGN, Phase, Until
+from tests.console.bench_runs import Phase, Until
 from tests.rig_time import RealTime, SimulatedTime
+from tests.short_campaign import SHORT
 
 from dampyr.console import app, job_processes
 from dampyr.console.bench_session import Bench
@@ -65,7 +66,7 @@ module_bench_time = pytest.fixture(_bench_time, name="module_bench_time", scope=
 @pytest.fixture
 def bench(tmp_path: Path, bench_time: RealTime) -> Iterator[Bench]:
     """A bench whose page "a" holds control, nothing connected; its pages are heard of while a test waits."""
-    (tmp_path / "short.toml").write_text(CAMPAIGN)
+    (tmp_path / "short.toml").write_text(SHORT)
     made = Bench(tmp_path, bench_time.open, bench_time)
     made.clients.join("a")
     bench_time.while_waiting = lambda: (made.clients.hear("a"), made.clients.hear("b"))

@@ -1,7 +1,8 @@
 """Work at the bench besides one campaign: a rig that is not armed, a queue, skip and repeat, what the records say."""
 
 import pytest
-from tests.console.bench_runs import CAMPAIGN, FIRST, SECOND, Phase, Until, start, states
+from tests.console.bench_runs import Phase, Until, start, states
+from tests.short_campaign import FIRST, SECOND, SHORT
 
 from dampyr.console.bench_session import Bench, RunAbout
 from dampyr.errors import InputError
@@ -56,7 +57,7 @@ def test_a_complete_folder_is_refused_before_anything_moves(armed: Bench, phase:
     phase(armed, "idle")
     with pytest.raises(InputError, match="all 2 tests are recorded there"):
         start(armed)
-    (armed.data / "short.toml").write_text(CAMPAIGN.replace("4 mm", "3 mm"))
+    (armed.data / "short.toml").write_text(SHORT.replace("4 mm", "3 mm"))
     with pytest.raises(InputError, match="holds the campaign 'short', which is another one"):
         start(armed)
     assert armed.state().phase == "idle"

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from tests.console.bench_runs import CAMPAIGN, Phase, Until, outcome, position, reason
+from tests.console.bench_runs import Phase, Until, outcome, position, reason
 from tests.console.bench_runs import start as run
 from tests.rig_time import RealTime
+from tests.short_campaign import SHORT
 
 from dampyr.campaigns import read_journal
 from dampyr.console.bench_session import Bench
@@ -162,7 +163,7 @@ def test_stop_acts_while_the_table_is_homed(bench: Bench, bench_time: RealTime, 
 
 
 def test_a_campaign_that_the_rig_cannot_do_is_refused_before_it_arms(bench: Bench, phase: Phase) -> None:
-    (bench.data / "short.toml").write_text(CAMPAIGN.replace("4 mm", "30 mm"))
+    (bench.data / "short.toml").write_text(SHORT.replace("4 mm", "30 mm"))
     bench.connect("a")
     phase(bench, "idle")
     with pytest.raises(InputError, match="lower the amplitude to"):

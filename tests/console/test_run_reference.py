@@ -4,8 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.console.bench_runs import FIRST, SECOND, Phase, Until, start
+from tests.console.bench_runs import Phase, Until, start
 from tests.rig_time import HANG, RealTime
+from tests.short_campaign import FIRST, SECOND
 
 from dampyr.campaigns.run_control import Progress
 from dampyr.console import run_reference

@@ -6,33 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.records.text_files import UNITS, four_files, say
 
 from dampyr.errors import FileError
 from dampyr.records import read, read_campaign
 
-UNITS = {"time": "s", "displacement": "mm", "force": "N"}
-
-
-def put(path: Path, header: str = "Time\tDisplacement\tForce", force: float = 50.0, extra: float | None = None) -> Path:
-    t = 0.01 * np.arange(300)
-    rows = np.column_stack(
-        [t, 5 * np.sin(6 * t), force * np.cos(6 * t)] + ([t * 0 + extra] if extra is not None else [])
-    )
-    np.savetxt(path, rows, delimiter="\t", header=header, comments="", fmt="%.6f")
-    return path
-
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    for name in ("run10_0.5A.txt", "run2_0.25A.txt", "run2_0.5A.csv", "quake_1,5A.txt"):
-        put(tmp_path / name)
-    return tmp_path
-
-
-def say(folder: Path, text: str) -> None:
-    (folder / "reading.toml").write_text(
-        text + '\n[units]\ntime = "s"\ndisplacement = "mm"\nforce = "N"\n', encoding="utf-8"
-    )
+    return four_files(tmp_path)
 
 
 def test_units_roles_and_inputs_are_said_once(folder: Path) -> None:
