@@ -23,7 +23,7 @@ from dampyr.rig.acquisition import Acquisition
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
 from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
-from dampyr.rig.session import acquisition
+from dampyr.rig.session import local_loop
 from dampyr.rig.simulation.simulator import Simulator, parse_faults
 from dampyr.rig.specimen import specimen_of
 
@@ -88,10 +88,10 @@ class SimulatedTime(RealTime):
         simulator = Simulator(settings, 0, parse_faults(self.faults), specimen_of(settings, folder))
         board = _Board(InProcessBoard(simulator), self)
         uno = Uno(InProcess(board.locked(simulator.serial)))
-        return Rig(settings, uno, board, folder=folder, clock=self, acquisition=self._read)
+        return Rig(settings, uno, board, folder=folder, clock=self, make_loop=self._read)
 
     def _read(self, rig: Rig) -> Acquisition:
-        self._loop = acquisition(rig)
+        self._loop = local_loop(rig)
         return self._loop
 
     def _wait_for_host(self) -> None:
@@ -100,7 +100,7 @@ class SimulatedTime(RealTime):
         while (
             self._loop is not None
             and not (self._loop.over or self._loop.stopped)
-            and self._loop.waiting.qsize() > BACKLOG
+            and len(self._loop.waiting) > BACKLOG
             and time.monotonic() < until
         ):
             time.sleep(0.001)

@@ -6,8 +6,8 @@ from multiprocessing import Pipe
 import numpy as np
 from tests.rig_time import SimulatedTime
 
-from dampyr.rig import Drive, RigSettings
-from dampyr.rig.loop_process import Link, remote_rig
+from dampyr.rig import Drive, Rig, RigSettings
+from dampyr.rig.loop_process import Link, LoopProcess, StandIn, remote_rig
 from dampyr.rig.loop_server import LoopServer
 
 
@@ -34,3 +34,10 @@ class Served:
 def stroke(start: float, seconds: float = 2.0) -> Drive:
     t = np.arange(0.0, seconds, 0.01)
     return Drive(0.01, start + 0.002 * (1.0 - np.cos(2.0 * np.pi * t)), np.full(t.size, 1.0))
+
+
+def reader_of(rig: Rig) -> int:
+    """The process that reads a rig."""
+    assert isinstance(rig.uno, StandIn)
+    assert isinstance(rig.uno._link, LoopProcess)
+    return rig.uno._link.pid

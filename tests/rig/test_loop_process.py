@@ -3,6 +3,7 @@
 import ctypes
 import json
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -15,14 +16,15 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from tests.rig.served_loop import Served, stroke
+from tests.rig.served_loop import Served, reader_of, stroke
 from tests.rig.wires.process import Process
 from tests.rig_time import SimulatedTime
 
 from dampyr.errors import FileError, InputError, RigFault
-from dampyr.rig import Rig, RigSettings, connect, simulated
+from dampyr.rig import Rig, RigSettings, connect, loop_process, simulated
 from dampyr.rig.firmware.protocol import State
-from dampyr.rig.loop_process import LoopProcess, RemoteLoop, StandIn, described, rebuilt
+from dampyr.rig.loop_process import LoopProcess, RemoteLoop
+from dampyr.rig.loop_server import as_sent
 
 ROOT = Path(__file__).resolve().parents[2]
 POSIX = pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
@@ -31,19 +33,29 @@ POSIX = pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_errors_pass_from_one_process_to_the_other() -> None:
     fault = RigFault("the interlock stopped the rig: force 5000 N", "interlock")
     fault.add_note("the board does not answer")
-    same = rebuilt(described(fault))
+    same = sent(fault)
     assert isinstance(same, RigFault)
     assert (str(same), same.ring, same.__notes__) == (str(fault), "interlock", ["the board does not answer"])
-    assert isinstance(rebuilt(described(InputError("17 set points"))), InputError)
-    assert str(rebuilt(described(FileError("rig.toml", "is not there")))) == "rig.toml: is not there"
-    other = rebuilt(described(ZeroDivisionError("division by zero")))
+    assert type(sent(InputError("17 set points"))) is InputError
+    assert str(sent(FileError("rig.toml", "is not there"))) == "rig.toml: is not there"
+    other = sent(ZeroDivisionError("division by zero"))
     assert isinstance(other, RigFault)
     assert str(other) == "the process that reads the rig failed: ZeroDivisionError: division by zero"
 
+    class BlownFuse(RigFault):  # of a driver that this process has not loaded
+        pass
+
+    assert type(sent(BlownFuse("the fuse is blown"))) is RigFault
+
+
+def sent(problem: BaseException) -> InputError | RigFault:
+    arrived: InputError | RigFault = pickle.loads(pickle.dumps(as_sent(problem)))
+    return arrived
+
 
 def test_a_process_that_ends_at_once_is_no_endless_wait(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "executable", "/bin/false" if Path("/bin/false").exists() else "/usr/bin/false")
-    with pytest.raises(RigFault, match="the process that is to read the rig did not start"):
+    monkeypatch.setattr(loop_process, "serve_rig", os.abort)  # takes no arguments, so that it fails
+    with pytest.raises(RigFault, match="the process that is to read the rig did not start; what it printed is above"):
         LoopProcess(RigSettings())
 
 
@@ -139,13 +151,6 @@ def alive(pid: int) -> bool:
     return Path(f"/proc/{pid}/stat").read_text().split()[2] != "Z" if Path("/proc").is_dir() else True
 
 
-def process_of(rig: Rig) -> LoopProcess:
-    assert isinstance(rig.uno, StandIn)
-    process = rig.uno._process
-    assert isinstance(process, LoopProcess)
-    return process
-
-
 @POSIX
 @pytest.mark.by_hand  # the wall clock's time
 def test_a_host_that_is_held_up_loses_no_sample_and_stops_no_rig(rig: Rig) -> None:
@@ -180,7 +185,7 @@ def rig() -> Iterator[Rig]:
 def stroke_until_killed(rig: Rig) -> None:
     with rig.armed() as table:
         table.home(here=True)
-        threading.Timer(0.5, lambda: os.kill(process_of(rig).pid, signal.SIGKILL)).start()
+        threading.Timer(0.5, lambda: os.kill(reader_of(rig), signal.SIGKILL)).start()
         for _ in table.play(stroke(table.position, 20.0)):
             pass
 
@@ -209,7 +214,7 @@ t = np.arange(0.0, 20.0, 0.01)
 rig = simulated(real_time=True, black_box=sys.argv[1])
 with rig, rig.armed() as table:
     table.home(here=True)
-    print(rig.uno._process.pid, flush=True)
+    print(rig.uno._link.pid, flush=True)
     for _ in table.play(Drive(0.01, table.position + 0.002 * (1.0 - np.cos(2.0 * np.pi * t)), np.full(t.size, 1.0))):
         pass
 """
@@ -229,7 +234,8 @@ def test_a_host_that_is_killed_or_interrupted_leaves_no_reader_and_a_rig_at_rest
     )
     assert host.stdout is not None
     reader = int(host.stdout.readline())
-    time.sleep(0.5)
+    while '"moving"' not in box.read_text():  # on a busy machine it begins late
+        time.sleep(0.05)
     before = len(box.read_text().splitlines())
     host.send_signal(how)
     host.communicate(timeout=20.0)
@@ -240,6 +246,8 @@ def test_a_host_that_is_killed_or_interrupted_leaves_no_reader_and_a_rig_at_rest
     assert not alive(reader)
     events = [json.loads(line) for line in box.read_text().splitlines()[before:]]
     times = {each["event"]: each["time"] for each in reversed(events)}
-    assert times["coil dead"] - events[0]["time"] < 0.3
+    # the coil's current decays for 30 ms, which the simulation may not live to see
+    assert times.get("coil dead", times["enable low"]) - events[0]["time"] < 0.3
+    assert times["enable low"] - events[0]["time"] < 0.3
     assert times["at rest"] - events[0]["time"] < 0.3
     assert "firmware fault HEARTBEAT" not in times  # it was stopped in order, not by its watchdog

@@ -10,9 +10,8 @@ from tests.rig.served_loop import Served, stroke
 from tests.rig_time import HANG
 
 from dampyr.errors import RigFault
-from dampyr.rig import Rig, acquisition, loop_process
+from dampyr.rig import Rig
 from dampyr.rig.firmware.protocol import State
-from dampyr.rig.loop_process import described, rebuilt
 
 
 def test_the_interlock_there_stops_it_and_says_so_here() -> None:
@@ -31,7 +30,7 @@ def hold(rig: Rig, seconds: float) -> None:
 
 
 def test_blocks_that_nobody_takes_stop_the_rig_at_last(served: Served, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(loop_process, "HELD", 0.4)
+    monkeypatch.setattr("dampyr.rig.loop.HELD", 0.4)
 
     def wait_for_nothing() -> None:
         with served.rig.armed() as table:
@@ -50,12 +49,12 @@ def test_a_fault_of_the_uno_since_the_last_block_is_told_where_the_host_asks_for
             served.inner.uno.abort()
             assert loop.stopped is None
             refused = RigFault("the Uno refused JOG: it is in another state", "firmware")
-            reason = served.server.do_reason(described(refused))
-    assert str(rebuilt(reason)) == "the Uno stopped the table: it was aborted"
+            reason = served.server._do("loop.reason", refused)
+    assert str(reason) == "the Uno stopped the table: it was aborted"
 
 
 def test_samples_that_never_come_stop_the_rig_with_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(acquisition, "SILENT", 0.3)
+    monkeypatch.setattr("dampyr.rig.loop.SILENT", 0.3)
     made = Served()
     with pytest.raises(RigFault, match=r"the rig gave no samples for 0\.3 s; is the board still there"):
         hold(made.rig, 5.0)  # time does not pass

@@ -17,7 +17,6 @@ from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import InProcess
 from dampyr.rig.instruments.ni_daqmx.simulated import InProcessBoard
 from dampyr.rig.interlock import Samples
-from dampyr.rig.session import acquisition
 from dampyr.rig.simulation.simulator import Simulator
 from dampyr.rig.thermal_model import PARTED, Warmth
 
@@ -93,7 +92,7 @@ def test_an_estimate_cools_while_nothing_is_read() -> None:
     simulator = Simulator(settings)
     rig = Rig(
         settings, Uno(InProcess(simulator.serial)), InProcessBoard(simulator), threaded=False,
-        clock=lambda: now[0], acquisition=acquisition,
+        clock=lambda: now[0],
     )  # fmt: skip
     with rig.armed():
         rig.warmth.estimate = 40.0

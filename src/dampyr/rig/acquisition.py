@@ -7,7 +7,6 @@ interlock. A simulated rig in lockstep has no clock but its reads, and is read w
 from __future__ import annotations
 
 import math
-import queue
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -23,6 +22,7 @@ from dampyr.rig.drive import Drive
 from dampyr.rig.firmware.protocol import Fault, State, Status
 from dampyr.rig.instruments.contract import HERE, INDEX, Board, TableDrive
 from dampyr.rig.interlock import Interlock, Samples
+from dampyr.rig.loop import SETTLED, WaitingBlocks
 from dampyr.rig.player import Player, player_of
 from dampyr.rig.read_latency import Lateness
 from dampyr.rig.settings import RigSettings
@@ -31,9 +31,6 @@ from dampyr.rig.thermal_model import Warmth
 Array = NDArray[np.float64]
 AHEAD = 2  # blocks by which the command runs ahead of the reading: one is output while the next is computed
 AHEAD_OF_CLOCK = 5  # the same where the clock does not wait for a busy host: 0.2 s of reserve
-SETTLED = 0.3  # s in which a table that decelerates is at rest
-SILENT = 30.0  # s without a block, after which none will come: the board itself gives an error within two
-HELD = 10.0  # s of blocks that may wait to be stored: longer than a slow disk's pauses
 
 WORDS = {
     Fault.HEARTBEAT: "the host was silent for too long",
@@ -67,7 +64,7 @@ def fault_of(status: Status) -> RigFault | None:
 
 
 class Acquisition:
-    """Blocks of samples from an armed rig; :class:`RigFault` is raised where a safety layer has acted."""
+    """The `dampyr.rig.loop.Loop` of this process: it reads, judges and feeds a rig, in a thread where it is ``threaded``."""
 
     def __init__(
         self,
@@ -98,7 +95,7 @@ class Acquisition:
         self._timed = False
         self._late = Lateness(rig.board.rate)
         self._over = threading.Event()
-        self.waiting: queue.Queue[Samples | RigFault] = queue.Queue(max(4, round(HELD / rig.board.block)))
+        self.waiting = WaitingBlocks(rig.board.block, self.halt)
         self._thread = threading.Thread(target=self._run, name="acquisition", daemon=True) if threaded else None
 
     def begin(self) -> None:
@@ -119,7 +116,7 @@ class Acquisition:
     @property
     def index(self) -> dict[int, int]:
         """Where the encoder's index is passed, counts from the middle; see `Interlock`."""
-        return self._index
+        return dict(self._index)
 
     @property
     def queued(self) -> int:
@@ -136,30 +133,18 @@ class Acquisition:
         while True:
             if self.stopped:
                 raise self.stopped
-            yield self._waited() if self._thread else self.cycle()
-
-    def _waited(self) -> Samples:
-        try:
-            block = self.waiting.get(timeout=SILENT)
-        except queue.Empty:
-            raise self.halt(RigFault(f"the rig gave no samples for {SILENT:g} s; is the board still there?")) from None
-        if isinstance(block, RigFault):
-            raise block
-        return block
+            yield self.waiting.take() if self._thread else self.cycle()
 
     def _run(self) -> None:
         while not self._over.is_set():
             try:
-                self.waiting.put_nowait(self.cycle())
-            except queue.Full:
-                self.halt(RigFault(f"blocks waited for {HELD:g} s to be stored; is the disk too slow?", "interlock"))
+                self.waiting.put(self.cycle())
             except RigFault as problem:
                 self.halt(problem)
             except Exception as problem:  # whatever it is: a thread that died would leave the table to the watchdog
                 self.halt(RigFault(f"reading the rig failed: {type(problem).__name__}: {problem}", "interlock"))
             if self.stopped:
-                with suppress(queue.Full):
-                    self.waiting.put_nowait(self.stopped)
+                self.waiting.stop(self.stopped)
                 return
 
     def cycle(self, n: int | None = None) -> Samples:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, FileError, InputError, RigFault
 from dampyr.origin import SIMULATED, Origin, of_board
-from dampyr.rig.acquisition import SETTLED, Acquisition, fault_in_words
+from dampyr.rig.acquisition import Acquisition, fault_in_words
 from dampyr.rig.calibration import Calibration, calibration_of, load_calibration
 from dampyr.rig.damper_temperature import load_temperature, save_temperature
 from dampyr.rig.drive import Drive
@@ -29,6 +29,7 @@ from dampyr.rig.gc_control import disable_gc, freeze_objects
 from dampyr.rig.instruments.catalogue import OUTPUT
 from dampyr.rig.instruments.contract import Board, TableDrive, stated_origin
 from dampyr.rig.interlock import Interlock, Samples
+from dampyr.rig.loop import SETTLED, Loop
 from dampyr.rig.player import Player
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.signal_deferral import deferred_signals
@@ -54,13 +55,22 @@ ZEROED = ", zeroed at rest"
 ZERO_SIDE = 1.0e-3  # m on both sides of the place about which the force's zero is looked at: hysteresis saturates in it
 
 
+def local_loop(rig: Rig) -> Acquisition:
+    """The loop that reads a rig in this process."""
+    assert rig.calibration is not None
+    guard = Interlock(rig.settings, index=rig.index) if rig.interlocked else None
+    return Acquisition(
+        rig.settings, rig.uno, rig.board, rig.calibration, guard, rig.warmth, rig.threaded, rig.watchers, rig.clock
+    )
+
+
 @dataclass(repr=False)
 class Rig(Shown):
     """A rig that is connected and not armed; see `dampyr.rig.connect` and `dampyr.rig.simulated`.
 
     ``clocked_by_reads``: its time passes only while it is read, as that of a rig simulated in this process.
     ``clock``: the host's monotonic time [s], by which late readings are noticed.
-    ``acquisition`` makes the loop that reads it where that is not in this process.
+    ``make_loop`` makes the loop that reads it once it is armed.
     ``held``: s for which the clock of a simulated rig in real time was held back so far.
     ``damper_persists``: the damper is as warm as the last host left it; that of a simulated rig is a new one.
     ``simulated``: it is one that `dampyr.rig.simulated` has made.
@@ -77,7 +87,7 @@ class Rig(Shown):
     folder: Path | None = None
     clocked_by_reads: bool = False
     clock: Callable[[], float] = time.monotonic
-    acquisition: Callable[[Rig], Acquisition] | None = None
+    make_loop: Callable[[Rig], Loop] = local_loop
     on_close: list[Callable[[], None]] = field(default_factory=list)
     watchers: list[Callable[[Samples], None]] = field(default_factory=list)
     on_energy: list[Callable[[bool], None]] = field(default_factory=list)
@@ -232,7 +242,7 @@ class Rig(Shown):
     @property
     def time_passes(self) -> bool:
         """Whether its time passes by itself, and not only while it is read."""
-        return self.threaded or self.acquisition is not None
+        return not self.clocked_by_reads
 
     @cached_property
     def identity(self) -> str:
@@ -296,15 +306,6 @@ def _report(failed: Sequence[Exception], problem: BaseException | None) -> None:
             problem.add_note(str(failure))
 
 
-def acquisition(rig: Rig) -> Acquisition:
-    """The loop that reads a rig in this process."""
-    assert rig.calibration is not None
-    guard = Interlock(rig.settings, index=rig.index) if rig.interlocked else None
-    return Acquisition(
-        rig.settings, rig.uno, rig.board, rig.calibration, guard, rig.warmth, rig.threaded, rig.watchers, rig.clock
-    )
-
-
 class ArmedRig(Shown):
     """An armed rig. Everything is in m, s, N and V; displacement from the middle of the stroke, extension positive.
 
@@ -313,7 +314,7 @@ class ArmedRig(Shown):
 
     def __init__(self, rig: Rig) -> None:
         self.rig = rig
-        self.loop = rig.acquisition(rig) if rig.acquisition is not None else acquisition(rig)
+        self.loop = rig.make_loop(rig)
         self.check: Callable[[], None] = no_check
         steps = (self.loop.cut, self._stop, self.loop.end, self.loop.settle, self._disarm_uno, self._stop_board)
         self.zero: list[float] = []

@@ -2,7 +2,6 @@
 
 import os
 import signal
-import subprocess
 import sys
 import threading
 import time
@@ -11,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.rig.served_loop import reader_of
 
 from dampyr import records
 from dampyr.campaigns import perform, read_journal
@@ -24,7 +24,6 @@ from dampyr.rig.simulation.real_time import MAX_HOLD, RealTimeSimulator
 from dampyr.rig.simulation.simulator import Simulator
 from dampyr.rig.specimen import original_specimen
 
-READER = "dampyr.rig.loop_server"
 BLOCK, RATE = RigSettings().board.block, RigSettings().board.rate
 
 
@@ -201,16 +200,6 @@ def stroke(start: float, seconds: float = 2.0) -> Drive:
     return Drive(0.01, start + 0.002 * (1.0 - np.cos(2.0 * np.pi * t)), np.full(t.size, 1.0))
 
 
-def process_of(module: str) -> int:
-    """The process of this one that runs a module."""
-    listed = subprocess.run(["ps", "-eo", "pid,ppid,args"], capture_output=True, text=True, check=True).stdout
-    for line in listed.splitlines()[1:]:
-        pid, parent, command = line.split(None, 2)
-        if int(parent) == os.getpid() and module in command:
-            return int(pid)
-    raise AssertionError(f"{module} does not run")
-
-
 def stopped_for(pid: int, seconds: float, times: int) -> threading.Thread:
     """Stop a process again and again, as a busy machine does."""
 
@@ -226,10 +215,10 @@ def stopped_for(pid: int, seconds: float, times: int) -> threading.Thread:
     return thread
 
 
-def play(rig: Rig, module: str, seconds: float, times: int) -> list[float]:
+def play(rig: Rig, seconds: float, times: int) -> list[float]:
     with rig.armed() as table:
         table.home(here=True)
-        stopping = stopped_for(process_of(module), seconds, times)
+        stopping = stopped_for(reader_of(rig), seconds, times)
         try:
             played = [samples.displacement[selection] for samples, selection in table.play(stroke(table.position))]
         finally:
@@ -242,7 +231,7 @@ def play(rig: Rig, module: str, seconds: float, times: int) -> list[float]:
 @pytest.mark.parametrize(("seconds", "times"), [(0.5, 3), (2.0, 1)])
 def test_a_process_that_does_not_run_for_a_while_stops_no_simulated_rig(seconds: float, times: int) -> None:
     with simulated(real_time=True) as rig:
-        x = play(rig, READER, seconds, times)
+        x = play(rig, seconds, times)
         assert len(x) == 1991
         assert np.ptp(x) == pytest.approx(0.004, rel=0.1)
         assert rig.clock_held > times * (seconds - 3 * BLOCK)
@@ -260,7 +249,7 @@ def test_a_record_says_for_how_long_the_clock_was_held_back(tmp_path: Path) -> N
 
         def watch(progress: object) -> None:
             if getattr(progress, "phase", "") == "testing" and not stopping:
-                stopping.append(stopped_for(process_of(READER), 0.5, 1))
+                stopping.append(stopped_for(reader_of(rig), 0.5, 1))
 
         folder = perform(tmp_path / "one.toml", rig, tmp_path / "out", watch).folder
         stopping[0].join()

@@ -1,0 +1,44 @@
+"""What processes of tests do: functions of a module, as `dampyr.processes.ChildProcess` calls them."""
+
+import os
+import subprocess
+import sys
+import time
+from multiprocessing.connection import Connection
+from multiprocessing.process import current_process, parent_process
+
+from dampyr.processes import end_with
+
+IMPORTED_BY = os.getpid()
+
+
+def add(first: Connection, second: Connection, a: int, b: int) -> None:
+    first.send({"sum": a + b, "pid": os.getpid()})
+    second.send(parent_process() is not None and current_process().pid == os.getpid())
+
+
+def fail(connection: Connection) -> None:
+    raise SystemExit(1)
+
+
+def start_another(connection: Connection) -> None:
+    """Start a process that would stay, and wait for the end."""
+    end_with(connection)
+    connection.send(subprocess.Popen([sys.executable, "-S", "-c", "import time; time.sleep(600)"]).pid)
+    time.sleep(600.0)
+
+
+def ignore_the_end(connection: Connection) -> None:
+    connection.send("begun")
+    time.sleep(600.0)
+
+
+def wait_for_the_end(connection: Connection) -> None:
+    end_with(connection)
+    connection.send("begun")
+    time.sleep(600.0)
+
+
+def imported(connection: Connection) -> None:
+    """Whether another process had imported this module before this one was forked from it."""
+    connection.send(os.getpid() != IMPORTED_BY)
