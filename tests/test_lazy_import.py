@@ -58,5 +58,5 @@ def test_an_unknown_room_names_the_rooms() -> None:
 
 @pytest.mark.parametrize("module", ["limits", "jobs.ensemble", "jobs.identify", "jobs.respond", "jobs.validate"])
 def test_an_upload_and_a_job_of_the_console_start_without_its_web_server(module: str) -> None:
-    loaded = loaded_by(f"import dampyr.console.worker, dampyr.console.{module}")
+    loaded = loaded_by(f"import dampyr.console.job_work, dampyr.console.{module}")
     assert not (HEAVY - {"numpy"} | {"fastapi", "starlette", "uvicorn", "nidaqmx", "serial"}) & loaded

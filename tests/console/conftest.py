@@ -21,6 +21,7 @@ import pytest
 
 pytest.importorskip("fastapi")
 from fastapi.testclient import TestClient
+from tests.console import light_job
 from tests.console.bench_runs import Phase, Until
 from tests.rig_time import RealTime, SimulatedTime
 from tests.short_campaign import SHORT
@@ -290,20 +291,7 @@ def accessible() -> Callable[[Any], None]:
     return check
 
 
-WAITING = """
-import sys
-print('{"stage": "at work", "progress": 0.1}', flush=True)
-sys.stdin.read()  # as a job, it ends with its console
-"""
-
-
 @pytest.fixture
 def light(monkeypatch: pytest.MonkeyPatch) -> None:
     """Jobs are processes that start at once and do nothing: what is tested is the queue."""
-
-    def start(place: Path) -> subprocess.Popen[str]:
-        command = [sys.executable, "-S", "-c", WAITING]
-        group: dict[str, Any] = {"start_new_session": True} if os.name == "posix" else {}
-        return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, **group)
-
-    monkeypatch.setattr(job_processes, "_start", start)
+    monkeypatch.setattr(job_processes, "do_job", light_job.wait)

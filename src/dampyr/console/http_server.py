@@ -11,9 +11,11 @@ from pathlib import Path
 from threading import Timer
 from typing import Any
 
+from dampyr.console.request_process import FORKED
 from dampyr.console.rigs import Opener, opened
 from dampyr.console.security import is_loopback
 from dampyr.errors import InputError
+from dampyr.processes import begin_to_import
 
 PORT = 8077  # any free port above 1023 would do
 
@@ -56,7 +58,6 @@ def serve(
     """
     import uvicorn
 
-    from dampyr.console import workers
     from dampyr.console.application import QUOTA, app
 
     local = is_loopback(host)
@@ -64,7 +65,7 @@ def serve(
     if token is not None and len(token) < 8:
         raise InputError(f"a token of {len(token)} letters is too short; give at least 8")
     listening = _listening(host, port)
-    workers.preload()
+    begin_to_import(FORKED)
     application = app(data, token, local, quota or QUOTA, opener=opener)
     shown_host = socket.gethostname() if host in ("0.0.0.0", "::") else f"[{host}]" if ":" in host else host
     address = f"http://{shown_host}:{listening.getsockname()[1]}/" + (f"?token={token}" if token else "")

@@ -11,28 +11,25 @@ import json
 import os
 import secrets
 import shutil
-import signal
-import subprocess
-import sys
 import threading
 import time
-from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
 from dampyr import registry
 from dampyr.atomic_write import write_whole
+from dampyr.console.job_work import WORK, do_job
+from dampyr.console.request_process import FORKED
 from dampyr.errors import InputError, MissingData
+from dampyr.processes import ChildProcess
 
-WORK = "dampyr.console.jobs"
 State = Literal["waiting", "running", "done", "failed", "cancelled"]
 ENDED = ("done", "failed", "cancelled")
 MAX_ENDED = 60  # jobs: their folders hold pages and curves, and the disk is bounded
 MAX_WAITING = 20  # jobs: more is a page that repeats itself
 STOPPED = "the console was stopped while it ran or waited; run it again"
 ENDED_HARD = "the console ended unexpectedly while it ran or waited; run it again"
-GRACE = 3.0  # s that a cancelled job has to end by itself
 
 
 @dataclass(frozen=True)
@@ -57,7 +54,7 @@ class Jobs:
         self.folder = folder
         self._lock = threading.Condition()
         self._jobs: dict[str, Job] = {}
-        self._running: dict[str, subprocess.Popen[str]] = {}
+        self._running: dict[str, ChildProcess | None] = {}
         self._closed = False
         folder.mkdir(parents=True, exist_ok=True)
         self._remember()
@@ -116,10 +113,9 @@ class Jobs:
             job = self.job(id)
             if job.state not in ENDED:
                 self._keep(replace(job, state="cancelled", reason="cancelled", ended=time.time()))
-            process = self._running.get(id)
-        if process is not None:
-            threading.Thread(target=_end, args=(process,), daemon=True).start()
-        return self.job(id)
+            if (process := self._running.get(id)) is not None:
+                process.kill()
+            return self.job(id)
 
     def remove(self, id: str) -> None:
         """Forget a job that has ended, with its files."""
@@ -133,12 +129,11 @@ class Jobs:
         """End all that runs; called when the console stops."""
         with self._lock:
             self._closed = True
-            running = list(self._running.values())
             for job in [job for job in self._jobs.values() if job.state not in ENDED]:
                 self._keep(replace(job, state="failed", reason=STOPPED, ended=time.time()))
+            for process in filter(None, self._running.values()):
+                process.kill()
             self._lock.notify_all()
-        for process in running:
-            _end(process)
 
     def _remember(self) -> None:
         for path in self.folder.glob("*/job.json"):
@@ -165,26 +160,30 @@ class Jobs:
                 if waiting:
                     job = replace(min(waiting, key=lambda job: job.made), state="running", stage="starting")
                     self._keep(job)
-                    self._running[job.id] = _start(self.folder / job.id)
+                    self._running[job.id] = None  # until its process has started
                     return job
                 self._lock.wait()
         return None
 
     def _run(self, job: Job) -> None:
-        process = self._running[job.id]
-        output = _JobOutput()
-        assert process.stdout is not None
-        for line in process.stdout:
-            output.hear(line)
-            self._update(job.id, stage=output.stage, progress=output.progress)
-        code = process.wait()
-        if process.stdin is not None:
-            process.stdin.close()
-        process.stdout.close()
-        if code == 0 and (self.folder / job.id / "result.json").is_file():
+        process = ChildProcess(do_job, self.folder / job.id, forked=FORKED)
+        with self._lock:
+            self._running[job.id] = process
+            if self._jobs[job.id].state != "running":  # it was cancelled meanwhile
+                process.kill()
+        (connection,) = process.connections
+        reason = "it ended without a result; see the console's own output"
+        try:
+            while True:
+                message = connection.recv()
+                reason = message.pop("reason", reason)[:500]
+                self._update(job.id, **message)
+        except (EOFError, OSError):  # it has ended
+            done = process.wait() == 0 and (self.folder / job.id / "result.json").is_file()
+        process.end()
+        if done:
             self._update(job.id, state="done", progress=1.0, ended=time.time())
         else:
-            reason = output.reason or "it ended without a result; see the console's own output"
             self._update(job.id, state="failed", reason=reason, ended=time.time())
         with self._lock:
             del self._running[job.id]
@@ -198,49 +197,3 @@ class Jobs:
                     self._jobs[id] = changed
                 else:
                     self._keep(changed)
-
-
-class _JobOutput:
-    """What a job says on its standard output, a line of JSON each."""
-
-    stage, progress, reason = "starting", 0.0, ""
-
-    def hear(self, line: str) -> None:
-        try:
-            message = json.loads(line)
-        except ValueError:
-            return
-        if isinstance(message, dict):
-            self.stage = str(message.get("stage", self.stage))[:80]
-            self.progress = min(1.0, max(0.0, float(message.get("progress", self.progress))))
-            self.reason = str(message.get("reason", self.reason))[:500]
-
-
-def _start(place: Path) -> subprocess.Popen[str]:
-    command = [sys.executable, "-m", "dampyr.console.worker", str(place)]
-    group: dict[str, Any] = {"start_new_session": True} if os.name == "posix" else {}
-    return subprocess.Popen(
-        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, encoding="utf-8", **group
-    )
-
-
-def _end(process: subprocess.Popen[str]) -> None:
-    """Ask a job and what it started to end, then make it."""
-    if process.stdin is not None:
-        with suppress(OSError):
-            process.stdin.close()
-    _signal(process, signal.SIGTERM)
-    try:
-        process.wait(GRACE)
-    except subprocess.TimeoutExpired:
-        _signal(process, getattr(signal, "SIGKILL", signal.SIGTERM))
-
-
-def _signal(process: subprocess.Popen[str], what: int) -> None:
-    if process.poll() is not None:
-        return
-    if os.name == "posix":
-        with suppress(ProcessLookupError):
-            os.killpg(process.pid, what)
-    else:
-        process.terminate()

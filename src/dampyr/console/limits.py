@@ -5,9 +5,11 @@ The content of a file is unknown until it is read, and a small file can unfold t
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 
 MIB = 2**20  # bytes
+YIELDS = 10  # of niceness: the console may be reading a moving rig at the same time
 UNATTENDED = 600  # s of the processor
 """Whoever waits ends it sooner, by the wall clock, unless the console is stopped itself."""
 TOO_LONG = "it takes more than the {seconds:g} s that a request may take; {repair}"
@@ -49,6 +51,12 @@ class RequestLimits:
             (resource.RLIMIT_CORE, 0),
         ):
             resource.setrlimit(what, (limit, limit))
+
+
+def yield_to_rig() -> None:
+    """Let this process, of a request or a job, run behind all others, where the system can."""
+    if os.name == "posix":
+        os.nice(YIELDS)
 
 
 PLANNING = RequestLimits(1024 * MIB, 30.0, repair="plan fewer or shorter tests at once")

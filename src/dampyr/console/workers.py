@@ -7,32 +7,22 @@ while others are answered; when the client leaves, its process is killed.
 from __future__ import annotations
 
 import asyncio
-import atexit
-import contextlib
 import json
-import os
-import pickle
-import signal
-import socket
-import struct
-import subprocess
-import sys
 import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, BinaryIO
+from typing import Any
 
 from fastapi import HTTPException
 from starlette.requests import Request
 
 from dampyr.console.limits import RequestLimits
-from dampyr.console.worker_template import MAX_ANSWER
+from dampyr.console.request_process import FORKED, answer
 from dampyr.errors import InputError, MissingData
+from dampyr.processes import ChildProcess
 
 MAX_WAITING = 40  # requests: more is a page that repeats itself
 EVERY = 0.2  # s between two looks whether the client is still there
-ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-"""A process that is forked may have no threads, and one that yields to a rig needs none."""
 
 
 class Withdrawn(Exception):
@@ -137,170 +127,56 @@ class _Order:
     def __init__(
         self, limits: RequestLimits, function: Callable[..., Any], arguments: tuple[Any, ...], ticket: str
     ) -> None:
-        self.limits, self.ticket, self.parts, self.begun = limits, ticket, [], False  # type: ignore[var-annotated]
-        self._work = pickle.dumps((function, arguments, limits))
-        self._child: _Child | None = None
-        self._cancelled, self._late = threading.Event(), threading.Event()
+        self.limits, self.ticket, self.begun = limits, ticket, False
+        self.parts: list[Any] = []
+        self._work = function, arguments
+        self._child: ChildProcess | None = None
+        self._cancelled = threading.Event()
         self._lock = threading.Lock()
 
     def cancel(self) -> None:
         """Nobody waits for it any more."""
         self._cancelled.set()
-        self._kill()
-
-    def _kill(self) -> None:
         with self._lock:
             if self._child is not None:
                 self._child.kill()
 
-    def _expire(self) -> None:
-        self._late.set()
-        self._kill()
-
     def serve(self) -> Any:
         """Start the process, wait for it, and return its result."""
         self.begun = True
-        child = _start()
+        child = ChildProcess(answer, self.limits, *self._work, forked=FORKED)  # the first one waits for the imports
         try:
             with self._lock:
                 self._child = child
             if self._cancelled.is_set():
                 raise Withdrawn
-            child.send(self._work)
             return self._result(child)
         finally:
             with self._lock:
                 self._child = None
-            child.close()
+            child.kill()
+            child.end()
 
-    def _result(self, child: _Child) -> Any:
+    def _result(self, child: ChildProcess) -> Any:
         while True:
-            timer = threading.Timer(self.limits.seconds, self._expire)
-            timer.daemon = True
-            timer.start()
-            try:
-                message = child.receive()
-            finally:
-                timer.cancel()
+            message = self._receive(child)
             if "part" in message:
                 self.parts.append(message["part"])
             elif "result" in message:
                 return message["result"]
             elif "refused" in message:
                 raise MissingData(message["refused"]) if message.get("missing") else InputError(message["refused"])
-            elif self._cancelled.is_set():
-                raise Withdrawn
-            elif "fault" in message:
-                raise RuntimeError("a worker met an error of dampyr; its traceback stands above")
             else:
-                raise InputError(self.limits.too_long if self._late.is_set() else self.limits.too_much)
+                raise RuntimeError("a process met an error of dampyr; its traceback stands above")
 
-
-class _Child:
-    """A process of one request: its two streams, and how it is ended."""
-
-    def __init__(self, reading: BinaryIO, writing: BinaryIO, process: subprocess.Popen[bytes] | None) -> None:
-        self._reading, self._writing, self._process, self._pidfd = reading, writing, process, -1
-        pid = self.receive().get("pid")
-        if process is None and pid is not None:
-            with contextlib.suppress(OSError):  # it has ended already
-                self._pidfd = os.pidfd_open(pid)
-
-    def send(self, work: bytes) -> None:
-        with contextlib.suppress(OSError):  # it has ended, which its silence tells
-            self._writing.write(struct.pack(">Q", len(work)) + work)
-            self._writing.flush()
-
-    def receive(self) -> dict[str, Any]:
-        """The next message; empty where the process has ended."""
+    def _receive(self, child: ChildProcess) -> dict[str, Any]:
+        """The next message; why there is none where time or memory are used up, or the client has left."""
+        (connection,) = child.connections
         try:
-            line = self._reading.readline(MAX_ANSWER + 2)
-            return dict(json.loads(line)) if line.endswith(b"\n") else {}
-        except (OSError, ValueError):
-            return {}
-
-    def kill(self) -> None:
-        with contextlib.suppress(OSError):
-            if self._process is not None:
-                self._process.kill()
-            elif self._pidfd >= 0:
-                signal.pidfd_send_signal(self._pidfd, signal.SIGKILL)
-
-    def close(self) -> None:
-        self.kill()
-        for stream in (self._reading, self._writing):
-            with contextlib.suppress(OSError):
-                stream.close()
-        if self._process is not None:
-            self._process.wait()
-        if self._pidfd >= 0:
-            os.close(self._pidfd)
-
-
-def _start() -> _Child:
-    if sys.platform != "linux":
-        command = [sys.executable, "-m", "dampyr.console.worker_template", "-"]
-        process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=os.environ | ONE_THREAD)
-        assert process.stdout is not None
-        assert process.stdin is not None
-        return _Child(process.stdout, process.stdin, process)  # type: ignore[arg-type]
-    ours, theirs = socket.socketpair()
-    with ours, theirs:
-        _template.hand_over(theirs)
-        theirs.close()  # or its end is never seen
-        return _Child(ours.makefile("rb"), ours.makefile("wb"), None)
-
-
-class _Template:
-    """The process from which others are forked, one for each server; started with the first request."""
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._control: socket.socket | None = None
-        self._process: subprocess.Popen[bytes] | None = None
-
-    def start(self) -> None:
-        """Begin to import what processes need."""
-        with self._lock:
-            self._started()
-
-    def hand_over(self, link: socket.socket) -> None:
-        """Fork a process for ``link``."""
-        with self._lock:
-            for _ in range(2):  # again with another one, where the first has been killed
-                try:
-                    socket.send_fds(self._started(), [b"1"], [link.fileno()])
-                    return
-                except OSError:
-                    self._control = None
-        raise RuntimeError("the process that answers requests cannot be started")
-
-    def _started(self) -> socket.socket:
-        if self._control is None:
-            if self._process is not None:
-                self._process.kill()
-                self._process.wait()
-            self._control, theirs = socket.socketpair()
-            command = [sys.executable, "-m", "dampyr.console.worker_template", str(theirs.fileno())]
-            with theirs:
-                self._process = subprocess.Popen(
-                    command, pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL, start_new_session=True,
-                    env=os.environ | ONE_THREAD,
-                )  # fmt: skip
-        return self._control
-
-    def close(self) -> None:
-        """End it; those that it forked end with their requests."""
-        with self._lock:
-            if self._control is not None:
-                self._control.close()
-            if self._process is not None:
-                self._process.kill()
-                self._process.wait()
-            self._control = self._process = None
-
-
-_template = _Template()
-atexit.register(_template.close)
-preload = _template.start
-"""Begin to import, so that the first request does not wait for it."""
+            if not connection.poll(self.limits.seconds):
+                raise InputError(self.limits.too_long)
+            return dict(json.loads(connection.recv_bytes()))
+        except (EOFError, OSError):  # it has ended before
+            if self._cancelled.is_set():
+                raise Withdrawn from None
+            raise InputError(self.limits.too_much) from None

@@ -1,4 +1,4 @@
-"""A job's work in this process: what comes of it in its folder, and what it says on its standard output."""
+"""A job's work in this process: what comes of it in its folder, and what it sends."""
 
 import json
 
@@ -7,24 +7,25 @@ import pytest
 pytest.importorskip("fastapi")
 
 from dampyr import registry
-from dampyr.console import worker
+from dampyr.console import job_work
 from dampyr.console.building_schemas import ResponseRequest
 from dampyr.console.identify_schemas import IdentifyRequest
-from dampyr.console.job_processes import WORK
+from dampyr.console.job_work import WORK
 from dampyr.console.safe_paths import OWN
 from dampyr.errors import DampyrWarning
 
 
 @pytest.fixture
-def work(data, capsys):
-    """``work(kind, request)``: the exit code, what was said, and the folder of the job."""
+def work(data):
+    """``work(kind, request)``: the exit code, what was sent, and the folder of the job."""
 
     def do(kind, request):
         folder = data / OWN / "jobs" / "0123456789abcdef"
         folder.mkdir(parents=True)
         (folder / "request.json").write_text(json.dumps({"kind": kind, "request": request}))
-        code = worker.run(folder)
-        return code, [json.loads(line) for line in capsys.readouterr().out.splitlines()], folder
+        sent = []
+        code = job_work.run(folder, sent.append)
+        return code, sent, folder
 
     return do
 
@@ -46,12 +47,12 @@ class Kind:
 
 def test_a_result_its_warnings_and_few_lines_of_progress(work, monkeypatch):
     monkeypatch.setattr(registry, "member", lambda group, name: {(WORK, "count"): Kind}[group, name])
-    code, said, folder = work("count", {"number": 41})
+    code, sent, folder = work("count", {"number": 41})
     assert code == 0
     assert json.loads((folder / "result.json").read_text()) == {"number": 42, "warnings": ["the rig is warm"]}
-    assert said[0] == {"stage": "counting", "progress": 0.0}
-    assert said[-1] == {"stage": "counting", "progress": 1.0}
-    assert len(said) < 100  # at most every tenth of a second, of a thousand that were reported
+    assert sent[0] == {"stage": "counting", "progress": 0.0}
+    assert sent[-1] == {"stage": "counting", "progress": 1.0}
+    assert len(sent) < 100  # at most every tenth of a second, of a thousand that were reported
 
 
 @pytest.mark.parametrize(("error", "code"), [(MemoryError(), 2), (ZeroDivisionError("a fault"), 1)])
@@ -62,20 +63,20 @@ def test_what_is_not_a_persons_error_has_a_code_of_its_own(work, monkeypatch, er
             raise error
 
     monkeypatch.setattr(registry, "member", lambda *_: Broken)
-    ended, said, folder = work("broken", {})
+    ended, sent, folder = work("broken", {})
     assert ended == code
-    assert ("memory limit" in str(said)) == (code == 2)
+    assert ("memory limit" in str(sent)) == (code == 2)
     assert not (folder / "result.json").exists()
 
 
 def test_only_validation_records_are_refused(work, campaign_folder):
     request = IdentifyRequest(records=["labcontrol/ensaio.vali.1.mat"], model="dahl").model_dump()
-    code, said, _ = work("identify", request)
+    code, sent, _ = work("identify", request)
     assert code == 2
-    assert "only validation records" in said[-1]["reason"]
+    assert "only validation records" in sent[-1]["reason"]
 
 
 def test_a_voltage_beyond_the_card_is_refused(work):
-    code, said, _ = work("respond", ResponseRequest(damper={"inputs": [9.0]}).model_dump())
+    code, sent, _ = work("respond", ResponseRequest(damper={"inputs": [9.0]}).model_dump())
     assert code == 2
-    assert "9 V" in said[-1]["reason"]
+    assert "9 V" in sent[-1]["reason"]
