@@ -7,6 +7,7 @@ import sys
 import textwrap
 import threading
 import time
+from multiprocessing import forkserver
 from pathlib import Path
 
 import pytest
@@ -131,6 +132,17 @@ def test_a_copy_has_what_its_origin_has_imported(forked: str) -> None:
     child = ChildProcess(process_functions.imported, forked=forked)
     assert child.connections[0].recv() == bool(forked and sys.platform == "linux")
     child.end()
+
+
+@POSIX
+def test_a_process_to_be_copied_that_was_killed_is_started_again(forked: str) -> None:
+    for _ in range(2):
+        child = ChildProcess(process_functions.add, 2, 3, pipes=2, forked=forked)
+        assert child.connections[0].recv()["sum"] == 5
+        child.end()
+        if forked and sys.platform == "linux":
+            server: int = forkserver._forkserver._forkserver_pid  # type: ignore[attr-defined]
+            os.kill(server, signal.SIGKILL)
 
 
 def alive(pid: int) -> bool:

@@ -47,7 +47,10 @@ class ChildProcess:
         self._process = context.Process(target=_begin, args=(function, theirs, arguments))
         try:
             with _lock, _without_main():
-                self._process.start()
+                try:
+                    self._process.start()
+                except (EOFError, ConnectionError):  # the process to be copied was killed: with another one
+                    self._process.start()
         except BaseException:
             self.hang_up()
             raise
