@@ -9,8 +9,6 @@ from multiprocessing.process import current_process, parent_process
 
 from dampyr.processes import end_with
 
-IMPORTED_BY = os.getpid()
-
 
 def add(first: Connection, second: Connection, a: int, b: int) -> None:
     first.send({"sum": a + b, "pid": os.getpid()})
@@ -39,6 +37,5 @@ def wait_for_the_end(connection: Connection) -> None:
     time.sleep(600.0)
 
 
-def imported(connection: Connection) -> None:
-    """Whether another process had imported this module before this one was forked from it."""
-    connection.send(os.getpid() != IMPORTED_BY)
+def has_imported(connection: Connection, module: str) -> None:
+    connection.send(module in sys.modules)

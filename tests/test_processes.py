@@ -12,11 +12,12 @@ from pathlib import Path
 
 import pytest
 
+pytest.importorskip("fastapi")
+from dampyr.console.request_process import FORKED
 from dampyr.processes import ChildProcess
 from tests import process_functions
 
 ROOT = Path(__file__).resolve().parents[1]
-FORKED = "tests.process_functions"
 POSIX = pytest.mark.skipif(os.name != "posix", reason="signals and sessions of POSIX")
 pytestmark = pytest.mark.parametrize("forked", ["", FORKED], ids=["started", "copied"])
 
@@ -84,10 +85,11 @@ def test_a_thread_that_waits_at_a_pipe_does_not_keep_it_open(forked: str) -> Non
 
 
 SCRIPT = textwrap.dedent("""
-    import os, sys, time
+    import signal, sys, time
     from dampyr.processes import ChildProcess
     from tests import process_functions
 
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # it is ignored below a shell's background job
     print("run", flush=True)
     child = ChildProcess(process_functions.start_another, forked=sys.argv[1])
     print(child.pid, child.connections[0].recv(), flush=True)
@@ -129,7 +131,7 @@ def test_a_ctrl_c_at_the_terminal_does_not_reach_it(forked: str) -> None:
 
 
 def test_a_copy_has_what_its_origin_has_imported(forked: str) -> None:
-    child = ChildProcess(process_functions.imported, forked=forked)
+    child = ChildProcess(process_functions.has_imported, "dampyr.console.campaign_plans", forked=forked)
     assert child.connections[0].recv() == bool(forked and sys.platform == "linux")
     child.end()
 

@@ -13,6 +13,7 @@ import signal
 import socket
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from multiprocessing import forkserver, get_context
@@ -22,6 +23,7 @@ from typing import Any, cast
 from weakref import WeakSet
 
 FORKS = sys.platform == "linux"  # elsewhere a process that is forked after libraries were loaded may crash
+PAUSES = 0.1, 1.0  # s in which a process that was killed gives back its memory, and is gone
 PATIENCE = 3.0  # s in which a process that is asked to end does so
 
 _lock = threading.RLock()  # multiprocessing looks after all children whenever it starts or joins one
@@ -46,11 +48,7 @@ class ChildProcess:
         theirs = [end for _, end in pairs]
         self._process = context.Process(target=_begin, args=(function, theirs, arguments))
         try:
-            with _lock, _without_main():
-                try:
-                    self._process.start()
-                except (EOFError, ConnectionError):  # the process to be copied was killed: with another one
-                    self._process.start()
+            self._start()
         except BaseException:
             self.hang_up()
             raise
@@ -59,6 +57,17 @@ class ChildProcess:
                 end.close()
         self.pid: int = self._process.pid
         _running.add(self)
+
+    def _start(self) -> None:
+        for pause in (*PAUSES, None):
+            try:
+                with _lock, _without_main():
+                    self._process.start()
+                return
+            except (EOFError, ConnectionError):  # the process to be copied was killed, and is started again once it is gone
+                if pause is None:
+                    raise
+                time.sleep(pause)
 
     def wait(self, seconds: float | None = None) -> int | None:
         """The exit status, once it has ended; None where that takes more than ``seconds``. That of a killed one is negative."""

@@ -22,6 +22,8 @@ for name in (
     "dampyr.console.record_uploads",
     "dampyr.console.dampers",
     "dampyr.console.job_work",
+    "dampyr.console.jobs.respond",
+    "dampyr.console.jobs.identify",
 ):
     import_module(name)
 import_module("dampyr.console.campaign_plans").warm_up()
