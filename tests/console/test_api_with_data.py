@@ -22,6 +22,7 @@ from schemathesis.specs.openapi.checks import (
     response_schema_conformance,
     status_code_conformance,
 )
+from tests.console.layers import state_of
 from tests.rig_time import HANG
 
 from dampyr import records
@@ -52,7 +53,7 @@ def full_console(tmp_path_factory, campaign_folder, module_bench_time):
     made = app(folder, at_once=0, opener=module_bench_time.open, clock=module_bench_time)
     api = schemathesis.openapi.from_asgi("/api/openapi.json", made, headers=HERE)
     with module_bench_time.passing(1.0), asgi.get_client(made) as client:
-        own = made.inner.state.dampyr.own
+        own = state_of(made).own
         yield SimpleNamespace(folder=folder, client=client, values=existing_values(jobs), api=api, own=own)
 
 

@@ -8,6 +8,7 @@ import pytest
 
 pytest.importorskip("fastapi")
 from fastapi.testclient import TestClient
+from tests.console.layers import state_of
 
 import dampyr as dp
 from dampyr.console import app
@@ -90,7 +91,7 @@ def test_what_fails_in_the_job_is_a_sentence(client, finished, data):
 def test_a_job_is_cancelled_and_its_processes_are_gone(client, finished):
     job = client.post("/api/building/ensembles", json=LONG).json()
     begun(client, job["id"])
-    jobs = client.app.inner.state.dampyr.jobs
+    jobs = state_of(client.app).jobs
     process = jobs._running[job["id"]]
     if hasattr(os, "getpriority"):
         assert os.getpriority(os.PRIO_PROCESS, process.pid) > os.getpriority(os.PRIO_PROCESS, 0)  # a rig goes before
@@ -119,7 +120,7 @@ def test_a_job_ends_with_its_console_and_is_told_when_it_starts_again(data, requ
     with TestClient(app(data), base_url="http://localhost") as client:
         id = client.post("/api/building/ensembles", json=LONG).json()["id"]
         begun(client, id)
-        process = client.app.inner.state.dampyr.jobs._running[id]
+        process = state_of(client.app).jobs._running[id]
     assert process.wait(10) == -9
     with TestClient(app(data), base_url="http://localhost") as client:
         job = client.get(f"/api/jobs/{id}").json()

@@ -12,6 +12,7 @@ import pytest
 pytest.importorskip("fastapi")
 
 from fastapi.testclient import TestClient
+from tests.console.layers import state_of
 from tests.endurance import Endurance
 from tests.rig_time import HANG
 
@@ -71,7 +72,7 @@ def test_minutes_at_10_khz(data: Path, endurance: Endurance) -> None:
     seconds = endurance.count(600)
     (data / "long.toml").write_text(CAMPAIGN.format(cycles=seconds - 2))
     with TestClient(app(data, opener=fast(real_time=endurance.full)), base_url=HERE) as client:
-        bench = client.app.inner.state.dampyr.own["bench"]
+        bench = state_of(client.app).own["bench"]
         pages = [Page(client, f"page-number-{k}") for k in range(2)]
         for page in pages:
             page.start()

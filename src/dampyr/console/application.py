@@ -15,6 +15,7 @@ from fastapi import APIRouter, FastAPI, HTTPException, Request
 from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, Field
 from starlette.staticfiles import StaticFiles
+from starlette.types import ASGIApp
 
 import dampyr
 from dampyr import registry
@@ -23,7 +24,7 @@ from dampyr.console.error_responses import add_handlers
 from dampyr.console.job_processes import Jobs
 from dampyr.console.rigs import Opener, opened
 from dampyr.console.safe_paths import OWN
-from dampyr.console.security import Guard, Rules
+from dampyr.console.security import AnswerHeaders, BodyLimit, HostCheck, OriginCheck, TokenBrake, TokenCheck
 from dampyr.console.state import PROBLEMS, AppState
 from dampyr.source_digest import full_version
 
@@ -61,8 +62,8 @@ def app(
     at_once: int | None = None,
     opener: Opener = opened,
     clock: Callable[[], float] = time.monotonic,
-) -> Any:
-    """The console over the folder ``data``, an ASGI application.
+) -> ASGIApp:
+    """The console over the folder ``data``.
 
     Parameters
     ----------
@@ -79,7 +80,7 @@ def app(
     opener
         ``opener(data, name, simulate)`` connects the bench's rig, for rigs that a ``rig.toml`` cannot describe.
     clock
-        the time [s] by which the bench notices that a page is silent.
+        the time [s] by which the bench notices that a page is silent, and by which wrong tokens are braked.
     """
     folder = Path(data).resolve()
     folder.mkdir(parents=True, exist_ok=True)
@@ -98,7 +99,13 @@ def app(
         inner.include_router(module.router, prefix=f"/api/{name}", tags=[module.TITLE])
     _add_files(inner)
     open_here = frozenset(path for _, module in pages for path in getattr(module, "OPEN_HERE", ()))
-    return Guard(inner, Rules(token, loopback_only, open_here))
+    guarded: ASGIApp = BodyLimit(inner)  # around FastAPI, so that its answers to faults have the headers, too
+    if token is not None:
+        guarded = TokenCheck(guarded, token, open_here)
+    guarded = HostCheck(OriginCheck(guarded), loopback_only)
+    if token is not None:
+        guarded = TokenBrake(guarded, token, open_here, clock)
+    return AnswerHeaders(guarded)
 
 
 def _about(links: list[PageLink]) -> APIRouter:

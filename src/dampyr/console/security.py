@@ -9,22 +9,20 @@ from __future__ import annotations
 
 import hmac
 import ipaddress
+import re
 import socket
 import time
 from collections import OrderedDict
-from collections.abc import Awaitable, Callable, Iterable, MutableMapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
-from http.cookies import CookieError, SimpleCookie
-from typing import Any
-from urllib.parse import parse_qs, urlsplit
 
+from starlette.datastructures import URL, Headers, MutableHeaders
+from starlette.exceptions import HTTPException
+from starlette.requests import HTTPConnection
 from starlette.responses import JSONResponse, RedirectResponse, Response
-
-Scope = MutableMapping[str, Any]
-Message = MutableMapping[str, Any]
-Receive = Callable[[], Awaitable[Message]]
-Send = Callable[[Message], Awaitable[None]]
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.websockets import WebSocketClose
 
 COOKIE = "dampyr_token"
 MAX_BODY = 2**20  # bytes: far above the largest request, a campaign's text of 64 KiB
@@ -33,21 +31,9 @@ UPLOAD = "application/octet-stream"
 ALLOWED = 5  # wrong tokens: a person mistypes a few times
 PAUSE = 10.0  # s: six tokens a minute find none of 32 letters
 MAX_ADDRESSES = 10_000  # that are remembered: 1 MB
-SAFE = ("GET", "HEAD", "OPTIONS")
-POLICY = "; ".join(
-    (
-        "default-src 'none'",
-        "script-src 'self'",
-        "style-src 'self'",
-        "img-src 'self' data: blob:",
-        "connect-src 'self'",
-        "base-uri 'none'",
-        "form-action 'none'",
-        "frame-ancestors 'none'",
-    )
-)
 HEADERS = {
-    "content-security-policy": POLICY,
+    "content-security-policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
+    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
     "x-content-type-options": "nosniff",
     "referrer-policy": "no-referrer",
     "cross-origin-opener-policy": "same-origin",
@@ -58,12 +44,14 @@ HEADERS = {
 
 def is_loopback(host: str) -> bool:
     """Whether an address or name reaches this machine alone."""
-    if host == "localhost":
-        return True
+    return host == "localhost" or ((address := _address(host)) is not None and address.is_loopback)
+
+
+def _address(host: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
     try:
-        return ipaddress.ip_address(host.strip("[]")).is_loopback
+        return ipaddress.ip_address(host.strip("[]"))
     except ValueError:
-        return False
+        return None
 
 
 @lru_cache(maxsize=1)
@@ -72,229 +60,181 @@ def own_names() -> frozenset[str]:
     return frozenset({socket.gethostname().lower(), socket.getfqdn().lower()})
 
 
-@dataclass(frozen=True)
-class Rules:
-    """Who may ask. ``open_here`` are paths that need no token from this machine itself: the abort of the bench."""
+@dataclass(eq=False)
+class AnswerHeaders:
+    """What a page may load, and what a browser may keep, on every answer; it lies outside of what makes any."""
 
-    token: str | None
-    loopback_only: bool = True
-    open_here: frozenset[str] = frozenset()
-
-    def refusal(self, scope: Scope) -> tuple[int, str] | None:
-        """Status and sentence for what is not allowed, or None."""
-        headers = _headers(scope)
-        if not self._allows_host(headers.get("host", "")):
-            return 400, "this console does not have that name; open it at the address that it printed"
-        if _foreign(scope, headers):
-            return 403, "the request comes from another site; open the console at the address that it printed"
-        if self.token is not None and not self._has_token(scope, headers):
-            return 401, "this console asks for its token; open it at the address that it printed"
-        return None
-
-    def _allows_host(self, host: str) -> bool:
-        name = (urlsplit(f"//{host}").hostname or "") if _splits(host) else ""
-        if is_loopback(name):
-            return True
-        if self.loopback_only:
-            return False
-        return _is_address(name) or name in own_names()
-
-    def _has_token(self, scope: Scope, headers: dict[str, str]) -> bool:
-        assert self.token is not None
-        if scope["type"] == "http" and not scope["path"].startswith("/api"):
-            return True  # the page itself holds nothing; it asks for the token
-        client = scope.get("client")
-        if scope["path"] in self.open_here and client and is_loopback(client[0]):
-            return True
-        presented = headers.get("authorization", "").removeprefix("Bearer ") or _cookie(headers.get("cookie", ""))
-        return same(presented, self.token)
-
-
-def same(presented: str, token: str) -> bool:
-    """Whether two tokens are the same, in a time that does not tell how much of them is."""
-    return hmac.compare_digest(presented.encode(), token.encode())
-
-
-@dataclass
-class Brake:
-    """Wrong tokens by the address that they came from: after `ALLOWED` different ones each next one is `PAUSE` s away.
-
-    One that is sent again counts once: a page that was left open has the token of the console before.
-    """
-
-    clock: Callable[[], float]
-    _wrong: OrderedDict[str, tuple[tuple[int, ...], float]] = field(default_factory=OrderedDict)
-
-    def wait(self, address: str) -> float:
-        """s until a token from ``address`` is looked at."""
-        wrong, last = self._wrong.get(address, ((), 0.0))
-        return max(0.0, last + PAUSE - self.clock()) if len(wrong) >= ALLOWED else 0.0
-
-    def count(self, address: str, presented: str, right: bool) -> None:
-        """A token was looked at."""
-        wrong, last = self._wrong.pop(address, ((), 0.0))
-        if not right:
-            new = hash(presented) not in wrong
-            latest = (*wrong, hash(presented))[-ALLOWED:] if new else wrong
-            self._wrong[address] = (latest, self.clock() if new else last)
-        while len(self._wrong) > MAX_ADDRESSES:
-            self._wrong.popitem(last=False)
-
-
-class Guard:
-    """The outermost layer of the console: `Rules` before everything, headers on everything, bodies counted."""
-
-    def __init__(self, inner: Any, rules: Rules, clock: Callable[[], float] = time.monotonic) -> None:
-        self.inner, self.rules, self.brake = inner, rules, Brake(clock)
+    app: ASGIApp
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] == "lifespan":
-            await self.inner(scope, receive, send)
-        elif (refused := self._answer(scope)) is not None:
-            await _refuse(scope, receive, send, refused)
-        elif scope["type"] == "http":
-            await self._counted(scope, receive, send)
+        async def sending(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                headers = MutableHeaders(raw=message.setdefault("headers", []))
+                cache = "no-store" if scope["path"].startswith("/api") else "no-cache"
+                for name, value in {**HEADERS, "cache-control": cache}.items():
+                    headers.setdefault(name, value)
+            await send(message)
+
+        await self.app(scope, receive, sending)
+
+
+@dataclass(eq=False)
+class Check:
+    """A layer that answers some requests itself and hands on the others; a WebSocket that it would answer is closed."""
+
+    app: ASGIApp
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        answer = None if scope["type"] == "lifespan" else self.answer(HTTPConnection(scope))
+        if answer is None:
+            await self.app(scope, receive, send)
+        elif scope["type"] == "websocket":
+            await WebSocketClose(4403, "not allowed")(scope, receive, send)
         else:
-            await self.inner(scope, receive, send)
+            await answer(scope, receive, send)
 
-    def _answer(self, scope: Scope) -> Response | None:
-        """The answer to what does not reach the application: a refusal, or the address with a token in it."""
-        if (braked := self._braked(scope)) is not None:
-            return braked
-        entered = self._entered(scope)
-        if entered is not None:
-            return entered
-        refusal = self.rules.refusal(scope)
-        return None if refusal is None else JSONResponse({"detail": refusal[1]}, refusal[0])
+    def answer(self, connection: HTTPConnection) -> Response | None:
+        """The answer to what does not get further; None for the rest."""
+        raise NotImplementedError
 
-    def _braked(self, scope: Scope) -> Response | None:
-        """The answer to an address that has sent wrong tokens again and again: none of its tokens is looked at for a while."""
-        token, presented = self.rules.token, _presented(scope)
-        address = (scope.get("client") or ("",))[0]
-        if token is None or not presented or scope["path"] in self.rules.open_here:
+
+@dataclass(eq=False)
+class TokenBrake(Check):
+    """Wrong tokens by the address that they came from: after `ALLOWED` different ones each next one is `PAUSE` s away.
+
+    One that is sent again counts once: a page that was left open has the token of the console before. The paths ``open_here``
+    are not braked.
+    """
+
+    token: str
+    open_here: frozenset[str]
+    clock: Callable[[], float] = time.monotonic
+    _wrong: OrderedDict[str, tuple[tuple[int, ...], float]] = field(default_factory=OrderedDict)
+
+    def answer(self, connection: HTTPConnection) -> Response | None:
+        presented = _presented(connection)
+        if not presented or connection["path"] in self.open_here:
             return None
-        if (seconds := self.brake.wait(address)) > 0.0:
+        address = connection.client.host if connection.client else ""
+        hashes, last = self._wrong.get(address, ((), 0.0))
+        seconds = last + PAUSE - self.clock()
+        if len(hashes) >= ALLOWED and seconds > 0.0:
             words = f"too many wrong tokens came from this address; wait {seconds:.0f} s, and try again"
             return JSONResponse({"detail": words}, 429, {"retry-after": f"{seconds:.0f}"})
-        self.brake.count(address, presented, same(presented, token))
+        if _same(presented, self.token):
+            self._wrong.pop(address, None)
+        elif hash(presented) not in hashes:
+            self._wrong[address] = (*hashes, hash(presented))[-ALLOWED:], self.clock()
+            self._wrong.move_to_end(address)
+            if len(self._wrong) > MAX_ADDRESSES:
+                self._wrong.popitem(last=False)
         return None
 
-    def _entered(self, scope: Scope) -> Response | None:
-        """``/?token=...`` with the right token: keep it in a cookie, and take it out of the address."""
-        token = self.rules.token
-        if token is None or scope["type"] != "http" or scope["path"] != "/" or scope["method"] != "GET":
-            return None
-        bare = Rules(None, self.rules.loopback_only)
-        if not same(_presented(scope), token) or bare.refusal(scope) is not None:
-            return None
-        answer = RedirectResponse("/", 303)
-        answer.set_cookie(COOKIE, token, httponly=True, samesite="strict")
-        return answer
 
-    async def _counted(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """The application behind a limit on the body, whether its length is announced or not."""
-        headers = _headers(scope)
+@dataclass(eq=False)
+class HostCheck(Check):
+    """Refuses names that are not this machine's; with ``loopback_only`` those that others can reach it by, too."""
+
+    loopback_only: bool
+
+    def answer(self, connection: HTTPConnection) -> Response | None:
+        name = _name(connection.headers.get("host", ""))
+        if is_loopback(name) or (not self.loopback_only and (_address(name) or name in own_names())):
+            return None
+        return _refusal(400, "this console does not have that name; open it at the address that it printed")
+
+
+class OriginCheck(Check):
+    """Refuses what another site sends, by its Origin or by what the browser says of it; a link may open the page."""
+
+    def answer(self, connection: HTTPConnection) -> Response | None:
+        headers = connection.headers
+        if origins := headers.getlist("origin"):
+            own = {f"http://{headers.get('host')}", f"https://{headers.get('host')}"}.issuperset(origins)
+        else:
+            opened = headers.get("sec-fetch-mode") == "navigate" and connection.scope.get("method") == "GET"
+            link = opened and connection["path"] == "/"
+            own = link or headers.get("sec-fetch-site", "none") in ("none", "same-origin")
+        if own:
+            return None
+        return _refusal(403, "the request comes from another site; open the console at the address that it printed")
+
+
+@dataclass(eq=False)
+class TokenCheck(Check):
+    """Asks for the token, but not for the page, which holds nothing, nor on this machine itself for the paths ``open_here``.
+
+    The right one in ``/?token=...`` goes into a cookie, and out of the address.
+    """
+
+    token: str
+    open_here: frozenset[str]
+
+    def answer(self, connection: HTTPConnection) -> Response | None:
+        path, client = connection["path"], connection.client
+        right = _same(_presented(connection), self.token)
+        if _is_page(connection):
+            if not right or connection["method"] != "GET":
+                return None
+            entered = RedirectResponse("/", 303)
+            entered.set_cookie(COOKIE, self.token, httponly=True, samesite="strict")
+            return entered
+        if right or (path in self.open_here and client and is_loopback(client.host)):
+            return None
+        return _refusal(401, "this console asks for its token; open it at the address that it printed")
+
+
+@dataclass(eq=False)
+class BodyLimit:
+    """The application behind a limit on the body, whether its length is announced or not."""
+
+    app: ASGIApp
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        headers, seen = Headers(raw=list(scope.get("headers", []))), 0
         limit = MAX_UPLOAD if headers.get("content-type") == UPLOAD else MAX_BODY
-        announced = headers.get("content-length", "0")
-        if not announced.isdigit() or int(announced) > limit:
-            await _too_large(limit)(scope, receive, _with_headers(send, scope))
-            return
-        seen, answered = 0, False
+        words = f"too large; at most {limit // 2**20} MiB are taken"
 
-        async def limited() -> Message:
+        async def counted() -> Message:
             nonlocal seen
             message = await receive()
             seen += len(message.get("body", b""))
             if seen > limit:
-                raise _TooLarge
+                raise HTTPException(413, words)
             return message
 
-        async def noting(message: Message) -> None:
-            nonlocal answered
-            answered = True
-            await _with_headers(send, scope)(message)
-
-        try:
-            await self.inner(scope, limited, noting)
-        except _TooLarge:
-            if not answered:
-                await _too_large(limit)(scope, receive, _with_headers(send, scope))
+        announced = headers.get("content-length", "0")
+        if scope["type"] == "http" and not (re.fullmatch("[0-9]{1,20}", announced) and int(announced) <= limit):
+            await _refusal(413, words)(scope, receive, send)
+        else:
+            await self.app(scope, counted, send)
 
 
-class _TooLarge(BaseException):
-    """Past the limit; no endpoint may catch it."""
+def _refusal(status: int, words: str) -> Response:
+    return JSONResponse({"detail": words}, status)
 
 
-def _too_large(limit: int) -> Response:
-    return JSONResponse({"detail": f"too large; at most {limit // 2**20} MiB are taken"}, 413)
+def _same(presented: str, token: str) -> bool:
+    """Whether two tokens are the same, in a time that does not tell how much of them is."""
+    return hmac.compare_digest(presented.encode(), token.encode())
 
 
-async def _refuse(scope: Scope, receive: Receive, send: Send, answer: Response) -> None:
-    if scope["type"] == "websocket":
-        await receive()
-        await send({"type": "websocket.close", "code": 4403, "reason": "not allowed"})
-        return
-    await answer(scope, receive, _with_headers(send, scope))
+def _is_page(connection: HTTPConnection) -> bool:
+    return connection["type"] == "http" and not connection["path"].startswith("/api")
 
 
-def _with_headers(send: Send, scope: Scope) -> Send:
-    added = HEADERS | {"cache-control": "no-store" if scope["path"].startswith("/api") else "no-cache"}
-
-    async def sending(message: Message) -> None:
-        if message["type"] == "http.response.start":
-            own = {name.lower() for name, _ in message.get("headers", [])}
-            more = [(k.encode(), v.encode()) for k, v in added.items() if k.encode() not in own]
-            message["headers"] = [*message.get("headers", []), *more]
-        await send(message)
-
-    return sending
-
-
-def _headers(scope: Scope) -> dict[str, str]:
-    pairs: Iterable[tuple[bytes, bytes]] = scope.get("headers", [])
-    return {name.decode("latin-1").lower(): value.decode("latin-1") for name, value in pairs}
-
-
-def _foreign(scope: Scope, headers: dict[str, str]) -> bool:
-    """Whether another site asks: by its Origin, or by what the browser says of it."""
-    origin = headers.get("origin")
-    if origin is not None:
-        return origin not in (f"http://{headers.get('host')}", f"https://{headers.get('host')}")
-    if headers.get("sec-fetch-site", "none") in ("none", "same-origin"):
-        return False
-    opened = headers.get("sec-fetch-mode") == "navigate" and scope.get("method") == "GET"
-    return not (opened and scope["path"] == "/")
-
-
-def _splits(host: str) -> bool:
-    try:
-        port = urlsplit(f"//{host}").port
-    except ValueError:
-        return False
-    return (port is None or port > 0) and "@" not in host and "/" not in host
-
-
-def _is_address(name: str) -> bool:
-    try:
-        ipaddress.ip_address(name)
-    except ValueError:
-        return False
-    return True
-
-
-def _presented(scope: Scope) -> str:
+def _presented(connection: HTTPConnection) -> str:
     """The token that a request brings, wherever it stands; "" where it brings none."""
-    if scope["path"] == "/":
-        return parse_qs(scope.get("query_string", b"").decode("latin-1")).get("token", [""])[0]
-    if not scope["path"].startswith("/api"):
-        return ""  # the page itself needs none
-    headers = _headers(scope)
-    return headers.get("authorization", "").removeprefix("Bearer ") or _cookie(headers.get("cookie", ""))
+    if _is_page(connection):
+        return connection.query_params.get("token", "") if connection["path"] == "/" else ""
+    bearer = connection.headers.get("authorization", "").removeprefix("Bearer ")
+    return bearer or connection.cookies.get(COOKIE, "")
 
 
-def _cookie(text: str) -> str:
+def _name(host: str) -> str:
+    """The name or address of a Host header; "" where it holds anything else than that and a port."""
     try:
-        cookie = SimpleCookie(text).get(COOKIE)
-    except CookieError:
+        url = URL(f"//{host}")
+        return (url.hostname or "") if url.netloc == host and url.username is None and url.port != 0 else ""
+    except ValueError:
         return ""
-    return cookie.value if cookie else ""
