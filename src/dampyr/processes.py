@@ -64,7 +64,10 @@ class ChildProcess:
                 with _lock, _without_main():
                     self._process.start()
                 return
-            except (EOFError, ConnectionError):  # the process to be copied was killed, and is started again once it is gone
+            except (
+                EOFError,
+                ConnectionError,
+            ):  # the process to be copied was killed, and is started again once it is gone
                 if pause is None:
                     raise
                 time.sleep(pause)
