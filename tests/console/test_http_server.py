@@ -16,7 +16,7 @@ import uvicorn
 from click.testing import CliRunner
 
 from dampyr.cli import cli
-from dampyr.console import workers
+from dampyr.console import http_server
 
 AT_A_KEYBOARD = """
 import runpy, signal
@@ -47,7 +47,7 @@ def test_the_keyboard_ends_it_without_a_traceback(data, times):
 def console(monkeypatch, data):
     """``console("--port", "0")``: the command in this process, which ends as soon as it would serve."""
     monkeypatch.setattr(uvicorn.Server, "run", lambda *_, sockets: [listening.close() for listening in sockets])
-    monkeypatch.setattr(workers, "preload", lambda: None)
+    monkeypatch.setattr(http_server, "begin_to_import", lambda _: None)
     monkeypatch.setattr("dampyr.rig.priority.before_ordinary", lambda: None)
     return lambda *words: CliRunner().invoke(cli, ["console", *words, "--data", str(data), "--no-browser"])
 
