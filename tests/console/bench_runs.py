@@ -14,7 +14,12 @@ Phase = Callable[..., None]
 
 def start(bench: Bench, folder: str = "run", **more: object) -> None:
     """Start the campaign for page "a"."""
-    bench.start("a", "short", bench.data / "short.toml", bench.data / folder, **more)  # type: ignore[arg-type]
+    bench.start("a", "short", folder, **more)
+
+
+def records_of(bench: Bench, folder: str = "run") -> Path:
+    """Where the records of a run are."""
+    return bench.data / "runs" / folder
 
 
 def outcome(bench: Bench) -> str:

@@ -67,7 +67,8 @@ module_bench_time = pytest.fixture(_bench_time, name="module_bench_time", scope=
 @pytest.fixture
 def bench(tmp_path: Path, bench_time: RealTime) -> Iterator[Bench]:
     """A bench whose page "a" holds control, nothing connected; its pages are heard of while a test waits."""
-    (tmp_path / "short.toml").write_text(SHORT)
+    (tmp_path / "campaigns").mkdir()
+    (tmp_path / "campaigns" / "short.toml").write_text(SHORT)
     made = Bench(tmp_path, bench_time.open, bench_time)
     made.clients.join("a")
     bench_time.while_waiting = lambda: (made.clients.hear("a"), made.clients.hear("b"))

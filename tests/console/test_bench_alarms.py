@@ -8,13 +8,13 @@ from tests.console.bench_runs import Phase, Until
 from tests.rig_time import RealTime
 
 from dampyr.console.bench_alarms import FILE as LIMITS
-from dampyr.console.bench_alarms import AlarmLimit, Alarms
+from dampyr.console.bench_alarms import Alarms
 from dampyr.console.bench_session import Bench
 from dampyr.errors import InputError
 
 
 def test_an_alarm_is_latched_until_it_is_acknowledged(armed: Bench, until: Until, phase: Phase) -> None:
-    armed.set_alarm_limit("a", AlarmLimit("position", -0.004, 0.004))
+    armed.set_alarm_limit("a", "position", -0.004, 0.004)
     armed.go("a", 0.006)
     until(lambda: bool(armed.state().alarms))
     alarm = armed.state().alarms[0]
@@ -31,8 +31,8 @@ def test_an_alarm_is_latched_until_it_is_acknowledged(armed: Bench, until: Until
     assert json.loads((armed.data / "bench" / LIMITS).read_text())[0]["high"] == 0.004
     assert Alarms(armed.data / "bench").limits == armed.state().alarm_limits  # the next session has them
     with pytest.raises(InputError, match="low = 5 mm is not below high = 4 mm"):
-        armed.set_alarm_limit("a", AlarmLimit("position", 0.005, 0.004))
-    armed.set_alarm_limit("a", AlarmLimit("position"))
+        armed.set_alarm_limit("a", "position", 0.005, 0.004)
+    armed.set_alarm_limit("a", "position", None, None)
     assert armed.state().alarm_limits == ()
 
 
@@ -52,4 +52,4 @@ def test_a_trip_is_an_alarm_and_an_event(bench: Bench, bench_time: RealTime, pha
     until(lambda: bool(bench.state().alarms), 20.0)
     assert "load cell signal" in bench.state().alarms[0].words
     phase(bench, "idle", 5.0)
-    assert any("load cell signal" in event.what for event in bench.events)
+    assert any("load cell signal" in event.what for event in bench.events.recent())

@@ -5,22 +5,22 @@ from pathlib import Path
 
 import pytest
 from fastapi.testclient import TestClient
-from tests.console.bench_runs import Phase, Until, start
+from tests.console.bench_runs import Phase, Until, records_of, start
 
 from dampyr.console import app
 from dampyr.console.bench_events import FILE as EVENTS
-from dampyr.console.bench_session import Bench, RunAbout
+from dampyr.console.bench_session import Bench
 
 
 def test_the_log_says_who_did_what_and_is_kept_with_the_run(armed: Bench, until: Until, phase: Phase) -> None:
-    start(armed, about=RunAbout("A. Operator", "damper 7", "after repair"))
+    start(armed, operator="A. Operator", specimen="damper 7", note="after repair")
     until(lambda: (run := armed.state().run) is not None and run.cycles > 0.3)
     armed.clients.join("b")
     armed.take_control("b")
     armed.abort("page 2")
     phase(armed, "idle", 5.0)
     started = "A. Operator, page 1"
-    said = [f"{event.who}: {event.what}" for event in reversed(armed.events)]
+    said = [f"{event.who}: {event.what}" for event in reversed(armed.events.recent())]
     for words in (
         "page 1: connects the original rig, simulated", "page 1: arms", "rig: armed", f"{started}: starts short into run",
         "page 2: took control from page 1", "page 2: aborts",
@@ -30,11 +30,11 @@ def test_the_log_says_who_did_what_and_is_kept_with_the_run(armed: Bench, until:
     assert energy == [
         "rig: armed", "rig: disarmed", f"rig: armed for the campaign short, started by {started}", "rig: disarmed",
     ]  # fmt: skip
-    lines = [json.loads(line) for line in (armed.data / "run" / EVENTS).read_text().splitlines()]
+    lines = [json.loads(line) for line in (records_of(armed) / EVENTS).read_text().splitlines()]
     assert lines[0]["what"] == "starts short into run"
     assert [line["what"] for line in lines if line["who"] == "page 2"] == ["took control from page 1", "aborts"]
-    assert Bench(armed.data).events == armed.events  # the next session shows them
-    partial = next((armed.data / "run").glob("*.h5"))
+    assert Bench(armed.data).events.recent() == armed.events.recent()  # the next session shows them
+    partial = next(records_of(armed).glob("*.h5"))
     assert partial.is_file()
 
 
@@ -48,10 +48,10 @@ def test_the_log_says_when_energy_enters_and_leaves_in_a_campaign(
         phase(idle, "armed")
         idle.home("a", here=True)
         phase(idle, "armed")
-    start(idle, about=RunAbout("A. Operator"))
+    start(idle, operator="A. Operator")
     phase(idle, "campaign")
     phase(idle, "idle", 60.0)
-    lines = [json.loads(line) for line in (idle.data / "run" / EVENTS).read_text().splitlines()]
+    lines = [json.loads(line) for line in (records_of(idle) / EVENTS).read_text().splitlines()]
     said = [line["what"] for line in lines]
     first = said.index("armed for the campaign short, started by A. Operator, page 1")
     assert said[:first] == (["starts short into run"] + by_hand * ["disarmed"])

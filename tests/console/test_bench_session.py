@@ -1,16 +1,20 @@
-"""The bench without a web: a rig read by a thread, commands, control, abort from any thread."""
+"""The bench without a web: commands, control, abort from any thread, and a rig that nobody looks at."""
+
+from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.console.bench_runs import Phase, Until, outcome, position, reason
+from tests.console.bench_runs import Phase, Until, outcome, position, reason, records_of
 from tests.console.bench_runs import start as run
 from tests.rig_time import RealTime
 from tests.short_campaign import SHORT
 
 from dampyr.campaigns import read_journal
+from dampyr.console import bench_session
 from dampyr.console.bench_session import Bench
-from dampyr.errors import InputError
+from dampyr.errors import InputError, RigFault
 from dampyr.records import read
+from dampyr.rig import Rig
 
 pytestmark = pytest.mark.endure
 
@@ -64,10 +68,45 @@ def test_commands_are_refused_in_the_wrong_state_and_from_the_wrong_page(bench: 
     bench.clients.join("b")
     with pytest.raises(InputError, match="page 1 holds control"):
         bench.connect("b")
-    bench.connect("a", "no such rig")
-    until(lambda: bench.state().fault)
-    assert "is not known" in bench.state().note
+    with pytest.raises(InputError, match="is not known"):
+        bench.connect("a", "no such rig")
     assert bench.state().phase == "disconnected"
+
+
+def test_a_rig_that_cannot_be_opened_leaves_the_bench_disconnected(
+    bench: Bench, bench_time: RealTime, until: Until, phase: Phase
+) -> None:
+    bench_time.faults = ("nonsense",)
+    bench.connect("a")
+    until(lambda: bench.state().fault)
+    assert "nonsense" in bench.state().note
+    assert bench.state().phase == "disconnected"
+    bench_time.faults = ()
+    bench.connect("a")
+    phase(bench, "idle")
+
+
+def test_a_rig_that_does_not_answer_at_first_is_closed(
+    bench: Bench, bench_time: RealTime, until: Until, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    closed = []
+    open_rig = bench_time.open
+
+    def silent_rig(data: Path, name: str, simulate: bool) -> Rig:
+        rig = open_rig(data, name, simulate)
+        rig.on_close.append(lambda: closed.append(rig))
+        monkeypatch.setattr(rig.uno, "heartbeat", refuse)
+        return rig
+
+    def refuse() -> None:
+        raise RigFault("the Uno does not answer", "firmware")
+
+    monkeypatch.setattr(bench, "_opener", silent_rig)
+    bench.connect("a")
+    until(lambda: bench.state().fault)
+    assert bench.state().note == "the Uno does not answer"
+    assert bench.state().phase == "disconnected"
+    assert len(closed) == 1
 
 
 def test_abort_while_armed_and_on_the_way_to_it(armed: Bench, until: Until, phase: Phase) -> None:
@@ -100,7 +139,7 @@ def test_a_campaign_to_its_end_survives_its_page(armed: Bench, until: Until, pha
     assert (progress.outcome, progress.done, progress.tests, progress.fraction) == ("complete", 2, 2, 1.0)
     assert progress.planned_cycles > 1.9
     assert progress.cycles == pytest.approx(progress.planned_cycles, abs=0.51)
-    record = read(armed.data / "run" / "01-sine-4mm-1Hz-0V.h5")
+    record = read(records_of(armed) / "01-sine-4mm-1Hz-0V.h5")
     assert np.ptp(record.displacement) == pytest.approx(0.008, rel=0.05)
     assert armed.state().rings[2].words == "short: all of its 2 tests passed"
 
@@ -137,7 +176,7 @@ def test_a_campaign_is_aborted_and_its_record_says_so(armed: Bench, until: Until
     phase(armed, "idle", 5.0)
     assert outcome(armed) == "aborted"
     assert reason(armed) == "aborted: by the operator"
-    assert read_journal(armed.data / "run")[0][0].reason == "aborted: by the operator"
+    assert read_journal(records_of(armed))[0][0].reason == "aborted: by the operator"
 
 
 def test_abort_before_a_campaign_arms_lets_nothing_move(bench: Bench, phase: Phase) -> None:
@@ -147,7 +186,7 @@ def test_abort_before_a_campaign_arms_lets_nothing_move(bench: Bench, phase: Pha
     bench.abort()
     phase(bench, "idle", 10.0)
     assert outcome(bench) == "aborted"
-    folder = bench.data / "run"
+    folder = records_of(bench)
     assert not folder.is_dir() or not list(folder.glob("*.h5"))
 
 
@@ -163,7 +202,7 @@ def test_stop_acts_while_the_table_is_homed(bench: Bench, bench_time: RealTime, 
 
 
 def test_a_campaign_that_the_rig_cannot_do_is_refused_before_it_arms(bench: Bench, phase: Phase) -> None:
-    (bench.data / "short.toml").write_text(SHORT.replace("4 mm", "30 mm"))
+    (bench.data / "campaigns" / "short.toml").write_text(SHORT.replace("4 mm", "30 mm"))
     bench.connect("a")
     phase(bench, "idle")
     with pytest.raises(InputError, match="lower the amplitude to"):
@@ -211,3 +250,32 @@ def test_the_steps_of_the_guide_twice_on_one_rig(
         run(bench, f"run{k}-aborted")  # goes on
         phase(bench, "idle")
         assert outcome(bench) == "complete", reason(bench)
+
+
+def test_an_armed_rig_that_nobody_looks_at_is_disarmed(
+    armed: Bench, monkeypatch: pytest.MonkeyPatch, phase: Phase
+) -> None:
+    monkeypatch.setattr(bench_session, "GRACE", 0.3)
+    armed.clients.disconnect("a")
+    phase(armed, "idle", 5.0)
+    assert "no page is open" in armed.state().note
+
+
+def test_a_page_loaded_anew_finds_the_rig_armed(armed: Bench, bench_time: RealTime) -> None:
+    armed.clients.disconnect("a")
+    bench_time.sleep(0.2)
+    armed.clients.join("a")
+    bench_time.sleep(0.2)
+    assert armed.state().phase == "armed"
+    armed.disarm("a")
+
+
+def test_the_interlock_is_seen(bench: Bench, bench_time: RealTime, until: Until, phase: Phase) -> None:
+    bench_time.faults = ("broken-cell@1s",)
+    bench.connect("a")
+    phase(bench, "idle")
+    bench.arm("a")
+    until(lambda: bench.state().rings[1].state == "acted", 10.0)
+    phase(bench, "idle", 5.0)
+    assert "interlock" in bench.state().note
+    assert bench.state().fault

@@ -1,49 +1,61 @@
-"""The thread that reads the rig: it disarms a rig that nobody looks at, sees the interlock, and may die."""
+"""The thread that owns the rig does its jobs in order, no exception ends it, and it may die with its process."""
 
 import json
 import os
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import pytest
-from tests.console.bench_runs import Phase, Until
 from tests.rig_time import HANG, RealTime, SimulatedTime
 
-from dampyr.console import bench_thread
-from dampyr.console.bench_session import Bench
-
-pytestmark = pytest.mark.endure
+from dampyr.console.bench_thread import RigThread
 
 
-def test_an_armed_rig_that_nobody_looks_at_is_disarmed(
-    armed: Bench, monkeypatch: pytest.MonkeyPatch, phase: Phase
-) -> None:
-    monkeypatch.setattr(bench_thread, "GRACE", 0.3)
-    armed.clients.disconnect("a")
-    phase(armed, "idle", 5.0)
-    assert "no page is open" in armed.state().note
+def test_jobs_are_done_in_their_order_and_no_exception_ends_the_thread() -> None:
+    done: list[object] = []
+    names: list[str] = []
+    looked, wait = threading.Event(), threading.Event()
+    thread = RigThread(looked.set, lambda problem: done.append(str(problem)), lambda: done.append("left"))
+
+    def fail() -> None:
+        names.append(threading.current_thread().name)
+        raise ZeroDivisionError("it failed")
+
+    for job in (wait.wait, lambda: done.append(1), fail, lambda: done.append(2)):
+        thread.jobs.put(job)  # type: ignore[arg-type]
+    assert thread.wanted
+    wait.set()
+    assert looked.wait(HANG)  # while no job comes
+    assert (done, names) == ([1, "it failed", 2], ["bench"])
+    assert not thread.wanted
+    thread.close()
+    assert done == [1, "it failed", 2, "left"]
 
 
-def test_a_page_loaded_anew_finds_the_rig_armed(armed: Bench, bench_time: RealTime) -> None:
-    armed.clients.disconnect("a")
-    bench_time.sleep(0.2)
-    armed.clients.join("a")
-    bench_time.sleep(0.2)
-    assert armed.state().phase == "armed"
-    armed.disarm("a")
+def test_a_thread_that_is_closed_begins_no_further_job_and_tells_how_it_left() -> None:
+    done: list[object] = []
+    begun, wait = threading.Event(), threading.Event()
 
+    def work() -> None:
+        begun.set()
+        wait.wait()
+        done.append("under way")
 
-def test_the_interlock_is_seen(bench: Bench, bench_time: RealTime, until: Until, phase: Phase) -> None:
-    bench_time.faults = ("broken-cell@1s",)
-    bench.connect("a")
-    phase(bench, "idle")
-    bench.arm("a")
-    until(lambda: bench.state().rings[1].state == "acted", 10.0)
-    phase(bench, "idle", 5.0)
-    assert "interlock" in bench.state().note
-    assert bench.state().fault
+    def leave() -> None:
+        raise OSError("the port is gone")
+
+    thread = RigThread(lambda: None, lambda problem: done.append(str(problem)), leave)
+    thread.jobs.put(work)
+    thread.jobs.put(lambda: done.append("never"))
+    assert begun.wait(HANG)
+    thread.closing.set()
+    assert thread.wanted
+    wait.set()
+    thread.close()
+    assert done == ["under way", "the port is gone"]
 
 
 DYING = """
@@ -80,6 +92,7 @@ while True:
 """
 
 
+@pytest.mark.endure
 @pytest.mark.prove  # a process of its own; tests/rig/wires ends hosts in every run
 def test_when_the_server_dies_the_rig_comes_to_rest(tmp_path: Path, bench_time: RealTime) -> None:
     box = tmp_path / "box.jsonl"

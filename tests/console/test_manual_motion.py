@@ -30,6 +30,16 @@ def test_go_to_a_position_and_end_it(armed: Bench, bench_time: RealTime, until: 
         armed.go("b", 0.0)
 
 
+def test_a_motion_that_is_halted_before_it_begins_does_not_begin(armed: Bench, phase: Phase) -> None:
+    armed.go("a", 0.010)
+    armed.halt("a")
+    phase(armed, "armed", 5.0)
+    assert armed.state().note == "ended by the operator"
+    live = armed.state().live
+    assert live is not None
+    assert abs(live.position) < 0.003
+
+
 def test_nothing_goes_to_a_position_without_homing(idle: Bench, phase: Phase) -> None:
     idle.arm("a")
     phase(idle, "armed")

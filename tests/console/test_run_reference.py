@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.console.bench_runs import Phase, Until, start
+from tests.console.bench_runs import Phase, Until, records_of, start
 from tests.rig_time import HANG, RealTime
 from tests.short_campaign import FIRST, SECOND
 
@@ -22,10 +22,11 @@ def test_cycles_are_compared_with_a_reference_and_a_report_is_written(armed: Ben
     start(armed, "one")
     phase(armed, "campaign")
     phase(armed, "idle")
-    start(armed, "two", reference=RunReference(armed.data / "one", 0.15))
+    start(armed, "two", reference="one")
     until(lambda: (comparison := armed.state().comparison) is not None and comparison.passed > 0, 60.0)
-    assert armed.reference_loop is not None
-    assert np.ptp(armed.reference_loop.x) == pytest.approx(8.0, rel=0.05)
+    assert armed.runs.reference is not None
+    assert armed.runs.reference.loop is not None
+    assert np.ptp(armed.runs.reference.loop.x) == pytest.approx(8.0, rel=0.05)
     phase(armed, "idle")
     comparison = armed.state().comparison
     assert comparison is not None
@@ -35,7 +36,7 @@ def test_cycles_are_compared_with_a_reference_and_a_report_is_written(armed: Ben
     run = armed.state().run
     assert run is not None
     assert (run.report, run.report_state) == (REPORT, "")
-    assert "<html" in (armed.data / "two" / REPORT).read_text()
+    assert "<html" in (records_of(armed, "two") / REPORT).read_text()
 
 
 def shown(name: str, samples: object = None) -> Progress:

@@ -32,17 +32,20 @@ class EventLog:
         """How many were added."""
         self.trouble = ""
         """Why the last event could not be written; empty where it was."""
+        self.run_folder: Path | None = None
+        """The folder of the campaign under way, which gets the events too."""
         self._lock = threading.Lock()
         self._events: deque[BenchEvent] = deque(_earlier(self.path), maxlen=SHOWN)
 
-    def add(self, who: str, what: str, run: Path | None = None) -> None:
-        """Note an event; ``run`` is the folder of a campaign under way, which gets it too."""
+    def add(self, who: str, what: str) -> None:
+        """Note an event."""
         event = BenchEvent(datetime.now().astimezone().isoformat(timespec="milliseconds"), who, what)
         line = json.dumps(asdict(event)) + "\n"
         with self._lock:
             self._events.append(event)
             self.count += 1
             self.trouble = ""
+            run = self.run_folder
             for path in (self.path, *([run / FILE] if run is not None else [])):
                 try:
                     path.parent.mkdir(parents=True, exist_ok=True)

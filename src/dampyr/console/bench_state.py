@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from dampyr.campaigns import Plan
-from dampyr.campaigns.run_control import Progress
 from dampyr.console.bench_alarms import Alarm, AlarmLimit, Extreme, Reading
 from dampyr.console.bench_reference import Comparison
 from dampyr.console.guided import Guided
@@ -149,33 +147,6 @@ class BenchState:
     """How many events were noted since the console began."""
     trouble: str = ""
     """What keeps the log of events from being written."""
-
-
-def new_run(queued: Queued, campaign_plan: Plan) -> CampaignRun:
-    """The run that begins."""
-    return CampaignRun(
-        queued.name,
-        queued.folder,
-        len(campaign_plan.tests),
-        time_left=campaign_plan.duration,
-        operator=queued.operator or campaign_plan.campaign.header.operator,
-        specimen=queued.specimen or campaign_plan.campaign.header.specimen,
-    )
-
-
-def advanced(progress: Progress, paused: bool) -> dict[str, object]:
-    """What a progress changes of a run."""
-    return {
-        "phase": progress.phase,
-        "test": progress.name,
-        "done": progress.done,
-        "fraction": progress.fraction,
-        "time_left": progress.time_left,
-        "cycles": progress.cycles,
-        "planned_cycles": progress.planned_cycles,
-        "stroke": progress.stroke,
-        "paused": paused,
-    }
 
 
 def firmware_ring(status: Status | None) -> Ring:

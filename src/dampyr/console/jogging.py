@@ -20,6 +20,11 @@ BLIND = 0.002  # m/s, the firmware's own limit until the table is homed
 MARGIN = 0.001  # m before the end of the stroke
 
 
+def fastest_jog(homed: bool) -> float:
+    """The greatest speed [m/s] that may be asked for."""
+    return GENTLE if homed else BLIND
+
+
 @dataclass
 class _Wish:
     client: str
@@ -34,13 +39,9 @@ class Jogging:
         self._clock, self._wish, self._moves = clock, None, False  # type: Callable[[], float], _Wish | None, bool
         self._lock = threading.Lock()
 
-    def fastest(self, homed: bool) -> float:
-        """The greatest speed [m/s] that may be asked for."""
-        return GENTLE if homed else BLIND
-
     def ask(self, client: str, speed: float, table: ArmedRig) -> None:
         """Wish for a speed [m/s]; 0 ends the wish."""
-        max_speed = self.fastest(table.homed)
+        max_speed = fastest_jog(table.homed)
         if not abs(speed) <= max_speed:
             more = "" if table.homed else "; home the table to go faster"
             raise InputError(

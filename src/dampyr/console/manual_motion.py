@@ -1,21 +1,74 @@
-"""Motions by hand on an armed rig: a sine that is checked as a test of a campaign is, and a voltage on the coil at rest."""
+"""Motions by hand on an armed rig, for as long as the page that asked for them holds control.
+
+A sine is checked as a test of a campaign is; a voltage on the coil stands with the table at rest.
+"""
 
 from __future__ import annotations
 
 import math
+import threading
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 
 from dampyr.campaigns import campaign_of, plan
 from dampyr.campaigns.force_prediction import specimen
-from dampyr.errors import InputError
+from dampyr.console.clients import Clients
+from dampyr.console.jogging import Jogging
+from dampyr.errors import DampyrError, InputError
 from dampyr.rig import Drive, RigSettings
 from dampyr.rig.session import ArmedRig
 
 MAX_CYCLES = 1000
 MAX_SECONDS = 120.0  # of a voltage on the coil at rest: an operator looks at it
 PERIOD = 0.01  # s from set point to set point
+Motion = Callable[[ArmedRig], None]
+
+
+class Cancelled(DampyrError):
+    """A motion was ended because whoever asked for it is gone, or asked for something else."""
+
+
+class ManualMotions:
+    """The motion that is asked for, and what ends it; ``leaving`` says whether the table is to be disarmed."""
+
+    def __init__(self, clients: Clients, clock: Callable[[], float], leaving: Callable[[], bool]) -> None:
+        self.jogging, self.halted = Jogging(clock), threading.Event()
+        self._clients, self._leaving = clients, leaving
+        self._asked: tuple[str, Motion] | None = None
+        self._mover = ""
+
+    def ask(self, client: str, motion: Motion) -> None:
+        """Begin ``motion`` with the next block; asked for while the table is armed and nothing else is under way."""
+        self.forget()
+        self.halted.clear()
+        self._asked = client, motion
+
+    def forget(self) -> None:
+        """Nothing is asked for any more."""
+        self.jogging.forget()
+        self._asked = None
+
+    def step(self, table: ArmedRig) -> bool:
+        """Perform the motion that is asked for; where there is none take a block, and jog. Whether there was one."""
+        if self._asked is None:
+            next(table.loop.blocks())
+            self.jogging.steer(table, self._clients.holder)
+            return False
+        (self._mover, motion), self._asked = self._asked, None
+        motion(table)
+        return True
+
+    def check(self) -> None:
+        """Raise `Cancelled` where what moves may not go on."""
+        self._clients.silent()
+        if self._leaving():
+            raise Cancelled("ended: the rig is disarmed")
+        if self.halted.is_set():
+            raise Cancelled("ended by the operator")
+        if self._mover != self._clients.holder:
+            raise Cancelled("ended: the page that requested it no longer holds control")
 
 
 def sine_drive(

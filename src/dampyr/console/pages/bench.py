@@ -9,7 +9,6 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from datetime import date
 from glob import escape as glob_escape
-from pathlib import Path
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request, WebSocket
@@ -23,24 +22,24 @@ from dampyr.campaigns.journal import NAME as JOURNAL
 from dampyr.campaigns.recorded_tests import entries_with_files
 from dampyr.campaigns.run_folders import RunFolder, folder_state, run_folder
 from dampyr.console import safe_paths
-from dampyr.console.bench_alarms import AlarmLimit, Reading
+from dampyr.console.bench_alarms import Reading
+from dampyr.console.bench_campaigns import RUNS, records_folder
 from dampyr.console.bench_events import BenchEvent
 from dampyr.console.bench_reference import ReferenceLoop
-from dampyr.console.bench_session import Bench, RunAbout
+from dampyr.console.bench_session import Bench
 from dampyr.console.bench_state import BenchState
 from dampyr.console.decimation import COLUMNS, as_lists
 from dampyr.console.error_responses import MAX_SENTENCE, without_places
 from dampyr.console.grid import FOLDER
 from dampyr.console.guided import Step
 from dampyr.console.rigs import rig_names, rig_settings
-from dampyr.console.run_reference import REPORT, RunReference
+from dampyr.console.run_reference import REPORT
 from dampyr.console.state import AppState, CurrentApp
 from dampyr.console.stream import ABORTING, Stream
 from dampyr.errors import InputError
 
 TITLE, ORDER = "Bench", 10
 OPEN_HERE = ("/api/bench/abort",)
-RUNS = "runs"
 MAX_RUNS = 100  # folders that a page lists
 ID = "^[A-Za-z0-9-]{8,64}$"
 
@@ -54,6 +53,7 @@ def bench(app: CurrentApp) -> Bench:
 
 
 CurrentBench = Annotated[Bench, Depends(bench)]
+Name = Annotated[str, Query(max_length=100)]
 
 
 @asynccontextmanager
@@ -245,11 +245,10 @@ def rigs(app: CurrentApp) -> list[RigFile]:
     for name in ("", *rig_names(app.data)):
         try:
             settings = rig_settings(app.data, name)
+            rig_files.append(RigFile(name=name, title=settings.name, wired=bool(settings.wires.serial)))
         except InputError as problem:
             words = without_places(str(problem), app.data)[:MAX_SENTENCE]
             rig_files.append(RigFile(name=name, title=name, wired=False, problem=words))
-            continue
-        rig_files.append(RigFile(name=name, title=settings.name, wired=bool(settings.wires.serial)))
     return rig_files
 
 
@@ -269,14 +268,9 @@ def report(app: CurrentApp, folder: Annotated[str, InPath(max_length=100)]) -> F
 
 
 @router.get("/folder")
-def folder_state_of(
-    app: CurrentApp,
-    bench: CurrentBench,
-    campaign: Annotated[str, Query(max_length=100)],
-    folder: Annotated[str, Query(max_length=100)],
-) -> FolderState:
+def folder_state_of(app: CurrentApp, bench: CurrentBench, campaign: Name, folder: Name) -> FolderState:
     """What starting a campaign into a folder would mean, before it is started."""
-    place = _run_folder(app, folder)
+    place = records_folder(app.data, folder)
     if not (place / JOURNAL).is_file():
         return FolderState(state="new", words="a new folder")
     path = safe_paths.existing(app.data, f"{FOLDER}/{campaign}.toml")
@@ -286,7 +280,7 @@ def folder_state_of(
 
 
 @router.get("/suggested")
-def suggested(app: CurrentApp, campaign: Annotated[str, Query(max_length=100)]) -> SuggestedFolder:
+def suggested(app: CurrentApp, campaign: Name) -> SuggestedFolder:
     """A folder for the next run of a campaign: its name, the date, and a number from the second one of a day on."""
     name = f"{campaign}-{date.today().isoformat()}"[:95]
     taken = {path.name for path in (app.data / RUNS).glob(f"{glob_escape(name)}*")}
@@ -304,17 +298,18 @@ def disk(app: CurrentApp) -> Disk:
 @router.get("/events")
 def events(bench: CurrentBench) -> list[BenchEvent]:
     """Who did what, the latest first; all of it is in the file bench/bench-events.jsonl of the data folder."""
-    return bench.events
+    return bench.events.recent()
 
 
 @router.get("/reference")
 def reference(bench: CurrentBench) -> ReferenceLoop | None:
     """The loop of the reference of the test under way; null where there is none."""
-    return bench.reference_loop
+    reference = bench.runs.reference
+    return None if reference is None else reference.loop
 
 
 @router.get("/tests")
-def tests(app: CurrentApp, folder: Annotated[str, Query(max_length=100)]) -> list[TestState]:
+def tests(app: CurrentApp, folder: Name) -> list[TestState]:
     """The tests of a run, from its journal and its files; none where it has no journal yet."""
     place = safe_paths.inside(app.data, f"{RUNS}/{folder}")
     if not (place / JOURNAL).is_file():
@@ -326,22 +321,9 @@ def tests(app: CurrentApp, folder: Annotated[str, Query(max_length=100)]) -> lis
     ]
 
 
-@router.post("/control")
-def control(request: ClientRequest, bench: CurrentBench) -> Done:
-    """Take control, from whoever has it; what they moved stops."""
-    bench.take_control(request.client)
-    return Done()
-
-
-@router.post("/connect")
-def connect(request: Connect, app: CurrentApp, bench: CurrentBench) -> Done:
-    """Connect a rig."""
-    rig_settings(app.data, request.rig)
-    bench.connect(request.client, request.rig, request.simulate)
-    return Done()
-
-
 COMMANDS: dict[str, tuple[type[ClientRequest], Callable[..., None], str]] = {
+    "control": (ClientRequest, Bench.take_control, "Take control, from whoever has it; what they moved stops."),
+    "connect": (Connect, Bench.connect, "Connect a rig."),
     "disconnect": (ClientRequest, Bench.disconnect, "Let go of the rig; an armed one is disarmed first."),
     "arm": (ClientRequest, Bench.arm, "Let energy in."),
     "disarm": (ClientRequest, Bench.disarm, "Bring the table to rest, and let no energy in."),
@@ -352,15 +334,29 @@ COMMANDS: dict[str, tuple[type[ClientRequest], Callable[..., None], str]] = {
     "coil": (CoilVoltage, Bench.energise, "Put a voltage on the coil for a time, with the table at rest."),
     "halt": (ClientRequest, Bench.halt, "End a motion by hand or the coil's voltage, and stay armed."),
     "extremes": (ClientRequest, Bench.reset_extremes, "Let the least and the greatest readings begin anew."),
+    "alarms/acknowledge": (AlarmRequest, Bench.acknowledge, "Acknowledge an alarm, or all of them."),
+    "alarms/limit": (LimitRequest, Bench.set_alarm_limit, "Set, change or remove an alarm limit."),
     "zero": (ClientRequest, Bench.zero, "Take the load cell's signal of a second for no force."),
     "calibration": (ClientRequest, Bench.calibrate, "Begin the guided steps of calibrating the load cell."),
     "calibration/step": (CalibrationRequest, Bench.calibrate_step, "Read the load cell."),
     "calibration/end": (Keep, Bench.calibrate_end, "Save the result, or discard it."),
+    "start": (Start, Bench.start, "Check a campaign and run it, or what is left of it."),
+    "queue": (Start, Bench.enqueue, "Run a campaign after the one under way."),
+    "queue/remove": (Number, Bench.dequeue, "Take a campaign out of the queue."),
     "skip": (TestName, Bench.skip, "Leave out a test, or end the one under way in order; it stays incomplete."),
     "repeat": (TestName, Bench.repeat, "Record a test once more, after those that are left."),
+    "pause": (ClientRequest, Bench.pause, "Wait, armed and at rest, after the test under way."),
+    "resume": (ClientRequest, Bench.resume, "Go on."),
     "stop": (ClientRequest, Bench.stop, "End the test under way in order, and the campaign with it."),
 }
 """Path -> the kind of its request, the command of the bench that takes the fields of the request, and what it does."""
+OPERATIONS = {
+    "alarms/acknowledge": "acknowledge",
+    "alarms/limit": "alarm_limit",
+    "queue": "enqueue",
+    "queue/remove": "dequeue",
+}
+"""Names of operations in the schema that are not those of their paths: programs that were made from it know them."""
 
 
 def _add_command(path: str, kind: type[ClientRequest], command: Callable[..., None], words: str) -> None:
@@ -369,79 +365,11 @@ def _add_command(path: str, kind: type[ClientRequest], command: Callable[..., No
         return Done()
 
     answer.__annotations__["request"] = kind  # by which FastAPI reads and documents the request
-    router.post(f"/{path}", name=path.replace("/", "_"), description=words)(answer)
+    router.post(f"/{path}", name=OPERATIONS.get(path, path.replace("/", "_")), description=words)(answer)
 
 
 for _path, _command in COMMANDS.items():
     _add_command(_path, *_command)
-
-
-@router.post("/alarms/acknowledge")
-def acknowledge(request: AlarmRequest, bench: CurrentBench) -> Done:
-    """Acknowledge an alarm, or all of them."""
-    bench.acknowledge(request.client, request.number)
-    return Done()
-
-
-@router.post("/queue/remove")
-def dequeue(request: Number, bench: CurrentBench) -> Done:
-    """Take a campaign out of the queue."""
-    bench.dequeue(request.client, request.number)
-    return Done()
-
-
-@router.post("/alarms/limit")
-def alarm_limit(request: LimitRequest, bench: CurrentBench) -> Done:
-    """Set, change or remove an alarm limit."""
-    bench.set_alarm_limit(request.client, AlarmLimit(request.reading, request.low, request.high))
-    return Done()
-
-
-@router.post("/start")
-def start(request: Start, app: CurrentApp, bench: CurrentBench) -> Done:
-    """Check a campaign and run it, or what is left of it."""
-    bench.start(request.client, request.campaign, *_what_to_run(request, app))
-    return Done()
-
-
-@router.post("/queue")
-def enqueue(request: Start, app: CurrentApp, bench: CurrentBench) -> Done:
-    """Run a campaign after the one under way."""
-    bench.enqueue(request.client, request.campaign, *_what_to_run(request, app))
-    return Done()
-
-
-def _what_to_run(request: Start, app: AppState) -> tuple[Path, Path, RunAbout, RunReference | None]:
-    path = safe_paths.existing(app.data, f"{FOLDER}/{request.campaign}.toml")
-    reference = None
-    if request.reference:
-        folder = safe_paths.existing(app.data, f"{RUNS}/{request.reference}/{JOURNAL}").parent
-        if request.reference == request.folder:
-            raise InputError(f"reference = {request.reference!r} is the folder of this run; choose an earlier run")
-        reference = RunReference(folder, request.tolerance)
-    about = RunAbout(request.operator.strip(), request.specimen.strip(), request.note.strip())
-    return path, _run_folder(app, request.folder), about, reference
-
-
-def _run_folder(app: AppState, name: str) -> Path:
-    folder = safe_paths.inside(app.data, f"{RUNS}/{name}")
-    if folder.parent != app.data / RUNS:
-        raise InputError(f"folder = {name!r} is not allowed; give a name without /")
-    return folder
-
-
-@router.post("/pause")
-def pause(request: ClientRequest, bench: CurrentBench) -> Done:
-    """Wait, armed and at rest, after the test under way."""
-    bench.pause(request.client, True)
-    return Done()
-
-
-@router.post("/resume")
-def resume(request: ClientRequest, bench: CurrentBench) -> Done:
-    """Go on."""
-    bench.pause(request.client, False)
-    return Done()
 
 
 @router.post("/abort")

@@ -1,52 +1,23 @@
-"""Work at the bench besides one campaign: a rig that is not armed, a queue, skip and repeat, what the records say."""
+"""Campaigns at the bench: where they are run into, a queue, skip and repeat, what the records say."""
 
 import pytest
-from tests.console.bench_runs import Phase, Until, start, states
+from tests.console.bench_runs import Phase, Until, records_of, start, states
 from tests.short_campaign import FIRST, SECOND, SHORT
 
-from dampyr.console.bench_session import Bench, RunAbout
+from dampyr.campaigns import RunControl
+from dampyr.console.bench_session import Bench
 from dampyr.errors import InputError
 from dampyr.records import read
 
 
-def test_a_disarmed_rig_is_read_before_arming_and_after_an_abort(idle: Bench, until: Until, phase: Phase) -> None:
-    until(lambda: idle.state().live is not None)
-    live, age = idle.state().live, idle.state().live_age
-    assert live is not None
-    assert live.voltage == 0.0
-    assert abs(live.force) > 10.0  # the simulated damper pushes
-    assert age is not None
-    assert age < 0.5
-    bins = idle.strips.count if idle.strips else 0
-    until(lambda: idle.strips is not None and idle.strips.count > bins + 20)
-    idle.arm("a")
-    phase(idle, "armed")
-    idle.abort()
-    phase(idle, "idle", 5.0)
-    until(lambda: (now := idle.state()).live is not None and now.live.voltage == 0.0 and (now.live_age or 0.0) < 0.5)
-
-
-def test_homed_positions_are_read_while_disarmed(armed: Bench, until: Until, phase: Phase) -> None:
-    armed.go("a", 0.005)
-    phase(armed, "moving")
-    phase(armed, "armed")
-    armed.disarm("a")
-    phase(armed, "idle")
-    until(
-        lambda: (
-            (live := armed.state().live) is not None and abs(live.position - 0.005) < 3e-4 and not armed.state().armed
-        )
-    )
-
-
 def test_who_and_what_are_in_the_records(armed: Bench, phase: Phase) -> None:
-    start(armed, about=RunAbout("A. Operator", "damper-7", "after repair"))
+    start(armed, operator="A. Operator", specimen="damper-7", note="after repair")
     phase(armed, "campaign")
     run = armed.state().run
     assert run is not None
     assert (run.operator, run.specimen) == ("A. Operator", "damper-7")
     phase(armed, "idle")
-    record = read(armed.data / "run" / f"{FIRST}.h5")
+    record = read(records_of(armed) / f"{FIRST}.h5")
     assert record.specimen == "damper-7"
     assert record.provenance["operator"] == "A. Operator"
 
@@ -57,7 +28,7 @@ def test_a_complete_folder_is_refused_before_anything_moves(armed: Bench, phase:
     phase(armed, "idle")
     with pytest.raises(InputError, match="all 2 tests are recorded there"):
         start(armed)
-    (armed.data / "short.toml").write_text(SHORT.replace("4 mm", "3 mm"))
+    (armed.data / "campaigns" / "short.toml").write_text(SHORT.replace("4 mm", "3 mm"))
     with pytest.raises(InputError, match="holds the campaign 'short', which is another one"):
         start(armed)
     assert armed.state().phase == "idle"
@@ -67,12 +38,12 @@ def test_a_complete_folder_is_refused_before_anything_moves(armed: Bench, phase:
 def test_a_queue_goes_on_only_after_what_was_complete(armed: Bench, until: Until, phase: Phase) -> None:
     start(armed, "one")
     for name in ("two", "three"):
-        armed.enqueue("a", "short", armed.data / "short.toml", armed.data / name, RunAbout("A. Operator"))
+        armed.enqueue("a", "short", name, operator="A. Operator")
     with pytest.raises(InputError, match="waits in the queue already"):
-        armed.enqueue("a", "short", armed.data / "short.toml", armed.data / "two", RunAbout())
+        armed.enqueue("a", "short", "two")
     assert [queued.folder for queued in armed.state().queue] == ["two", "three"]
     until(lambda: (run := armed.state().run) is not None and run.folder == "two" and run.cycles > 0.3, 60.0)
-    assert set(states(armed.data / "one").values()) == {"complete"}
+    assert set(states(records_of(armed, "one")).values()) == {"complete"}
     armed.abort()
     phase(armed, "idle", 5.0)
     assert [queued.folder for queued in armed.state().queue] == ["three"]  # it waits: what came before was aborted
@@ -91,9 +62,31 @@ def test_a_test_is_skipped_and_one_repeated(armed: Bench, until: Until, phase: P
     assert run is not None
     assert run.outcome == "stopped"
     assert f"skipped by the operator: {FIRST}" in run.reason
-    assert states(armed.data / "run") == {FIRST: "stopped", SECOND: "complete"}
-    assert sorted(path.name for path in (armed.data / "run").glob("02*.h5")) == [f"{SECOND}.h5", f"{SECOND}.try2.h5"]
+    assert states(records_of(armed)) == {FIRST: "stopped", SECOND: "complete"}
+    assert sorted(path.name for path in records_of(armed).glob("02*.h5")) == [f"{SECOND}.h5", f"{SECOND}.try2.h5"]
     start(armed)  # goes on with what was skipped
     phase(armed, "campaign")
     phase(armed, "idle")
-    assert states(armed.data / "run") == {FIRST: "complete", SECOND: "complete"}
+    assert states(records_of(armed)) == {FIRST: "complete", SECOND: "complete"}
+
+
+@pytest.mark.parametrize("press", ["stop", "abort"])
+def test_a_button_that_is_pressed_as_a_campaign_ends_holds_the_queue(idle: Bench, press: str) -> None:
+    idle.enqueue("a", "short", "next")
+    runs = idle.runs
+    ended = runs.control
+    getattr(runs.control, press)()
+    assert idle.rig is not None
+    assert runs.begin_next(idle.rig) is None
+    assert [queued.folder for queued in idle.state().queue] == ["next"]
+    assert runs.control is not ended  # an abort sees what begins now
+    assert runs.begin_next(idle.rig) is not None
+    assert idle.state().queue == ()
+
+
+def test_an_abort_meets_the_campaign_that_begins_in_this_moment(idle: Bench) -> None:
+    runs, controls = idle.runs, [RunControl(), RunControl()]
+    runs.control = controls[0]
+    controls[0].abort_now = lambda why: setattr(runs, "control", controls[1])
+    assert runs.abort("by the operator") is controls[1]
+    assert [control.aborted for control in controls] == [True, True]
