@@ -5,8 +5,9 @@ from tests.console.bench_runs import Phase, Until, records_of, start, states
 from tests.short_campaign import FIRST, SECOND, SHORT
 
 from dampyr.campaigns import RunControl
+from dampyr.campaigns.journal import NAME as JOURNAL
 from dampyr.console.bench_session import Bench
-from dampyr.errors import InputError
+from dampyr.errors import DampyrError, InputError
 from dampyr.records import read
 
 
@@ -90,3 +91,25 @@ def test_an_abort_meets_the_campaign_that_begins_in_this_moment(idle: Bench) -> 
     controls[0].abort_now = lambda why: setattr(runs, "control", controls[1])
     assert runs.abort("by the operator") is controls[1]
     assert [control.aborted for control in controls] == [True, True]
+
+
+def test_names_lead_to_places_in_the_data_folder(bench: Bench) -> None:
+    folder = records_of(bench, "earlier")
+    folder.mkdir(parents=True)
+    (folder / JOURNAL).touch()
+    order = bench.runs.order("short", "new", " A. Operator ", reference="earlier", tolerance=0.2)
+    assert (order.path, order.folder) == (bench.data / "campaigns" / "short.toml", records_of(bench, "new"))
+    assert order.queued.operator == "A. Operator"
+    assert order.reference is not None
+    assert (order.reference.folder, order.reference.tolerance) == (folder, 0.2)
+    for names, words in (
+        ({"campaign": "other", "folder": "new"}, "campaigns/other.toml: there is no such file"),
+        ({"campaign": "../short", "folder": "new"}, "not a valid file name"),
+        ({"campaign": "short", "folder": "a/b"}, "folder = 'a/b' is not allowed; give a name without /"),
+        ({"campaign": "short", "folder": "new", "reference": "none"}, "there is no such file"),
+        ({"campaign": "short", "folder": "earlier", "reference": "earlier"}, "is the folder of this run"),
+    ):
+        with pytest.raises(DampyrError, match=words):
+            bench.runs.order(**names)
+        with pytest.raises(DampyrError, match=words):  # before it is asked who holds control
+            bench.start("nobody", **names)

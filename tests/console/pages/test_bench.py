@@ -1,11 +1,15 @@
 """The API of the bench and of the campaigns, without a browser: the stream, what is refused, files that stay where they are."""
 
 import json
+from inspect import signature
 
 import pytest
 
 pytest.importorskip("fastapi")
 from starlette.websockets import WebSocketDisconnect
+
+from dampyr.console.bench_campaigns import CampaignRuns
+from dampyr.console.pages.bench import COMMANDS
 
 ID = "0123456789abcdef"
 SINE = '[[step]]\nkind = "sine"\namplitude = "4 mm"\nfrequency = "1 Hz"\n'
@@ -60,3 +64,13 @@ def test_a_page_may_say_anything(client, words):
 
 def test_abort_asks_nobody(client):
     assert client.post("/api/bench/abort", json={}).json() == {"accepted": True}
+
+
+@pytest.mark.parametrize("path", COMMANDS)
+def test_a_command_takes_the_fields_of_its_request(path):
+    kind, command, _ = COMMANDS[path]
+    parameters = {**signature(command).parameters}
+    if parameters.pop("about", None):  # of what is to be run
+        parameters |= signature(CampaignRuns.order).parameters
+    needed = {name for name, parameter in parameters.items() if parameter.default is parameter.empty}
+    assert needed - {"self"} <= kind.model_fields.keys() <= parameters.keys()
