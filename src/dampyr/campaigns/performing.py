@@ -465,6 +465,7 @@ class _Run:
                 Progress(
                     max(0, total - remaining), total, test.name, phase, min(1.0, fraction), max(0.0, left), watch.cycles,
                     watch.planned, float(samples.force[-1]), watch.stroke, table.temperature, samples,
+                    self.rig.settings.force_delay,
                 )
             )  # fmt: skip
 

@@ -33,7 +33,8 @@ class Progress(Shown):
     """How far a campaign is.
 
     ``done`` of ``total`` tests are complete; ``fraction`` of the one under way; ``time_left`` s of rig time; ``force`` N,
-    ``stroke`` m (peak to peak of the last second), ``temperature`` degC; ``samples`` is the block itself.
+    ``stroke`` m (peak to peak of the last second), ``temperature`` degC; ``samples`` is the block itself, whose displacement a
+    record has ``force_delay`` s later, on the force's clock.
     """
 
     done: int
@@ -48,6 +49,7 @@ class Progress(Shown):
     stroke: float = 0.0
     temperature: float = 0.0
     samples: Samples | None = None
+    force_delay: float = 0.0
 
 
 @dataclass(repr=False)

@@ -6,12 +6,13 @@ import shutil
 import subprocess
 import sys
 import threading
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dampyr.campaigns.run_control import Progress
-from dampyr.console.bench_reference import MAX_CYCLES, Comparison, CycleJudge, ReferenceLoop, reference_test
+from dampyr.console.bench_reference import Comparison, EarlierRun, LiveComparison, ReferenceLoop
 from dampyr.errors import DampyrError
+from dampyr.records import read_campaign
 
 REPORT = "acceptance.html"
 LIMIT = 600.0  # s that the report may take
@@ -24,53 +25,43 @@ class RunReference:
 
     folder: Path
     tolerance: float
-    comparison: Comparison = field(init=False)
-    loop: ReferenceLoop | None = None
-    """The loop of the test under way, for drawing."""
-    _judge: CycleJudge | None = None
-    _lock: threading.Lock = field(default_factory=threading.Lock)
+    _reader: threading.Thread | None = None
+    _run: EarlierRun | None = None
+    _reason: str = "its reference is being read"
+    _live: LiveComparison | None = None
+    _testing: bool = False
 
-    def __post_init__(self) -> None:
-        self.comparison = Comparison(self.folder.name, self.tolerance)
+    @property
+    def comparison(self) -> Comparison:
+        """How the test under way, or the last one, compares."""
+        live = self._live
+        if live is None:
+            return Comparison(self.folder.name, self.tolerance)
+        return replace(live.comparison, reason=self._reason or live.comparison.reason)
+
+    @property
+    def loop(self) -> ReferenceLoop | None:
+        """The loop of that test in the earlier run, for drawing."""
+        return self._run.loops.get(self.comparison.test) if self._run is not None else None
 
     def take(self, progress: Progress) -> None:
-        """Compare what has come of a test."""
+        """Compare what has come of a test. The earlier run is read once, in a thread: a slow disk holds nothing up."""
+        if self._reader is None:
+            self._reader = threading.Thread(target=self._read, name="reference", daemon=True)
+            self._reader.start()
         if progress.samples is None or progress.phase != "testing":
+            self._testing = False  # what comes next is another test, or another try of this one
             return
-        if progress.name != self.comparison.test:
-            self._begin(progress.name)
-        with self._lock:
-            judge = self._judge
-        judged = judge.take(progress.samples) if judge is not None else []
-        if judged:
-            passed = sum(cycle.passed for cycle in judged)
-            before = self.comparison
-            self.comparison = replace(
-                before,
-                passed=before.passed + passed,
-                failed=before.failed + len(judged) - passed,
-                cycles=(*before.cycles, *judged)[-MAX_CYCLES:],
-            )
+        if not self._testing or self._live is None:
+            self._live = LiveComparison(Comparison(self.folder.name, self.tolerance, progress.name))
+        self._testing = True
+        self._live.take(progress, self._run)
 
-    def _begin(self, test: str) -> None:
-        """Read the reference of a test, in a thread: a disk that hesitates holds nothing up. What comes before that is not
-        judged.
-        """
-        with self._lock:
-            self._judge, self.loop = None, None
-        self.comparison = Comparison(self.folder.name, self.tolerance, test, "its reference is being read")
-        threading.Thread(target=self._read, args=(test,), name="reference", daemon=True).start()
-
-    def _read(self, test: str) -> None:
+    def _read(self) -> None:
         try:
-            reference, reason = reference_test(self.folder, test), ""
+            self._run, self._reason = EarlierRun.of(read_campaign(self.folder, role=None)), ""
         except (DampyrError, OSError) as problem:
-            reference, reason = None, str(problem)
-        with self._lock:
-            if self.comparison.test == test:
-                self.comparison = replace(self.comparison, reason=reason)
-                self._judge = CycleJudge(reference, self.tolerance) if reference else None
-                self.loop = reference.loop if reference else None
+            self._reason = str(problem)
 
     def write_report(self, folder: Path) -> str:
         """Judge the records in ``folder`` and write the report there; why that failed, empty where it did not."""

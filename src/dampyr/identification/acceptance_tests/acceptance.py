@@ -162,6 +162,12 @@ class AcceptancePoint:
         half = self.high - self.expected
         return away / half if half > 0.0 else (0.0 if away == 0.0 else math.copysign(math.inf, away))
 
+    def allows(self, measured: float) -> bool | None:
+        """Whether ``measured`` lies within the band and the allowance for noise; None where there is no band."""
+        if self.low is None or self.high is None:
+            return None
+        return self.low - self.allowance <= measured <= self.high + self.allowance
+
 
 @dataclass(frozen=True)
 class JudgedLevel:
@@ -280,9 +286,17 @@ class Acceptance(Shown):
 
 def judge_record(record: Record, reference: Reference, options: AcceptOptions) -> Acceptance:
     """Every whole cycle of every level of ``record``, judged by a reference; what cannot be judged is a value with a reason."""
+    return judge_cut(record, cut_cycles(record), reference, options)
+
+
+def judge_cut(
+    record: Record, motion_cut: Cut, reference: Reference, options: AcceptOptions, values: int = 0
+) -> Acceptance:
+    """`judge_record` of a motion that was cut. ``values`` is how many the whole test has that can be outside by noise, where
+    the record is a part of it."""
     band, requested = options.band, tuple(q for q in QUANTITIES if q in options.quantities)
-    motion_cut = cut_cycles(record)
-    table = [cycle for cycle in cycle_table(record, options.offset) if cycle.level] if motion_cut.cycles else []
+    table = cycle_table(record, options.offset, motion_cut) if motion_cut.cycles else []
+    table = [cycle for cycle in table if cycle.level]
     expectations = expected(reference, record, table, options.offset, options.allow_extrapolation)
     points = tuple(_make_point(q, cycle, expectations[q][k], band) for k, cycle in enumerate(table) for q in requested)
     against = [reference] if isinstance(reference, Damper) else reference
@@ -295,7 +309,7 @@ def judge_record(record: Record, reference: Reference, options: AcceptOptions) -
         levels=levels, run=motion_cut.run, cut=len(motion_cut.cycles), stroke_m=motion_cut.stroke_m,
         origin=origin,
     )  # fmt: skip
-    return _judge(judged, _explain_unjudged(motion_cut))
+    return _judge(judged, explain_unjudged(motion_cut), values)
 
 
 def relevelled(judgement: Acceptance, cycles: int) -> Acceptance:
@@ -337,7 +351,7 @@ def _make_point(quantity: str, cycle: Cycle, expectation: Expected, tolerance: T
     return replace(point, expected=value, low=value - half, high=value + half)
 
 
-def _explain_unjudged(motion_cut: Cut) -> str:
+def explain_unjudged(motion_cut: Cut) -> str:
     """Why a motion is no test of levels; "" where it is one."""
     if not motion_cut.cycles:
         return "no whole cycle"
@@ -353,10 +367,10 @@ def _explain_unjudged(motion_cut: Cut) -> str:
     return ""
 
 
-def _judge(judgement: Acceptance, reason: str) -> Acceptance:
+def _judge(judgement: Acceptance, reason: str, values: int = 0) -> Acceptance:
     """What is inside, with the allowance for noise, of the points and of the levels; and the reason against a verdict."""
     having = [p for p in judgement.points if p.expected is not None]
-    count = len(having) + len({(p.level, p.quantity) for p in having})
+    count = values or len(having) + len({(p.level, p.quantity) for p in having})
     # Bonferroni over all points and means; one side each, as a value at the edge leaves the band on one side
     z = NORMAL.inv_cdf(1.0 - RISK / max(count, 1))
     points = tuple(_place(p, z) for p in judgement.points)
@@ -384,7 +398,8 @@ def _place(p: AcceptancePoint, z: float) -> AcceptancePoint:
     if p.low is None or p.high is None:
         return p
     allowance = _allow_for_noise(0.5 * (p.high - p.low), p.error or 0.0, z)
-    return replace(p, allowance=allowance, inside=p.low - allowance <= p.measured <= p.high + allowance)
+    p = replace(p, allowance=allowance)
+    return replace(p, inside=p.allows(p.measured))
 
 
 def _judge_level(

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -18,19 +19,83 @@ from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.scoring.score import prediction
 from dampyr.models import Damper
 from dampyr.models.damper import INPUTS
+from dampyr.origin import NOT_STATED, Origin
 from dampyr.records import Record, cut_cycles, cycle_table
 from dampyr.records.conditioning.nominal_input import SMALLEST, TOLERANCE, is_steady
 from dampyr.records.conditioning.smoothing import force_average
 from dampyr.records.cycle_analysis.cycle_table import Cycle
 
 Array = NDArray[np.float64]
-Reference = Damper | Sequence[Record]
 Expected = tuple[float | None, str]
 SAME = 0.02  # of a speed: within it two tests count as at one speed
 STROKE = 0.1  # of a stroke: within it the energy at one peak speed goes with the stroke
 OPEN = 0.05  # of a stroke: a cycle that ends farther from its start has an energy of its own
 WINDOW = 0.1  # of a moving average: within it two smoothed forces are compared
 _read: WeakKeyDictionary[Record, dict[float | None, list[Cycle]]] = WeakKeyDictionary()  # many records share references
+
+
+@dataclass(frozen=True)
+class Conditions:
+    """What tests that are compared have in common: their input, constant where ``steady``, and how their force is smoothed.
+
+    ``smoothing`` is the window of the moving average that the force still holds, s; 0 without one.
+    """
+
+    unit: str | None
+    value: float | None
+    steady: bool
+    smoothing: float
+
+    @classmethod
+    def of(cls, record: Record) -> Conditions:
+        """Those of a record (`dampyr.records.nominal_inputs` has made its input a constant where it is one)."""
+        value, average = record.input_value, force_average(record)
+        steady = value is not None and is_steady(record, max(abs(value), SMALLEST))
+        return cls(record.input, value, steady, 0.0 if average is None else average.window)
+
+    def __str__(self) -> str:
+        if self.value is None:
+            return "no input known"
+        return f"{self.value:.4g} {self.unit}" if self.steady else f"a varying input in {self.unit}"
+
+    def have_input_of(self, other: Conditions) -> bool:
+        """Whether both had the same constant input, or neither any."""
+        if self.unit != other.unit or self.value is None or other.value is None:
+            return self.unit == other.unit
+        largest = max(abs(self.value), abs(other.value), SMALLEST)
+        return abs(self.value - other.value) <= TOLERANCE * largest and self.steady and other.steady
+
+    def have_smoothing_of(self, other: Conditions) -> bool:
+        """Whether the forces of both went through the same moving average, which is not undone, or through none."""
+        return abs(self.smoothing - other.smoothing) <= WINDOW * max(self.smoothing, other.smoothing)
+
+
+@dataclass(frozen=True)
+class ReferenceTest:
+    """What a test of a reference gives to judge others by, without its samples: the cycles of its levels."""
+
+    name: str
+    conditions: Conditions
+    cycles: tuple[Cycle, ...]
+    origin: Origin = NOT_STATED
+
+    @classmethod
+    def of(cls, record: Record) -> ReferenceTest:
+        """That of a record."""
+        cycles = tuple(cycle for cycle in _read_cycles(record, None) if cycle.level)
+        return cls(record.name, Conditions.of(record), cycles, record.origin)
+
+    @property
+    def input_value(self) -> float | None:
+        """V or A, or None."""
+        return self.conditions.value
+
+    def values(self, quantities: Sequence[str]) -> int:
+        """How many values of a test like it are judged: those of each cycle, and the mean of each level."""
+        return len(quantities) * (len(self.cycles) + len({cycle.level for cycle in self.cycles}))
+
+
+Reference = Damper | Sequence[Record] | Sequence[ReferenceTest]
 
 
 def expected(
@@ -43,7 +108,7 @@ def expected(
     """For each quantity and cycle the reference's value, or None and the reason."""
     if isinstance(reference, Damper):
         return _expect_of_damper(reference, record, table, offset, allow_extrapolation)
-    return _expect_of_records(reference, record, table, offset)
+    return _expect_of_tests(reference, record, table, offset)
 
 
 def _expect_of_damper(
@@ -53,7 +118,7 @@ def _expect_of_damper(
         return _expect_nothing(0, "")
     if record.input != damper.input:
         return _expect_nothing(
-            len(table), f"the reference is over the {INPUTS[damper.input]}; {_describe_input(record)} here"
+            len(table), f"the reference is over the {INPUTS[damper.input]}; {Conditions.of(record)} here"
         )
     try:
         with warnings.catch_warnings():
@@ -96,24 +161,17 @@ def _explain_outside(damper: Damper, cycle: Cycle) -> str:
     return ""
 
 
-def _expect_of_records(
-    tests: Sequence[Record], record: Record, table: Sequence[Cycle], offset: float | None
+def _expect_of_tests(
+    tests: Sequence[Record | ReferenceTest], record: Record, table: Sequence[Cycle], offset: float | None
 ) -> dict[str, list[Expected]]:
-    others = [test for test in tests if not _is_same(test, record)]
+    others = [test for test in tests if not (isinstance(test, Record) and _is_same(test, record))]
     if not others:
         return _expect_nothing(len(table), "the reference is this record itself")
-    same = [test for test in others if _has_same_input(test, record)]
-    if not same:
-        had = sorted(set(map(_describe_input, others)))
-        inputs = f"{', '.join(had[:4])}{', …' if had[4:] else ''}"
-        return _expect_nothing(
-            len(table), f"no reference at this input: {_describe_input(record)} here, {inputs} there"
-        )
-    smoothing, same = force_average(record), [test for test in same if _has_same_smoothing(test, record)]
-    if not same:
-        text = "is not smoothed" if smoothing is None else f"is smoothed over {smoothing.window:.4g} s"
-        return _expect_nothing(len(table), f"the force here {text}, that of the reference otherwise")
-    reference = [cycle for test in same for cycle in _read_cycles(test, offset) if cycle.level]
+    same, reason = comparable_tests(others, Conditions.of(record))
+    if reason:
+        return _expect_nothing(len(table), reason)
+    of_test = [_read_cycles(test, offset) if isinstance(test, Record) else test.cycles for test in same]
+    reference = [cycle for cycles in of_test for cycle in cycles if cycle.level]
     if not reference:
         return _expect_nothing(len(table), "the reference has no whole cycle")
     out = ReferenceLine(np.array([(c.speed_out, c.force_out) for c in reference]))
@@ -125,6 +183,24 @@ def _expect_of_records(
         "compression": [back.at(-c.speed_in) for c in table],
         "energy": [_expect_energy(c, loops) for c in table],
     }
+
+
+def comparable_tests(
+    tests: Sequence[Record | ReferenceTest], conditions: Conditions
+) -> tuple[list[Record | ReferenceTest], str]:
+    """The tests at the same input, smoothed alike; and why there are none."""
+    of_test = [Conditions.of(test) if isinstance(test, Record) else test.conditions for test in tests]
+    if not any(map(conditions.have_input_of, of_test)):
+        had = sorted(set(map(str, of_test)))
+        inputs = f"{', '.join(had[:4])}{', …' if had[4:] else ''}"
+        return [], f"no reference at this input: {conditions} here, {inputs} there"
+    alike = [
+        test
+        for test, there in zip(tests, of_test, strict=True)
+        if conditions.have_input_of(there) and conditions.have_smoothing_of(there)
+    ]
+    text = f"is smoothed over {conditions.smoothing:.4g} s" if conditions.smoothing else "is not smoothed"
+    return alike, "" if alike else f"the force here {text}, that of the reference otherwise"
 
 
 class ReferenceLine:
@@ -187,32 +263,6 @@ def _is_same(one: Record, other: Record) -> bool:
     channels = ("time", "displacement", "force")
     same_input = (one.input, one.input_value) == (other.input, other.input_value)
     return one is other or (same_input and all(np.array_equal(getattr(one, c), getattr(other, c)) for c in channels))
-
-
-def _has_same_input(one: Record, other: Record) -> bool:
-    """Whether both had the same constant input (`dampyr.records.nominal_inputs` has the tolerance), or neither any."""
-    if one.input != other.input:
-        return False
-    if one.input_value is None or other.input_value is None:
-        return True
-    largest = max(abs(one.input_value), abs(other.input_value), SMALLEST)
-    if abs(one.input_value - other.input_value) > TOLERANCE * largest:
-        return False
-    return is_steady(one, largest) and is_steady(other, largest)
-
-
-def _has_same_smoothing(one: Record, other: Record) -> bool:
-    """Whether the forces of both went through the same moving average, which is not undone, or through none."""
-    windows = [0.0 if average is None else average.window for average in map(force_average, (one, other))]
-    return abs(windows[0] - windows[1]) <= WINDOW * max(windows)
-
-
-def _describe_input(record: Record) -> str:
-    value = record.input_value
-    if value is None:
-        return "no input known"
-    steady = is_steady(record, max(abs(value), SMALLEST))
-    return f"{value:.4g} {record.input}" if steady else f"a varying input in {record.input}"
 
 
 def _format_span(values: Array) -> str:

@@ -59,8 +59,8 @@ class Cycle:
     energy_error: float | None
 
 
-def cycle_table(record: Record, offset: float | None = None) -> list[Cycle]:
-    """The whole cycles in their order, as `dampyr.records.cut_cycles` cuts them.
+def cycle_table(record: Record, offset: float | None = None, cut: Cut | None = None) -> list[Cycle]:
+    """The whole cycles in their order, as `dampyr.records.cut_cycles` cuts them, or as ``cut`` has them.
 
     The velocity is derived level by level, since it leaps where a step of amplitude begins, at 15 times the level's
     frequency. ``offset`` in N is taken from the forces at peak velocity; None takes the mean force over the cycles of
@@ -69,7 +69,7 @@ def cycle_table(record: Record, offset: float | None = None) -> list[Cycle]:
 
     Raises InputError where there is no whole cycle.
     """
-    cut = cut_cycles(record)
+    cut = cut_cycles(record) if cut is None else cut
     if not cut.cycles:
         raise no_cycle(record, "a table of cycles")
     mean = _mean_force(record, [cycle for cycle in cut.cycles if cycle.level] or cut.cycles)

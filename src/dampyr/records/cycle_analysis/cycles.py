@@ -152,9 +152,18 @@ def cut_cycles(record: Record) -> Cut:
     >>> [(level.count, round(level.stroke_m, 4)) for level in cut.levels]
     [(3, 0.008), (3, 0.016)]
     """
+    return cut_part(record)[0]
+
+
+def cut_part(record: Record, away: float | None = None) -> tuple[Cut, float]:
+    """As `cut_cycles`, and how far from the mean position the last cycles are cut, m; NaN where that is at turning points.
+
+    With ``away``, which came with the cut of an earlier part of the same motion, a record that begins where a cycle of that
+    part began is cut at the same position.
+    """
     points = _fine_turning_points(record)
     if len(points) < 2:
-        return Cut()
+        return Cut(), np.nan
     x = record.displacement
     start, stop = _rest_ends(x, points)
     bounds = [0, *_meetings(x, points), len(points)]
@@ -164,12 +173,13 @@ def cut_cycles(record: Record) -> Cut:
         stretch = points[low:high]
         begins = start if k == 0 else _left(x, int(points[low - 1]), int(stretch[0]))
         ends = stop if high == len(points) else _reached(x, int(stretch[-1]), int(points[high]))
-        edges, start_is_seen, middle_of_stretch = _edges(record, stretch, begins, ends, k > 0)
+        edges, start_is_seen, last_away = _edges(record, stretch, begins, ends, k > 0, None if k else away)
         halves += [(a[1], b[0]) for a, b in pairwise(edges)]
         if k == 0:  # a later stretch begins where the one before it has ended
-            from_start, in_the_middle = start_is_seen, middle_of_stretch
+            from_start, in_the_middle = start_is_seen, not np.isnan(last_away)
     legs = np.abs(np.diff(x[np.r_[start, points, stop]]))
-    return _number_cycles(record, halves, from_start, float(np.max(legs)), in_the_middle, float(record.time[points[0]]))
+    stroke, first_turn = float(np.max(legs)), float(record.time[points[0]])
+    return _number_cycles(record, halves, from_start, stroke, in_the_middle, first_turn), last_away
 
 
 def turning_points(record: Record, threshold: float | None = None) -> Indices:
@@ -375,13 +385,13 @@ def _meetings(x: Array, points: Indices) -> list[int]:
 
 
 def _edges(
-    record: Record, points: Indices, start: int, stop: int, rested: bool
-) -> tuple[list[tuple[float, float]], bool, bool]:
-    """Where half cycles of one uninterrupted motion stop and the next ones start, s; whether its start is known, and is in the
-    middle."""
+    record: Record, points: Indices, start: int, stop: int, rested: bool, earlier_away: float | None
+) -> tuple[list[tuple[float, float]], bool, float]:
+    """Where half cycles of one uninterrupted motion stop and the next ones start, s; whether its start is known; and how far
+    from the mean position that is, m, NaN at turning points. ``earlier_away`` says it of a motion that goes on."""
     x, t = record.displacement, record.time
     if len(points) < 2:
-        return [], rested, False
+        return [], rested, np.nan
     noise = rest_tolerance(x)
     middles = 0.5 * (x[points[1:]] + x[points[:-1]])
     centre = np.array([np.median(middles[max(k - NEARBY, 0) : k + NEARBY + 1]) for k in range(len(middles))])
@@ -389,20 +399,25 @@ def _edges(
     period = 2.0 * float(np.median(np.diff(t[points[: 2 * NEARBY + 2]])))
     rested = rested or t[start] - t[0] > AT_REST * period
     start = start if rested else 0
-    away = float(x[start] - centre[0]) / amplitude
-    opposite = away * (x[points[0]] - x[start]) < 0.0
-    from_start = True
-    if abs(away) <= (STARTS_IN_THE_MIDDLE if rested else AT_ONCE):
-        edges, level = [(t[start], t[start])], centre + (x[start] - centre[0])
-    elif opposite and abs(away) >= (STARTS_IN_THE_MIDDLE if rested else 1.0 - AT_ONCE):
+    away, from_start = float(x[start] - centre[0]), True
+    relative, opposite = abs(away) / amplitude, away * (x[points[0]] - x[start]) < 0.0
+    in_the_middle = relative <= (STARTS_IN_THE_MIDDLE if rested else AT_ONCE)
+    at_turns = opposite and relative >= (STARTS_IN_THE_MIDDLE if rested else 1.0 - AT_ONCE)
+    if earlier_away is not None:
+        start, away, from_start, at_turns = 0, earlier_away, False, bool(np.isnan(earlier_away))
+        in_the_middle = not at_turns
+    if in_the_middle:
+        edges, level = [(t[start], t[start])], centre + away
+    elif at_turns:
         lasting = HALTED * 0.5 * period
         edges = [(t[start], t[start]), *(_turned(t, x, points, k, lasting) for k in range(len(points)))]
-        return _with_end(edges, x, t, points, stop, float(x[points[-2]]), noise), True, False
+        return _with_end(edges, x, t, points, stop, float(x[points[-2]]), noise), from_start, np.nan
     else:
         edges, level, from_start = _passed(t, x, start, int(points[0]), float(centre[0]), noise), centre, rested
+        away = 0.0
     for k, (first, last) in enumerate(pairwise(points.tolist())):
         edges += _passed(t, x, first, last, float(level[k]), noise)
-    return _with_end(edges, x, t, points, stop, float(level[-1]), noise), from_start, True
+    return _with_end(edges, x, t, points, stop, float(level[-1]), noise), from_start, away
 
 
 def _with_end(

@@ -116,7 +116,7 @@ export async function campaignPanel(files, chosen) {
     const { passed, failed, tolerance, reason, folder } = comparison;
     const verdict = h("p", { class: `verdict ${failed ? "bad" : passed ? "good" : ""}` },
       `${passed} of ${passed + failed} cycles within ${number(100 * tolerance, 3)} % of ${folder}${reason ? `; ${reason}` : ""}`);
-    const percent = (value) => ({ key: value, show: `${value < 0 ? "−" : "+"}${Math.abs(100 * value).toFixed(1)}` });
+    const percent = (value) => ({ key: value, show: value === null ? "" : `${value < 0 ? "−" : "+"}${Math.abs(100 * value).toFixed(1)}` });
     const rows = [...comparison.cycles].reverse().slice(0, 4).map((cycle) => [cycle.number, cycle.passed ? h("span", { class: "badge good" }, "pass") : h("span", { class: "badge bad" }, "fail"),
       percent(cycle.energy), percent(cycle.extension), percent(cycle.compression)]);
     cycles.replaceChildren(verdict, ...(rows.length ? [table({ caption: "The last cycles against the reference",

@@ -234,7 +234,7 @@ function refresh(parts) {
 
 /** Draw the reference of the test under way behind the live loops. */
 function overlay(parts, state) {
-  const now = state.comparison && state.phase === "campaign" && !state.comparison.reason ? `${state.comparison.folder} ${state.comparison.test}` : "";
+  const now = state.comparison && state.phase === "campaign" ? `${state.comparison.folder} ${state.comparison.test} ${state.comparison.reason}` : "";
   if (parts.overlaid === now) return;
   parts.overlaid = now;
   if (!now) parts.charts.overlay(null);
