@@ -28,7 +28,6 @@ from dampyr.records import Record
 from dampyr.show.identification.acceptance import band
 from dampyr.show.pages.how_made import made_by
 from dampyr.show.pages.result_page import write_page
-from dampyr.to_json import plain
 
 MAX_RECORDS = 6  # as many as the page has colours for
 MAX_POINTS, MAX_OUTSIDE = 900, 200  # what a chart can show and a person reads
@@ -167,20 +166,21 @@ async def give_page(app: CurrentApp, request: Request, query: Annotated[Acceptan
     return Response(html, media_type="text/html", headers=headers)
 
 
-def judgement_of(data: Path, query: AcceptanceRequest) -> dict[str, Any]:
+def judgement_of(folder: Path, query: AcceptanceRequest) -> dict[str, Any]:
     """A `Judgement` as plain values."""
-    accepted = _judged(data, query)
-    keys = dict.fromkeys(query.key)
+    accepted = _judged(folder, query)
+    keys, data = dict.fromkeys(query.key), accepted.as_dict()
 
-    def summaries(results: Sequence[Acceptance]) -> list[dict[str, Any]]:
-        return [_summarise(key, acceptance).model_dump() for key, acceptance in zip(keys, results, strict=True)]
+    def summaries(name: str, results: Sequence[Acceptance]) -> list[dict[str, Any]]:
+        described = zip(keys, results, data.get(name, ()), strict=True) if results else ()
+        return [_summarise(*of_record).model_dump() for of_record in described]
 
     return {
-        "records": summaries(accepted.results),
-        "relevelled": summaries(accepted.relevelled) if accepted.relevelled else [],
+        "records": summaries("records", accepted.results),
+        "relevelled": summaries("relevelled", accepted.relevelled),
         "bands": [acceptance_band.model_dump() for acceptance_band in _bands(accepted.results)],
         "notes": [in_page_words(finding.sentence) for finding in accepted.findings],
-        "data": plain(accepted.as_dict()),
+        "data": data,
     }
 
 
@@ -213,49 +213,24 @@ def _shown(name: str) -> str:
     return Path(name).stem if "/" in name else name
 
 
-def _summarise(key: str, acceptance: Acceptance) -> RecordVerdict:
-    return RecordVerdict(
-        key=key,
-        name=acceptance.record,
-        input=acceptance.input,
-        input_value=acceptance.input_value,
-        verdict=acceptance.verdict,
-        count=len(acceptance.points),
-        judged=len(acceptance.judged),
-        run=acceptance.run,
-        cut=acceptance.cut,
-        judged_cycles=acceptance.judged_cycles,
-        stroke_m=acceptance.stroke_m,
-        judged_stroke_m=acceptance.judged_stroke_m,
-        wrong_rejection=acceptance.wrong_rejection,
-        wrong_acceptance=acceptance.wrong_acceptance,
-        level=_finite(acceptance.level),
-        levels=[
-            LevelJudged(
-                number=level.number,
-                stroke_m=level.stroke_m,
-                frequency_hz=level.frequency_hz,
-                cycles=level.cycles,
-                judged=level.judged,
-                outside=level in acceptance.levels_outside,
-                deviation=dict(level.deviation),
-            )
-            for level in acceptance.levels
-        ],
-        outside_count=len(acceptance.outside),
-        reason=acceptance.reason,
-        reasons=acceptance.unjudged,
-        worst=_point(acceptance.worst) if acceptance.worst else None,
-        outside=[_point(p) for p in acceptance.outside[:MAX_OUTSIDE]],
-        points=[_points(q, [p for p in acceptance.points if p.quantity == q]) for q in acceptance.quantities],
+def _summarise(key: str, acceptance: Acceptance, described: dict[str, Any]) -> RecordVerdict:
+    """What a page shows of a record, out of what JSON holds of it."""
+    outside = [level in acceptance.levels_outside for level in acceptance.levels]
+    levels = [level | {"outside": is_outside} for level, is_outside in zip(described["levels"], outside, strict=True)]
+    of_quantity = [[p for p in acceptance.points if p.quantity == quantity] for quantity in acceptance.quantities]
+    return RecordVerdict.model_validate(
+        described
+        | {
+            "key": key,
+            "name": acceptance.record,
+            "count": len(acceptance.points),
+            "levels": levels,
+            "outside_count": described["outside"],
+            "reasons": acceptance.unjudged,
+            "outside": [OnePoint.model_validate(p, from_attributes=True) for p in acceptance.outside[:MAX_OUTSIDE]],
+            "points": [_points(name, points) for name, points in zip(acceptance.quantities, of_quantity, strict=True)],
+        }
     )
-
-
-def _point(p: AcceptancePoint) -> OnePoint:
-    return OnePoint(
-        cycle=p.cycle, quantity=p.quantity, speed=p.speed, measured=p.measured, low=p.low, high=p.high,
-        deviation=_finite(p.deviation),
-    )  # fmt: skip
 
 
 def _points(quantity: str, points: Sequence[AcceptancePoint]) -> Points:
