@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from tests.identification.sine_levels import RATE, force_of, motion
 
 from dampyr.campaigns.run_control import Progress
 from dampyr.console import bench_reference
@@ -11,28 +12,7 @@ from dampyr.identification.acceptance_tests.under_way import CyclesUnderWay
 from dampyr.records import Record
 from dampyr.rig.interlock import Samples
 
-BLOCK, RATE = 40, 500.0
-
-
-def motion(*levels: tuple[float, float, int], taper: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Time and displacement of sines of so many m, Hz and cycles, one after another, between rests; with ``taper`` the first
-    grows over a cycle and the last one fades."""
-    parts = []
-    for amplitude, frequency, cycles in levels:
-        phase = np.arange(0.0, cycles, frequency / RATE)
-        parts.append(amplitude * np.sin(2.0 * np.pi * phase))
-    x = np.concatenate(parts)
-    if taper:
-        from_ends = np.arange(x.size) * np.arange(x.size)[::-1] / x.size
-        x = x * np.sin(0.5 * np.pi * np.clip(from_ends / (RATE / levels[0][1]), 0.0, 1.0)) ** 2
-    still = np.zeros(round(2.0 * RATE))
-    x = np.concatenate([still, x, still])
-    return np.arange(x.size) / RATE, x
-
-
-def force_of(time: np.ndarray, x: np.ndarray) -> np.ndarray:
-    velocity = np.gradient(x, time)
-    return 300.0 * np.tanh(velocity / 2e-3) + 3000.0 * velocity
+BLOCK = 40
 
 
 def played(
@@ -61,15 +41,6 @@ def earlier(*records: Record) -> EarlierRun:
     return EarlierRun.of(records)
 
 
-def verdicts(record: Record, *reference: Record, tolerance: float = 0.15) -> dict[int, bool | None]:
-    """What `accept` says of each cycle: False where a value lies outside, None where one is not judged."""
-    [judged] = accept(record, list(reference), tolerance=tolerance).results
-    inside: dict[int, list[bool | None]] = {}
-    for p in judged.points:
-        inside.setdefault(p.cycle, []).append(p.inside)
-    return {cycle: False if False in values else None if None in values else True for cycle, values in inside.items()}
-
-
 @pytest.mark.parametrize(("factor", "passes"), [(1.0, True), (1.1, True), (1.25, False), (0.8, False)])
 @pytest.mark.parametrize("centre", [0.0, 0.005])
 def test_a_cycle_passes_within_the_tolerance(factor: float, passes: bool, centre: float) -> None:
@@ -89,57 +60,6 @@ def test_a_cycle_passes_within_the_tolerance(factor: float, passes: bool, centre
         # the zero moves the two forces against each other
         forces = of_cycle["extension"] + of_cycle["compression"]
         assert cycle.extension + cycle.compression == pytest.approx(forces, abs=1e-3)
-
-
-LEVELS = ((0.006, 1.0, 14), (0.006, 1.5, 16), (0.006, 2.2, 12))
-
-
-def noisy(seed: int, drift: float) -> tuple[Record, Record]:
-    """A record and its reference."""
-    random, (time, x) = np.random.default_rng(seed), motion(*LEVELS)
-    force, noise = force_of(time, x), random.normal(0.0, 8.0, (2, time.size))
-    reference = Record(time, x, force + noise[0], voltage=0.9, name="a")
-    faded = np.linspace(1.25, 0.75, time.size) * force + 60.0 + drift * time + noise[1]
-    return reference.replace(note="another specimen", force=faded), reference
-
-
-@pytest.mark.parametrize("block", [7, 700])
-@pytest.mark.parametrize("drift", [0.0, 0.3])
-@pytest.mark.parametrize("seed", [1, 3])
-def test_what_is_counted_is_what_accept_says_of_the_whole_record(block: int, drift: float, seed: int) -> None:
-    """Three levels, noise, a load cell that is not zeroed, and a damper that fades from too strong to too weak. Only a cycle at
-    the very edge may be judged otherwise at the end, within 1 % of half the band, or 5 % where the zero drifts (N/s)."""
-    record, reference = noisy(seed, drift)
-    comparison, cycles, most = played(record, earlier(reference), block=block)
-    whole = verdicts(record, reference)
-    counted = {cycle.number: cycle.passed for cycle in cycles}
-    assert list(counted) == sorted(counted)
-    assert set(counted.values()) == {True, False}
-    [judged] = accept(record, reference).results
-    for number in {number for number, passed in counted.items() if whole[number] is not passed}:
-        points = [p for p in judged.points if p.cycle == number]
-        beyond = max(abs(p.used) - 1.0 - p.allowance / (p.high - p.expected) for p in points)
-        assert beyond == pytest.approx(0.0, abs=0.05 if drift else 0.01)
-    assert len(whole) - len(cycles) <= 2  # too close to the edge of the band while the zero moves
-    assert (comparison.passed, comparison.failed) == (sum(counted.values()), len(counted) - sum(counted.values()))
-    assert most < 8.0 * RATE
-
-
-@pytest.mark.parametrize("away", [0.0, 0.003, -0.008])
-def test_cycles_are_cut_where_accept_cuts_them(away: float) -> None:
-    """Motions that begin at the mean position, beside it and at a turning point; with noise, before they begin too."""
-    rest, phase = np.zeros(1000), np.arange(0.0, 30.0, 1.0 / RATE)
-    x = np.concatenate([rest, 0.008 * np.sin(2.0 * np.pi * phase + np.arcsin(away / 0.008)) - away, rest])
-    time, random = np.arange(x.size) / RATE, np.random.default_rng(4)
-    noisy_x = x + random.normal(0.0, 2e-5, x.size)
-    reference = Record(time, noisy_x, force_of(time, x), voltage=0.9, name="a")
-    record = reference.replace(note="stronger", force=1.1 * reference.force + 20.0)
-    _, cycles, _ = played(record, earlier(reference))
-    [judged] = accept(record, reference).results
-    assert [cycle.number for cycle in cycles] == sorted({p.cycle for p in judged.points})
-    for cycle in cycles:
-        energies = [p.deviation for p in judged.points if (p.cycle, p.quantity) == (cycle.number, "energy")]
-        assert cycle.energy == pytest.approx(energies[0], abs=1e-3)
 
 
 def test_the_displacement_is_taken_on_the_clock_of_the_force() -> None:

@@ -17,7 +17,7 @@ from dampyr.records import (
     measure,
     read,
 )
-from dampyr.records.cycle_analysis.cycles import legs, turning_points
+from dampyr.records.cycle_analysis.cycles import cut_part, legs, turning_points
 
 FREQUENCY = 0.9
 
@@ -286,3 +286,22 @@ def test_quasi_static_loops_of_rising_amplitude_get_no_hints_of_smoothing_or_noi
     assert "3 levels, 9 whole cycles of 9, 4 to 16 mm peak to peak" in [one.words for one in rising.findings]
     assert stepped["smoothing"] == ()
     assert [each["energy_per_cycle"] for each in stepped["levels"]] == pytest.approx([0.8, 1.6, 3.2], rel=0.02)
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.4, -0.5 * np.pi])
+def test_a_later_part_is_cut_where_the_whole_is_cut(phase):
+    """Motions that begin at the mean position, beside it and at a turning point, and drift; but for the first and last cycles,
+    which have fewer neighbours."""
+    t = np.arange(0.0, 24.0, 0.005)
+    moving = np.clip(t - 1.0, 0.0, 20.0)
+    x = 0.01 * np.sin(2 * np.pi * moving + phase) + 1e-4 * moving
+    record = Record(t, x, x)
+    whole, away = cut_part(record)
+    assert whole == cut_cycles(record)
+    assert np.isnan(away) == (phase == -0.5 * np.pi)
+    start = whole.cycles[7].first
+    part, _ = cut_part(record.sliced(slice(start, None), "a later part"), away)
+    assert len(part.cycles) == len(whole.cycles) - 7
+    for cycle, same in zip(part.cycles[2:-1], whole.cycles[9:-1], strict=True):
+        assert (cycle.start_s, cycle.stop_s) == pytest.approx((same.start_s, same.stop_s), abs=1e-3)
+        assert (cycle.first + start, cycle.last + start) == (same.first, same.last)

@@ -2,14 +2,15 @@
 
 The latest cycles are cut by the same cutter and judged by the same rule (`judge_cut`), one when the next one has ended, or when
 1.2 of its periods have passed without: its velocity at its end, and whether it is of a level, are not known before. Then its
-number, velocities, windows and energy are those in the whole record. What else only that tells is not waited for:
+number, velocities, windows and energy are those in the whole record, but for what only that tells and is not waited for:
 
 - the load cell's zero is the mean force over the cycles so far. A cycle that the mean over the latest one alone would judge
   otherwise is not judged; where the zero drifts on, one near the edge of the band may still be judged otherwise at the end;
 - the noise is that of the latest cycles, which moves the edge by the same allowance, a little;
 - a cycle like neither neighbour is not judged, as it may be of the run-in or the run-out; nor is the last one of a motion that
   ends with its record, nor the mean of a level;
-- cycles of less than 2 % of a later stroke are counted, and `accept` leaves them out.
+- where a motion grows over many cycles, or much greater strokes come, which legs count is known only later: the cycles may be
+  cut half a cycle earlier, and their numbers be off.
 """
 
 from __future__ import annotations
