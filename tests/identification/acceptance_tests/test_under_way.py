@@ -90,12 +90,16 @@ def test_a_cycle_that_another_zero_would_judge_otherwise_is_left_open() -> None:
     assert [(cycle.verdict, cycle.reason) for cycle in judged[4:6]] == [("not judged", TOO_CLOSE)] * 2
 
 
-@pytest.mark.parametrize(("cycles_of_growth", "off"), [(1, 0), (8, 1)])
-def test_a_motion_that_grows_is_numbered_as_in_the_whole_record(cycles_of_growth: int, off: int) -> None:
+@pytest.mark.parametrize(
+    ("begin", "cycles_of_growth", "power", "off"), [(2.0, 1, 2, 0), (2.0, 8, 2, 0), (0.0, 10, 1, 1)]
+)
+def test_a_motion_that_grows_is_numbered_as_in_the_whole_record(
+    begin: float, cycles_of_growth: int, power: int, off: int
+) -> None:
     """Its first legs count as cycles as long as nothing greater has come. Where it grows over many, which legs count is known
     only later: the cycles may be cut half a cycle earlier, and the numbers be one off; what is measured is the same."""
     time, x = motion((0.008, 2.0, 30))
-    x = x * np.sin(0.5 * np.pi * np.clip((time - 2.0) / (0.5 * cycles_of_growth), 0.0, 1.0)) ** 2
+    x = x * np.sin(0.5 * np.pi * np.clip((time - begin) / (0.5 * cycles_of_growth), 0.0, 1.0)) ** power
     reference = Record(time, x, force_of(time, x), voltage=0.9, name="a")
     judged = played(reference.replace(note="stronger", force=1.05 * reference.force), reference, 20)
     numbers = [cycle.points[0].cycle for cycle in judged]
