@@ -8,7 +8,7 @@ from dampyr.campaigns.run_control import Progress
 from dampyr.console import bench_reference
 from dampyr.console.bench_reference import Comparison, EarlierRun, JudgedCycle, LiveComparison
 from dampyr.identification import accept
-from dampyr.identification.acceptance_tests.under_way import CyclesUnderWay
+from dampyr.identification.acceptance_tests.cycles_under_way import CyclesUnderWay
 from dampyr.records import Record
 from dampyr.rig.interlock import Samples
 

@@ -1,7 +1,7 @@
 """Comparison of a running test with an earlier run, cycle by cycle, as `dampyr accept` will judge the record.
 
-The samples of the latest cycles are held here and handed to `dampyr.identification.acceptance_tests.under_way`, which says
-what only the whole record tells. All tests of the earlier run are the reference, as at the end of the run.
+The samples of the latest cycles are held here and handed to `dampyr.identification.acceptance_tests.cycles_under_way`, which
+says what only the whole record tells. All tests of the earlier run are the reference, as at the end of the run.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from dampyr.campaigns.run_control import Progress
 from dampyr.errors import InputError
 from dampyr.identification import AcceptOptions
 from dampyr.identification.acceptance_tests.acceptance import Acceptance, explain_unjudged
+from dampyr.identification.acceptance_tests.cycles_under_way import CyclesUnderWay
 from dampyr.identification.acceptance_tests.reference_cycles import ReferenceTest, comparable_tests
-from dampyr.identification.acceptance_tests.under_way import CyclesUnderWay
 from dampyr.records import Record, cut_cycles, nominal_inputs
 from dampyr.records.record import MIN_SAMPLES
 

@@ -6,8 +6,8 @@ from tests.identification.sine_levels import RATE, force_of, motion
 
 from dampyr.identification import AcceptOptions, accept
 from dampyr.identification.acceptance_tests.acceptance import Acceptance
+from dampyr.identification.acceptance_tests.cycles_under_way import TOO_CLOSE, CyclesUnderWay
 from dampyr.identification.acceptance_tests.reference_cycles import ReferenceTest
-from dampyr.identification.acceptance_tests.under_way import TOO_CLOSE, CyclesUnderWay
 from dampyr.records import Record
 
 
@@ -43,7 +43,7 @@ def noisy(seed: int, drift: float) -> tuple[Record, Record]:
     return reference.replace(note="another specimen", force=faded), reference
 
 
-@pytest.mark.parametrize("block", [50, 700])
+@pytest.mark.parametrize("block", [125, 700])
 @pytest.mark.parametrize("drift", [0.0, 0.3])
 @pytest.mark.parametrize("seed", [1, 3])
 def test_what_is_counted_is_what_accept_says_of_the_whole_record(block: int, drift: float, seed: int) -> None:
@@ -75,7 +75,7 @@ def test_cycles_are_cut_where_accept_cuts_them(away: float) -> None:
     noisy_x = x + random.normal(0.0, 2e-5, x.size)
     reference = Record(time, noisy_x, force_of(time, x), voltage=0.9, name="a")
     record = reference.replace(note="stronger", force=1.1 * reference.force + 20.0)
-    live = [p for cycle in played(record, reference, 50) for p in cycle.points]
+    live = [p for cycle in played(record, reference, 125) for p in cycle.points]
     [judged] = accept(record, reference).results
     assert [(p.cycle, p.quantity) for p in live] == [(p.cycle, p.quantity) for p in judged.points]
     for one, other in zip(live, judged.points, strict=True):
@@ -88,7 +88,7 @@ def test_a_cycle_that_another_zero_would_judge_otherwise_is_left_open() -> None:
     time, x = motion((0.008, 1.0, 12))
     reference = Record(time, x, force_of(time, x), voltage=0.9, name="a")
     force = 1.149 * reference.force + np.where(time < 6.0, 0.0, 20.0)
-    judged = played(reference.replace(note="stronger", force=force), reference, 50)
+    judged = played(reference.replace(note="stronger", force=force), reference, 125)
     assert [cycle.verdict for cycle in judged[:3]] == ["passed"] * 3
     assert [(cycle.verdict, cycle.reason) for cycle in judged[4:6]] == [("not judged", TOO_CLOSE)] * 2
 
@@ -121,4 +121,4 @@ def test_the_last_cycle_is_judged_when_no_other_follows() -> None:
     record = reference.replace(note="stronger", force=1.05 * reference.force)
     for rest, last in ((0.5, 4), (1.5, 5)):
         part = record.until(float(time[-1]) - 2.0 + rest)
-        assert played(part, reference, 50)[-1].points[0].cycle == last
+        assert played(part, reference, 125)[-1].points[0].cycle == last
