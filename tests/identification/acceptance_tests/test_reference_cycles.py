@@ -41,6 +41,23 @@ def test_faster_slower_and_another_stroke_are_not_judged_and_say_why():
     assert judge(measured(dry(500.0, 50.0), "wide", 2 * A, 0.4), references, quantities=["extension"]).passed is True
 
 
+@pytest.mark.parametrize("nearly", [0.997, 1.0001, 1.003, 1.015])
+def test_a_stroke_of_the_reference_is_judged_although_another_one_is_next_to_it(nearly):
+    """Strokes at one frequency, as a campaign has them, have neighbouring speeds; a motion is never quite as fast as planned."""
+    references = [measured(dry(500.0, 50.0), f"{amplitude}", amplitude) for amplitude in (0.5 * A, A, 1.5 * A)]
+    tested = measured(dry(500.0, 50.0), "tested", nearly * A)
+    judgement = judge(tested, references)
+    assert (judgement.verdict, len(judgement.judged)) == ("passed", len(judgement.points))
+    for point in judgement.points:
+        if point.quantity == "energy":
+            assert point.deviation == pytest.approx(energy_of(nearly * A) / (nearly * energy_of(A)) - 1.0, abs=1e-3)
+
+
+def energy_of(amplitude):
+    """J of a cycle at 1 Hz with F = 500 v + 50 sgn v."""
+    return 500.0 * np.pi * 2.0 * np.pi * amplitude**2 + 4.0 * 50.0 * amplitude
+
+
 def test_another_input_is_not_judged():
     reference = measured(dry(500.0, 50.0), voltage=1.0)
     other = judge(measured(dry(500.0, 50.0), voltage=2.0), reference)

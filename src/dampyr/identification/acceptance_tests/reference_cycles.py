@@ -227,12 +227,17 @@ class ReferenceLine:
 def _expect_energy(cycle: Cycle, loops: ReferenceLine) -> Expected:
     if cycle.open_m > OPEN * cycle.stroke_m:
         return None, f"the cycle ends {1e3 * cycle.open_m:.3g} mm from where it began"
-    value, reason = loops.at(_peak_speed(cycle))
+    speed = _peak_speed(cycle)
+    value, reason = loops.at(speed)
     if value is None:
         return None, reason
-    strokes = loops.adjacent_rows(_peak_speed(cycle))[:, 2]
-    if np.any(np.abs(strokes / cycle.stroke_m - 1.0) > STROKE):
-        return None, f"the reference has another stroke at this speed ({_format_span(1e3 * strokes)} mm)"
+    rows = loops.adjacent_rows(speed)
+    alike = np.abs(rows[:, 2] / cycle.stroke_m - 1.0) <= STROKE
+    if not np.all(alike):  # between two strokes nothing is known, but at the speed of its own there is
+        own = rows[alike & (np.abs(rows[:, 0] / speed - 1.0) <= SAME)]
+        if not len(own):
+            return None, f"the reference has another stroke at this speed ({_format_span(1e3 * rows[:, 2])} mm)"
+        value = float(own[0, 1])
     return value * cycle.stroke_m, ""
 
 
