@@ -33,7 +33,7 @@ def test_cycles_are_compared_with_a_reference_and_a_report_is_written(armed: Ben
     assert comparison.failed == 0
     [judged] = [
         r
-        for r in accept(read_campaign(armed.data / "two"), read_campaign(armed.data / "one")).results
+        for r in accept(read_campaign(records_of(armed, "two")), read_campaign(records_of(armed, "one"))).results
         if r.record == SECOND
     ]
     assert comparison.test == SECOND

@@ -43,7 +43,7 @@ def test_faster_slower_and_another_stroke_are_not_judged_and_say_why():
 
 @pytest.mark.parametrize("nearly", [0.997, 1.0001, 1.003, 1.015])
 def test_a_stroke_of_the_reference_is_judged_although_another_one_is_next_to_it(nearly):
-    """Strokes at one frequency, as a campaign has them, have neighbouring speeds; a motion is never quite as fast as planned."""
+    """Strokes at one frequency have neighbouring speeds, and a motion is never quite as fast as planned."""
     references = [measured(dry(500.0, 50.0), f"{amplitude}", amplitude) for amplitude in (0.5 * A, A, 1.5 * A)]
     tested = measured(dry(500.0, 50.0), "tested", nearly * A)
     judgement = judge(tested, references)
