@@ -208,8 +208,9 @@ def test_a_rig_whose_reader_is_killed_says_so_and_is_stopped_by_the_uno(tmp_path
 
 
 HOST = """
-import sys, numpy as np
+import signal, sys, numpy as np
 from dampyr.rig import Drive, simulated
+signal.signal(signal.SIGINT, signal.default_int_handler)  # it is ignored below a shell's background job
 t = np.arange(0.0, 20.0, 0.01)
 rig = simulated(real_time=True, black_box=sys.argv[1])
 with rig, rig.armed() as table:
