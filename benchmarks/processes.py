@@ -24,7 +24,7 @@ from dampyr.processes import ChildProcess
 from dampyr.rig import simulated
 from dampyr.rig.loop_process import StandIn
 
-TITLE = "A process that has imported numpy, and a question to another process"
+TITLE = "A process that has imported what reads a rig, and a question to such a process"
 
 
 class Thing:
@@ -43,17 +43,15 @@ Manager.register("Thing", Thing)
 
 
 def begin(connection: Any) -> None:
-    """Import numpy, as each process of dampyr does, and say so."""
-    import numpy as np
-
-    connection.send(np.__name__)
+    """Say that it has begun; what this module needs has been imported then."""
+    connection.send("begun")
 
 
 def run(data: Path | None) -> list[Line]:
     """Starts of a process; questions of this thread and of a new one; an abort of a rig in motion."""
-    command = [sys.executable, "-c", "import numpy"]
+    command = [sys.executable, "-c", f"import {__name__}"]
     starts = {
-        "start: a copy": _started("numpy"),
+        "start: a copy": _started(__name__),
         "start: anew": _started(""),
         "start: subprocess": lambda: subprocess.run(command, check=True),
     }
