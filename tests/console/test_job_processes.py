@@ -136,6 +136,20 @@ def test_a_result_is_there_after_the_console_was_started_again(client, finished,
         assert later.get(f"/api/jobs/{id}").json() == before
 
 
+def test_a_job_whose_process_is_not_started_says_so_and_the_next_one_is_done(tmp_path, monkeypatch):
+    def no_process(*_, **__):
+        raise BlockingIOError(11, "Resource temporarily unavailable")
+
+    jobs = Jobs(tmp_path / "jobs", at_once=1)
+    monkeypatch.setattr("dampyr.console.job_processes.ChildProcess", no_process)
+    first, second = (jobs.submit("respond", {}, "").id for _ in range(2))
+    for id in (first, second):
+        job = ended(jobs, id)
+        assert job.state == "failed"
+        assert job.reason == ("its process was not started ([Errno 11] Resource temporarily unavailable); run it again")
+    jobs.close()
+
+
 def test_a_kind_that_is_none_and_a_job_that_is_not_there(tmp_path):
     jobs = Jobs(tmp_path / "jobs")
     with pytest.raises(InputError, match="kinds of jobs"):

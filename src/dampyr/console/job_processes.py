@@ -166,7 +166,11 @@ class Jobs:
         return None
 
     def _run(self, job: Job) -> None:
-        process = ChildProcess(do_job, self.folder / job.id, forked=FORKED)
+        try:
+            process = ChildProcess(do_job, self.folder / job.id, forked=FORKED)
+        except (EOFError, OSError) as problem:
+            self._end(job.id, state="failed", reason=f"its process was not started ({problem}); run it again")
+            return
         with self._lock:
             self._running[job.id] = process
             if self._jobs[job.id].state != "running":  # it was cancelled meanwhile
@@ -182,11 +186,14 @@ class Jobs:
             done = process.wait() == 0 and (self.folder / job.id / "result.json").is_file()
         process.end()
         if done:
-            self._update(job.id, state="done", progress=1.0, ended=time.time())
+            self._end(job.id, state="done", progress=1.0)
         else:
-            self._update(job.id, state="failed", reason=reason, ended=time.time())
+            self._end(job.id, state="failed", reason=reason)
+
+    def _end(self, id: str, **changes: Any) -> None:
+        self._update(id, ended=time.time(), **changes)
         with self._lock:
-            del self._running[job.id]
+            del self._running[id]
 
     def _update(self, id: str, **changes: Any) -> None:
         with self._lock:
