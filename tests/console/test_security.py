@@ -1,6 +1,5 @@
 """Who may ask the console, and what it tells those who may not."""
 
-import asyncio
 import socket
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from fastapi.testclient import TestClient
 from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection
 from starlette.websockets import WebSocketDisconnect
+from tests.console.coroutines import result_of
 
 from dampyr.console import app
 from dampyr.console.security import HEADERS, MAX_BODY, MAX_UPLOAD, UPLOAD, BodyLimit, HostCheck, TokenBrake, is_loopback
@@ -249,7 +249,7 @@ def test_an_unannounced_body_is_counted_as_it_comes(kind, limit):
         return {"type": "http.request", "body": bytes(limit // 4), "more_body": True}
 
     with pytest.raises(HTTPException, match=f"413: too large; at most {limit // 2**20} MiB are taken"):
-        asyncio.run(BodyLimit(application)(scope, receive, None))
+        result_of(BodyLimit(application)(scope, receive, None))
     assert sum(taken) == limit
 
 

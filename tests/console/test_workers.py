@@ -3,13 +3,13 @@
 import asyncio
 import os
 import time
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 pytest.importorskip("fastapi")
 from fastapi import HTTPException
+from tests.console.coroutines import result_of
 from tests.console.memory import resident
 
 from dampyr.console.limits import PLANNING, RequestLimits
@@ -26,12 +26,6 @@ MANY = (
     f'[[step]]\nkind = "sine"\namplitude = {[f"{v} mm" for v in HUNDRED[:20]]}\n'
     f"frequency = {[f'{v} Hz' for v in HUNDRED[:20]]}\ncycles = 3\n"
 )
-
-
-def finished(work):
-    """What a coroutine gives, in a thread of its own: a browser of an earlier test leaves a loop running in this one."""
-    with ThreadPoolExecutor(1) as pool:
-        return pool.submit(asyncio.run, work).result()
 
 
 @pytest.fixture
@@ -56,31 +50,31 @@ def plan(client, text, **more):
 
 
 def test_work_is_done_in_another_process(workers):
-    assert finished(workers.run(None, PLANNING, os.getpid)) != os.getpid()
+    assert result_of(workers.run(None, PLANNING, os.getpid)) != os.getpid()
 
 
 def test_what_is_wrong_comes_back_as_it_was_raised(workers):
     from dampyr.console import record_answers
 
     with pytest.raises(MissingData, match="no such file"):
-        finished(workers.run(None, PLANNING, record_answers.describe_one, Path("/nowhere"), "data/none.csv"))
+        result_of(workers.run(None, PLANNING, record_answers.describe_one, Path("/nowhere"), "data/none.csv"))
     with pytest.raises(RuntimeError, match="traceback"):
-        finished(workers.run(None, PLANNING, os.listdir, "/nowhere"))
+        result_of(workers.run(None, PLANNING, os.listdir, "/nowhere"))
 
 
 def test_more_memory_than_allowed_is_refused(workers):
     with pytest.raises(InputError, match=r"more memory than the 1024 MiB.*plan fewer"):
-        finished(workers.run(None, PLANNING, bytearray, 2**32))
+        result_of(workers.run(None, PLANNING, bytearray, 2**32))
 
 
 def test_more_time_than_allowed_is_refused(workers):
     with pytest.raises(InputError, match=r"more than the 0.2 s.*request less"):
-        finished(workers.run(None, RequestLimits(2**30, 0.2), time.sleep, 600.0))
+        result_of(workers.run(None, RequestLimits(2**30, 0.2), time.sleep, 600.0))
 
 
 def test_a_process_ends_when_its_client_leaves(workers):
     with pytest.raises(HTTPException, match="withdrawn"):
-        finished(workers.run(Client(0.3), RequestLimits(2**30, 600.0), time.sleep, 600.0))
+        result_of(workers.run(Client(0.3), RequestLimits(2**30, 600.0), time.sleep, 600.0))
 
 
 def test_requests_wait_for_one_another_and_are_told_their_place():
@@ -93,7 +87,7 @@ def test_requests_wait_for_one_another_and_are_told_their_place():
         await asyncio.gather(*order)
         return places
 
-    assert finished(three()) == [0, 1, 2, None]
+    assert result_of(three()) == [0, 1, 2, None]
     assert one.position("a") is None
     one.close()
 
@@ -110,7 +104,7 @@ def test_no_more_wait_than_a_server_can_answer(workers, monkeypatch):
             await first
 
     with pytest.raises(HTTPException, match="waiting already"):
-        finished(two())
+        result_of(two())
 
 
 def test_campaigns_that_unfold_are_refused_quickly_in_plain_words(client):
@@ -142,5 +136,5 @@ def test_a_plan_of_four_hundred_tests_leaves_the_servers_memory_as_it_was(client
 def test_it_goes_on_after_the_console_was_closed_and_begun_again():
     again = Workers()
     for _ in range(2):
-        assert finished(again.run(None, PLANNING, os.getpid)) != os.getpid()
+        assert result_of(again.run(None, PLANNING, os.getpid)) != os.getpid()
         again.close()

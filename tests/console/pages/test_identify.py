@@ -10,7 +10,7 @@ from tests.console.conftest import when_ended
 from tests.identification.synthetic import sine
 
 from dampyr import identification, records, structures
-from dampyr.console import app, worker
+from dampyr.console import app, job_work
 from dampyr.console.identify_schemas import IdentifyRequest
 from dampyr.console.jobs import identify
 from dampyr.console.safe_paths import OWN
@@ -39,7 +39,7 @@ def of_synthetic_tests(data, request):
     with pytest.MonkeyPatch.context() as patch:
         bare = "<h1>Identified: {}</h1>"
         patch.setattr(identify, "write_page", lambda fit, path: path.write_text(bare.format(fit.problem.composition)))
-        assert worker.run(folder) == 0
+        assert job_work.run(folder, lambda _: None) == 0
     with TestClient(app(data), base_url="http://localhost") as client:
         yield client, client.get(f"/api/jobs/{DONE}").json(), data, made
 
