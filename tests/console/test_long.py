@@ -4,6 +4,7 @@ import json
 import resource
 import threading
 import time
+from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +60,12 @@ class Page(threading.Thread):
                     self.bins += len(message["strips"]["time"]) if message["strips"] else 0
                     socket.send_text(json.dumps({"heard": message["frame"]}))
 
+    def close(self) -> None:
+        """Look on no longer: a page that closes while its client closes would wait for it, and it for the page."""
+        self.over.set()
+        self.join(60.0)
+        assert not self.is_alive()
+
 
 def memory() -> int:
     """Bytes that this process holds now."""
@@ -70,12 +77,15 @@ def memory() -> int:
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is read from /proc")
 def test_minutes_at_10_khz(data: Path, endurance: Endurance) -> None:
     seconds = endurance.count(600)
-    (data / "long.toml").write_text(CAMPAIGN.format(cycles=seconds - 2))
-    with TestClient(app(data, opener=fast(real_time=endurance.full)), base_url=HERE) as client:
+    (data / "campaigns").mkdir()
+    (data / "campaigns" / "long.toml").write_text(CAMPAIGN.format(cycles=seconds - 2))
+    opener = fast(real_time=endurance.full)
+    with TestClient(app(data, opener=opener), base_url=HERE) as client, ExitStack() as closing:
         bench = state_of(client.app).own["bench"]
         pages = [Page(client, f"page-number-{k}") for k in range(2)]
         for page in pages:
             page.start()
+            closing.callback(page.close)
         while bench.clients.count < 2:
             time.sleep(0.05)
         holder = bench.clients.holder
@@ -85,7 +95,7 @@ def test_minutes_at_10_khz(data: Path, endurance: Endurance) -> None:
             assert time.monotonic() < connected, bench.state().note
             time.sleep(0.05)
         begun, work = time.monotonic(), time.process_time()
-        bench.start(holder, "long", data / "long.toml", data / "runs" / "long")
+        bench.start(holder, "long", "long")
         held: list[int] = []
         while bench.state().phase == "campaign":
             time.sleep(0.1)
@@ -93,11 +103,6 @@ def test_minutes_at_10_khz(data: Path, endurance: Endurance) -> None:
                 held.append(memory())
         work, wall = time.process_time() - work, time.monotonic() - begun
         run = bench.state().run
-        for page in pages:
-            page.over.set()
-        for page in pages:  # a page that closes while its client closes would wait for it, and it for the page
-            page.join(60.0)
-            assert not page.is_alive()
     assert run is not None
     assert run.outcome == "complete", run.reason
     [path] = (data / "runs" / "long").glob("*.h5")
