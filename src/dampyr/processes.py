@@ -17,10 +17,13 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from multiprocessing import forkserver, get_context
-from multiprocessing.connection import Connection, wait
+from multiprocessing.connection import Connection
+from multiprocessing.connection import wait as wait_for
 from types import ModuleType
 from typing import Any, cast
 from weakref import WeakSet
+
+from dampyr.errors import DampyrError, one_line
 
 FORKS = sys.platform == "linux"  # elsewhere a process that is forked after libraries were loaded may crash
 PAUSES = 0.1, 1.0  # s in which a process that was killed gives back its memory, and is gone
@@ -36,7 +39,8 @@ class ChildProcess:
     ``function`` is one of a module, and ``arguments`` can be pickled; the main script is not run again in the process, so that
     it needs no ``if __name__ == "__main__"``. ``connections`` are the ends of its ``pipes`` pipes on this side. With ``forked``
     it is a copy of a process that has imported the module of that name, which takes milliseconds (`begin_to_import`); without,
-    or where the system cannot, an interpreter is started for it, which takes a second.
+    or where the system cannot, an interpreter is started for it, which takes a second. Raises
+    :class:`~dampyr.errors.DampyrError` where the system starts none.
     """
 
     def __init__(self, function: Callable[..., object], *arguments: object, pipes: int = 1, forked: str = "") -> None:
@@ -64,17 +68,15 @@ class ChildProcess:
                 with _lock, _without_main():
                     self._process.start()
                 return
-            except (
-                EOFError,
-                ConnectionError,
-            ):  # the process to be copied was killed, and is started again once it is gone
+            except (EOFError, OSError) as problem:
+                # such as where the process to be copied was killed, which is started again once it is gone
                 if pause is None:
-                    raise
+                    raise DampyrError(f"a process was not started ({one_line(problem)}); try again") from problem
                 time.sleep(pause)
 
     def wait(self, seconds: float | None = None) -> int | None:
         """The exit status, once it has ended; None where that takes more than ``seconds``. That of a killed one is negative."""
-        if not wait([self._process.sentinel], seconds):
+        if not wait_for([self._process.sentinel], seconds):
             return None
         with _lock:
             self._process.join()
@@ -83,7 +85,7 @@ class ChildProcess:
 
     def kill(self) -> None:
         """End it now, with all that it has started; from any thread, without waiting."""
-        if not wait([self._process.sentinel], 0.0):
+        if not wait_for([self._process.sentinel], 0.0):
             _kill(self.pid)
 
     def hang_up(self) -> None:

@@ -2,6 +2,7 @@
 
 import os
 import time
+from multiprocessing.process import BaseProcess
 
 import numpy as np
 import pytest
@@ -137,16 +138,17 @@ def test_a_result_is_there_after_the_console_was_started_again(client, finished,
 
 
 def test_a_job_whose_process_is_not_started_says_so_and_the_next_one_is_done(tmp_path, monkeypatch):
-    def no_process(*_, **__):
+    def no_process(self):
         raise BlockingIOError(11, "Resource temporarily unavailable")
 
     jobs = Jobs(tmp_path / "jobs", at_once=1)
-    monkeypatch.setattr("dampyr.console.job_processes.ChildProcess", no_process)
+    monkeypatch.setattr(BaseProcess, "start", no_process)
+    monkeypatch.setattr("dampyr.processes.PAUSES", ())
     first, second = (jobs.submit("respond", {}, "").id for _ in range(2))
     for id in (first, second):
         job = ended(jobs, id)
         assert job.state == "failed"
-        assert job.reason == ("its process was not started ([Errno 11] Resource temporarily unavailable); run it again")
+        assert job.reason == ("a process was not started ([Errno 11] Resource temporarily unavailable); try again")
     jobs.close()
 
 

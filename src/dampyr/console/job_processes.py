@@ -21,7 +21,7 @@ from dampyr import registry
 from dampyr.atomic_write import write_whole
 from dampyr.console.job_work import WORK, do_job
 from dampyr.console.request_process import FORKED
-from dampyr.errors import InputError, MissingData
+from dampyr.errors import DampyrError, InputError, MissingData
 from dampyr.processes import ChildProcess
 
 State = Literal["waiting", "running", "done", "failed", "cancelled"]
@@ -168,8 +168,8 @@ class Jobs:
     def _run(self, job: Job) -> None:
         try:
             process = ChildProcess(do_job, self.folder / job.id, forked=FORKED)
-        except (EOFError, OSError) as problem:
-            self._end(job.id, state="failed", reason=f"its process was not started ({problem}); run it again")
+        except DampyrError as problem:
+            self._end(job.id, state="failed", reason=str(problem))
             return
         with self._lock:
             self._running[job.id] = process
