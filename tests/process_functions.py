@@ -1,4 +1,4 @@
-"""What processes of tests do: functions of a module, as `dampyr.processes.ChildProcess` calls them."""
+"""What processes of tests do, functions of a module as `dampyr.processes.ChildProcess` calls them; and whether one is left."""
 
 import os
 import subprocess
@@ -6,6 +6,7 @@ import sys
 import time
 from multiprocessing.connection import Connection
 from multiprocessing.process import current_process, parent_process
+from pathlib import Path
 
 from dampyr.processes import end_with
 
@@ -39,3 +40,12 @@ def wait_for_the_end(connection: Connection) -> None:
 
 def has_imported(connection: Connection, module: str) -> None:
     connection.send(module in sys.modules)
+
+
+def alive(pid: int) -> bool:
+    """Whether a process has not ended."""
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return Path(f"/proc/{pid}/stat").read_text().split()[2] != "Z" if Path("/proc").is_dir() else True

@@ -16,6 +16,7 @@ pytest.importorskip("fastapi")
 from dampyr.console.request_process import FORKED
 from dampyr.processes import ChildProcess
 from tests import process_functions
+from tests.process_functions import alive
 
 ROOT = Path(__file__).resolve().parents[1]
 POSIX = pytest.mark.skipif(os.name != "posix", reason="signals and sessions of POSIX")
@@ -145,14 +146,6 @@ def test_a_process_to_be_copied_that_was_killed_is_started_again(forked: str) ->
         if forked and sys.platform == "linux":
             server: int = forkserver._forkserver._forkserver_pid  # type: ignore[attr-defined]
             os.kill(server, signal.SIGKILL)
-
-
-def alive(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    return Path(f"/proc/{pid}/stat").read_text().split()[2] != "Z" if Path("/proc").is_dir() else True
 
 
 def wait_for_end(pid: int) -> None:

@@ -31,11 +31,8 @@ def test_cycles_are_compared_with_a_reference_and_a_report_is_written(armed: Ben
     comparison = armed.state().comparison
     assert comparison is not None
     assert comparison.failed == 0
-    [judged] = [
-        r
-        for r in accept(read_campaign(records_of(armed, "two")), read_campaign(records_of(armed, "one"))).results
-        if r.record == SECOND
-    ]
+    accepted = accept(read_campaign(records_of(armed, "two")), read_campaign(records_of(armed, "one")))
+    [judged] = [result for result in accepted.results if result.record == SECOND]
     assert comparison.test == SECOND
     for cycle in comparison.cycles:
         extension, compression, energy = [p.deviation for p in judged.points if p.cycle == cycle.number]

@@ -16,6 +16,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from tests.process_functions import alive
 from tests.rig.served_loop import Served, reader_of, stroke
 from tests.rig.wires.process import Process
 from tests.rig_time import SimulatedTime
@@ -141,14 +142,6 @@ def test_a_refusal_that_is_here_before_the_reason_is_told_as_the_reason(
     with pytest.raises(RigFault, match="the interlock stopped the rig: force 5000 N") as ended:
         requested()
     assert ended.value.ring == "interlock"
-
-
-def alive(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    return Path(f"/proc/{pid}/stat").read_text().split()[2] != "Z" if Path("/proc").is_dir() else True
 
 
 @POSIX

@@ -46,7 +46,7 @@ class RigConnection:
 
     def monitor(self, until: Callable[[], bool]) -> None:
         """Read the rig, which is not armed, ``until`` there is something else to do."""
-        if not self.rig.time_passes or until() or self._unread > self.clock():
+        if self.rig.clocked_by_reads or until() or self._unread > self.clock():
             return
         blocks = self.rig.monitor()
         try:

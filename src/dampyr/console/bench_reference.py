@@ -119,10 +119,8 @@ class LiveComparison:
             if sum(held.shape[1] for held in self._blocks) > MAX_SAMPLES:
                 raise InputError(f"a cycle has not ended after {MAX_SAMPLES} samples")
         except Exception as problem:  # told on the page: a comparison that fails must end no test
-            self.comparison, self._given_up = (
-                replace(self.comparison, reason=str(problem) or type(problem).__name__),
-                True,
-            )
+            self.comparison = replace(self.comparison, reason=str(problem) or type(problem).__name__)
+            self._given_up = True
             self._blocks.clear()
 
     def _begin(self, run: EarlierRun) -> None:

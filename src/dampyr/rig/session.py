@@ -166,7 +166,7 @@ class Rig(Shown):
 
     def _cool_since_last_read(self) -> None:
         """Let the estimate cool for the time in which nothing was read; that of a rig whose time stands does not pass."""
-        if self._read_until is not None and self.time_passes:
+        if self._read_until is not None and not self.clocked_by_reads:
             self.warmth.cool(max(0.0, self.clock() - self._read_until))
 
     def _take_over(self) -> None:
@@ -238,11 +238,6 @@ class Rig(Shown):
         """Use ``calibration`` from the next arming on, with what it says of the rig's parts."""
         self.calibration, self.settings = calibration, calibration.corrected(self.settings)
         self.warmth.rig = self.settings
-
-    @property
-    def time_passes(self) -> bool:
-        """Whether its time passes by itself, and not only while it is read."""
-        return not self.clocked_by_reads
 
     @cached_property
     def identity(self) -> str:
