@@ -40,8 +40,16 @@ DATA_KINDS = ("text", "toml", "bash", "c", "matlab")  # files, and what is print
 # Blocks of commands and of Python that no test of a page runs, by the page and their first words, and why.
 NOT_RUN = {
     ("README.md", "make demo"): "tests/stories/test_the_chain.py runs what it runs, and this is what make test is",
+    ("docs/how-to/power.md", "avrdude"): "reads and writes the fuses of a chip, which no test has",
     ("docs/how-to/add-a-model.md", "r\"\"\"A dashpot"): "test_the_model_of_the_how_to_is_a_model",
     ("docs/how-to/bench.md", "dampyr console"): "serves until it is stopped: tests/console",
+    ("docs/how-to/bring-up.md", "dampyr doctor --rig"): "asks a person at a real rig; the next block is the simulated one",
+    ("docs/how-to/bring-up.md", "dampyr doctor --simulated --bring-up --stand-in --out faulty.json"): (
+        "a step fails: tests/rig/test_bring_up.py"
+    ),
+    ("docs/how-to/protocols.md", "dampyr protocol"): "of a protocol that was run: tests/campaigns/test_protocol_result.py",
+    ("docs/how-to/laboratory.md", "dampyr specimens"): "of records of several days: tests/records/test_specimen_history.py",
+    ("docs/how-to/laboratory.md", "dampyr run"): "asks for each damper to be mounted: tests/cli/test_run.py",
     ("docs/how-to/console.md", "pip install"): "serves until it is stopped: tests/console",
     ("docs/how-to/console.md", "dampyr console"): "serves until it is stopped: tests/console",
     ("docs/how-to/console.md", "curl"): "asks the server: tests/console/test_api.py",
@@ -56,6 +64,7 @@ NOT_RUN = {
     ("docs/how-to/plan-tests.md", "dampyr plan --card damper.toml --tests 3"): "tests/cli/test_examples.py runs its like",
     ("docs/how-to/plan-tests.md", "dampyr plan --card damper.toml --goal"): "tests/cli/test_examples.py runs its like",
     ("docs/how-to/plan-tests.md", "dampyr plan --card damper.toml --tests 6 --per"): "tests/cli/test_examples.py runs its like",
+    ("docs/how-to/protocols.md", "dampyr run"): "tests/cli/test_judge.py and tests/campaigns/test_judgement.py",
     ("docs/how-to/rig.md", "dampyr doctor"): "needs a rig; on the simulated one tests/cli/test_doctor.py",
     ("docs/how-to/rig.md", "dampyr calibrate"): "needs a rig; on the simulated one tests/rig/test_calibration.py",
     ("docs/reference/commands.md", "dampyr accept"): "tests/cli/test_examples.py runs each of them",

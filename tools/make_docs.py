@@ -41,6 +41,7 @@ from dampyr.records.datasets import available_data_sets, data_set
 from dampyr.units import Quantity, for_people
 
 CHECKOUT = Path(__file__).resolve().parents[1]
+PROTOCOLS = "dampyr.campaigns.protocols"
 PARTS, STEPS, LAWS = "dampyr.models.parts", "dampyr.campaigns.steps", "dampyr.structures.control"
 RECORDS, MOTIONS = "dampyr.records.formats", "dampyr.ground_motions.formats"
 EXPORTS, STUDIES, COMMANDS = "dampyr.export.kinds", "dampyr.studies", "dampyr.cli"
@@ -233,6 +234,17 @@ def step_sections() -> str:
 
     sections = [
         [f"## `{name}`", "", about(module), "", field_table(kind(name)), ""] for name, module in registry.members(STEPS)
+    ]
+    return "\n".join("\n".join(section) for section in sections)
+
+
+def protocol_sections() -> str:
+    """Each kind of protocol: its purpose and its fields."""
+    from dampyr.campaigns.kinds import protocol_kind
+
+    sections = [
+        [f"## `{name}`", "", about(module), "", field_table(protocol_kind(name)), ""]
+        for name, module in registry.members(PROTOCOLS)
     ]
     return "\n".join("\n".join(section) for section in sections)
 
@@ -489,6 +501,7 @@ LISTS: dict[str, Callable[[], str]] = {
     "dataset-sections": dataset_sections,
     "campaign-header": campaign_header,
     "step-sections": step_sections,
+    "protocol-sections": protocol_sections,
     "control-laws": lambda: in_line(LAWS),
     "law-table": law_table,
     "law-sections": lambda: sections_of(LAWS),

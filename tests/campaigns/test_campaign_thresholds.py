@@ -11,7 +11,8 @@ from tests.campaigns.quick_rig import quick_rig
 from dampyr import records
 from dampyr.campaigns import campaign_of, perform
 from dampyr.campaigns.campaign_thresholds import USUAL, CampaignThresholds
-from dampyr.campaigns.marks import MeasuredTest, drifting_zero, sudden_force, zero_moved
+from dampyr.campaigns.marks import MeasuredTest, drifting_zero, sudden_force
+from dampyr.campaigns.pass_marks import zero_moved
 from dampyr.config import origin
 from dampyr.errors import InputError, RigFault
 from dampyr.rig import RigSettings

@@ -152,3 +152,20 @@ def test_force_and_speed_have_limits_of_their_own():
 
 def test_long_tests_are_refused():
     assert limits(SINE(0.005, 0.01, cycles=100)) == ["duration"]
+
+
+def test_the_largest_duty_lowers_the_speed_that_the_actuator_gives():
+    """(0.5 - 0.06)/(1 - 0.06) of the free speed at half duty, in the Uno's 127 of 255."""
+    settings = rig(actuator={"lag": 1e-9, "droop": 0.0, "max_duty": 0.5})
+    share = (127 / 255 - 0.06) / 0.94
+    largest_amplitude = largest(SINE(0.030, 1.0), "amplitude", settings)
+    assert 2 * pi * largest_amplitude == pytest.approx(0.078 * share, rel=0.01)
+    assert RIG.actuator.top_speed == RIG.actuator.free_speed
+
+
+def test_reversals_with_more_than_the_largest_duty_are_refused_before_the_uno_refuses_them():
+    step = kind("reversals")(half_period=0.2, duty=1.0, count=2)
+    assert limits(step) == []
+    [finding] = violations_of(step, rig(actuator={"max_duty": 0.98}))
+    assert finding.limit == "duty"
+    assert "asks for a duty of 1, the largest is 0.98 (actuator.max_duty)" in finding.words

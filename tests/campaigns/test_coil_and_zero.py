@@ -1,6 +1,7 @@
 """Coil and zero of the force: what a rig that reads its coil sees, and what slow passes between the tests see."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -115,6 +116,50 @@ def test_a_zero_that_drifts_slowly_is_seen_by_the_slow_passes(performed: Perform
     marked = marks(performed(f"drifting-cell={rate}@5s"))
     assert any("the force's zero moved by" in mark for test in marked for mark in test)
     assert "since the run began" in marked[-1][0] or "in the test" in marked[-1][0]
+
+
+@pytest.mark.parametrize(
+    ("fault", "first"),
+    [
+        ("cell-gain=0.95@13s", "in the test"),
+        pytest.param("cell-gain=1.1@13s", "in the test", marks=pytest.mark.prove),
+        pytest.param("cell-gain=0.8@13s", "in the test", marks=pytest.mark.prove),
+    ],
+)
+def test_a_gain_of_the_cell_that_changes_is_seen_by_the_slow_passes(
+    performed: Performed, fault: str, first: str
+) -> None:
+    """A gain of 5 % is not told as a zero that moved, although the static force of the damper changes with it."""
+    marked = marks(performed(fault))
+    assert first in marked[0][-1]
+    assert all("the gain of the load cell's chain has changed" in test[-1] for test in marked)
+    assert all("since the run began" in test[-1] for test in marked[1:])
+    assert not any("zero moved" in mark for test in marked for mark in test)
+
+
+def test_a_force_that_was_there_before_the_run_is_seen_by_the_damper_s_card(performed: Performed) -> None:
+    """A shunt that somebody has forgotten: no pass differs from another one."""
+    marked = marks(performed("shunted-cell=200@0.1s"))
+    assert all("by the damper's card it is" in test[0] and len(test) == 1 for test in marked)
+
+
+def test_a_cell_that_grows_slow_is_seen_by_its_noise(performed: Performed, tmp_path: Path) -> None:
+    with suppress(RigFault):  # at rest so little of its noise may be left that a later test is spoiled
+        performed("cell-slow=20Hz@17s")
+    marked = marks(records.read_campaign(tmp_path / "out"))
+    assert marked
+    assert all("its amplifier has grown slow" in test[0] for test in marked)
+
+
+def test_a_supply_that_stands_is_seen_where_its_voltage_is_read_and_by_the_slow_passes_where_not(
+    performed: Performed,
+) -> None:
+    first, *_ = marks(performed("supply-stuck@17s", rig=usual_settings()))
+    assert "the coil has a voltage where 0 V are commanded" in first[0]
+
+
+def test_a_supply_whose_gain_falls_is_marked_where_its_voltage_is_read(performed: Performed) -> None:
+    assert "the coil has" in marks(performed("supply-gain=0.9@9s"))[0][0]
 
 
 def test_counts_that_were_lost_go_into_the_uncertainty(tmp_path: Path) -> None:

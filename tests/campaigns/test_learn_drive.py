@@ -32,6 +32,8 @@ from dampyr.campaigns.steps.sine import Sine
 from dampyr.errors import DampyrWarning, RigFault
 from dampyr.records.formats import h5
 from dampyr.rig import Rig, RigSettings
+from dampyr.rig.acquisition import AHEAD
+from dampyr.rig.simulation.faults import FaultSpec
 
 Array = np.ndarray
 
@@ -190,7 +192,8 @@ def test_every_try_is_a_record_with_its_drive_and_the_test_says_how_it_was_learn
     assert float(about["learning_error_best"]) == min(errors)
     assert about["learning_started_from"] == "the wanted drive"
     assert [record.name for record in records.read_campaign(folder)] == [NAME]  # the tries are no tests
-    assert whats(folder) == ["armed", "homed", "begun", "learning", "learning", "learned", "complete", "complete"]
+    begun = ["armed", "homed", "begun", "clocks compared"]
+    assert whats(folder) == [*begun, "learning", "learning", "learned", "complete", "complete"]
     [entry], events = read_journal(folder)
     assert next(e.detail for e in events if e.what == "learning").startswith("try 1 of 5: 5.")
     assert "off its wanted path, with a learned drive" in entry.reason
@@ -199,7 +202,8 @@ def test_every_try_is_a_record_with_its_drive_and_the_test_says_how_it_was_learn
     assert phases[1].startswith("learning, try 2 of 5, 5.")
     assert phases[2] == "testing"
     left = np.array([seconds for _, seconds in reports])
-    assert left[-1] == pytest.approx(WAYS, abs=2.5 * QUICK.board.block)
+    lead = AHEAD * QUICK.board.block  # in which a drive waits for its begin
+    assert left[-1] == pytest.approx(WAYS - lead, abs=2.5 * QUICK.board.block)
     assert np.all(np.diff(left) <= 1e-9)
 
 
@@ -221,7 +225,7 @@ def test_an_error_that_rises_ends_learning_and_the_best_drive_is_played(
     assert len(errors) == 2
     assert errors[1] > 1.5 * errors[0]
     assert about["learning_drive"].endswith("iteration1.csv")
-    assert float(about["learning_error"]) == pytest.approx(errors[0], rel=0.05)
+    assert float(about["learning_error"]) == pytest.approx(errors[0], rel=0.1)
 
 
 @pytest.mark.prove
@@ -281,8 +285,15 @@ def test_stop_in_a_try_ends_the_run_in_order_and_a_fault_as_in_any_test(tmp_path
     [entry], _ = read_journal(tmp_path)
     assert (entry.state, entry.reason) == ("stopped", "by the operator")
     assert not list(tmp_path.glob("*.h5"))
+    opened = quick_rig()
+    simulator = opened.board.simulator
+
+    def stall(progress: Progress) -> None:
+        if progress.phase.startswith("learning, try 1") and progress.fraction > 0.5 and not simulator.faults:
+            simulator.faults = (FaultSpec("stalled-motor", simulator.time),)
+
     with pytest.raises(RigFault, match="is the motor blocked"):
-        perform(campaign(sine()), quick_rig("stalled-motor@7s"), tmp_path)
+        perform(campaign(sine()), opened, tmp_path, stall)
     [entry], _ = read_journal(tmp_path)
     assert entry.state == "failed"
     states = [h5.state(path).complete for path in (tmp_path / "learning").glob("*.h5")]
@@ -308,7 +319,7 @@ def test_the_learned_drive_serves_the_next_campaign(learned: LearnedSine, tmp_pa
     perform(campaign(sine(), name="the next one"), opened, tmp_path / "second")
     about = learned_in(tmp_path / "second")
     assert (about["learning_tries"], about["learning_ended"]) == ("1", REACHED)
-    assert about["learning_started_from"].startswith(f"the drive learned at {before['time']}, with 0.")
+    assert about["learning_started_from"].startswith(f"the drive learned at {before['time']}, with ")
     assert float(about["learning_error_before"]) < 0.015
     points = np.loadtxt(tmp_path / "second" / about["learning_drive"], delimiter=",", skiprows=1)[:, 2]
     np.testing.assert_allclose(points, before["set_points_m"], atol=1e-9)

@@ -105,13 +105,13 @@ def test_what_the_rig_cannot_do_is_refused_before_anything_is_written(tmp_path: 
     with pytest.raises(InputError, match="lower the amplitude to"):
         perform(campaigns.campaign_of(settings), opened, tmp_path / "out")
     assert not (tmp_path / "out").exists()
-    assert opened.board.simulator.time == 0.0
+    assert opened.board.simulator.time < 0.1  # it was asked who it is, and not read
 
 
 def test_a_fault_ends_the_test_and_the_next_run_goes_on_with_it(two: Path, tmp_path: Path) -> None:
     folder = tmp_path / "out"
     with pytest.raises(RigFault, match="is the motor blocked"):
-        perform(two, quick_rig("stalled-motor@22s"), folder)
+        perform(two, quick_rig("stalled-motor@30s"), folder)
     tests, _ = read_journal(folder)
     assert [test.state for test in tests] == ["complete", "failed"]
     record = records.read(folder / "02-sine-5mm-1Hz-1.5V.h5")
@@ -124,7 +124,7 @@ def test_a_fault_ends_the_test_and_the_next_run_goes_on_with_it(two: Path, tmp_p
     assert len(records.read_campaign(folder)) == 2
     again = quick_rig()
     perform(two, again, folder)  # nothing is left
-    assert again.board.simulator.time == 0.0
+    assert again.board.simulator.time < 0.1
 
 
 def test_another_campaign_in_the_folder_is_refused(performed: Performed, two: Path) -> None:
@@ -213,7 +213,7 @@ def test_room_is_reserved_before_anything_moves(
     monkeypatch.setattr(os, "posix_fallocate", refused)
     with pytest.raises(FileError, match=r"01-sine-5mm-1Hz-0V cannot be recorded: .*: \d+ bytes are needed"):
         perform(two, opened, tmp_path / "out")
-    assert opened.board.simulator.time == 0.0
+    assert opened.board.simulator.time < 0.1  # it was asked who it is, and not read
 
 
 def test_a_test_that_never_began_leaves_no_file(two: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -39,3 +39,41 @@ def test_people_get_a_table() -> None:
     shown = CliRunner().invoke(cli, ["doctor"], catch_exceptions=False).stdout
     assert shown.startswith("dampyr ")
     assert "numpy" in shown
+
+
+def test_a_simulated_rig_is_brought_up_by_a_stand_in_and_a_fault_ends_it(tmp_path: Path) -> None:
+    words = ["doctor", "--simulated", "--bring-up", "--stand-in", "--json", "--out", str(tmp_path / "b.json")]
+    failed = CliRunner().invoke(cli, [*words, "--fault", "inverted-cell@0s"])
+    assert failed.exit_code == 3
+    assert [row["verdict"] for row in json.loads(failed.stdout)] == ["passed", "passed", "passed", "failed"]
+    whole = CliRunner().invoke(cli, words)
+    assert whole.exit_code == 0
+    assert {row["verdict"] for row in json.loads(whole.stdout)} == {"passed", "not wired"}
+
+
+def test_a_person_reads_what_to_do_is_asked_and_may_end_it(tmp_path: Path) -> None:
+    words = ["doctor", "--simulated", "--bring-up", "--out", str(tmp_path / "b.json")]
+    result = CliRunner().invoke(cli, words, input="y\nq\n")
+    assert result.exit_code == 130
+    assert "Do: connect the Uno by its USB cable only" in result.stderr
+    assert "must be 1000" in result.stderr
+    assert [row["verdict"] for row in json.loads((tmp_path / "b.json").read_text())["steps"]] == ["passed"]
+
+
+def test_an_energised_step_says_so_before_it_asks(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from dampyr.cli._bring_up import TerminalOperator
+    from dampyr.rig.bring_up import STEPS
+
+    monkeypatch.setattr("click.prompt", lambda *_, **__: "s")
+    for step in STEPS:
+        assert TerminalOperator().begin(step) == "skip"
+        assert ("ENERGISES" in capsys.readouterr().err) is step.energised
+
+
+@pytest.mark.parametrize("words", [["--bring-up"], ["--stand-in"], ["--rig", "r.toml", "--bring-up", "--stand-in"]])
+def test_options_of_a_bring_up_that_do_not_fit_are_refused(words: list[str]) -> None:
+    result = CliRunner().invoke(cli, ["doctor", *words])
+    assert result.exit_code == 2
+    assert "--bring-up" in result.stderr or "--stand-in" in result.stderr

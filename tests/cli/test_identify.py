@@ -176,7 +176,7 @@ def test_a_search_that_is_cut_shows_what_it_has_and_writes_no_card(
     assert done.exit_code == 2
     assert "Which model predicts best; the search was cut" in done.stdout
     assert re.search(
-        r"dampyr: the search was cut after 1e-09 s, 0 of 4 trials done.* no model is chosen: .*name", done.stderr
+        r"dampyr: the search was cut after 1e-09 s, 0 of 5 trials done.* no model is chosen: .*name", done.stderr
     )
     assert not card.exists()
     board = json.loads(run(*words, "--json").stdout)["leaderboard"]

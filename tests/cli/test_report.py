@@ -7,7 +7,21 @@ from click.testing import CliRunner
 
 from dampyr.cli import cli
 
-COMMANDS = ["accept", "demo", "ensemble", "hybrid", "identify", "motion", "reproduce", "run", "simulate", "validate"]
+COMMANDS = [
+    "accept",
+    "demo",
+    "ensemble",
+    "hybrid",
+    "identify",
+    "judge",
+    "motion",
+    "protocol",
+    "reproduce",
+    "run",
+    "simulate",
+    "specimens",
+    "validate",
+]
 
 
 @pytest.mark.prove

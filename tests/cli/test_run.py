@@ -15,9 +15,9 @@ from click.testing import CliRunner
 from tests.short_campaign import FIRST, SECOND, SHORT
 
 from dampyr import records
-from dampyr.campaigns import read_journal
+from dampyr.campaigns import campaign_of, read_journal
 from dampyr.cli import cli
-from dampyr.cli.run import REFUSED
+from dampyr.cli.run import FAILED, REFUSED, next_command
 from dampyr.records.formats import h5
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
@@ -82,7 +82,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder in which the first test is complete and the second failed."""
     folder = tmp_path_factory.mktemp("recorded")
     (folder / "short.toml").write_text(SHORT)
-    done = run(folder / "short.toml", "--out", folder / "out", "--fault", "stalled-motor@14s")
+    done = run(folder / "short.toml", "--out", folder / "out", "--fault", "stalled-motor@18s")
     assert done.exit_code == 3
     assert [test.state for test in read_journal(folder / "out")[0]] == ["complete", "failed"]
     return folder
@@ -327,7 +327,7 @@ def test_exit_codes_of_a_run_that_is_ended(
     "fault",
     [
         "stuck-encoder@4.9s for 120ms",
-        pytest.param("stuck-encoder@7.2s for 60ms", marks=pytest.mark.prove),
+        pytest.param("stuck-encoder@9.1s for 60ms", marks=pytest.mark.prove),
         pytest.param("slipped-encoder=0.1mm@8s", marks=pytest.mark.prove),
     ],
 )
@@ -358,3 +358,94 @@ def test_a_check_that_is_left_out_is_told_in_the_plan_the_run_and_the_record(tmp
     assert (done.exit_code, words in done.stderr) == (0, False)
     (record,) = records.read_campaign(tmp_path / "checked")
     assert record.provenance["preliminary_check"] == "passed"
+
+
+@pytest.mark.parametrize("wired", [False, True])
+def test_a_run_says_where_the_coil_s_voltage_is_commanded_and_not_measured(tmp_path: Path, wired: bool) -> None:
+    """A supply that dies ends nothing where nothing reads it."""
+    (tmp_path / "rig.toml").write_text(
+        '[wires]\ncoil_voltage = "ai2"\ncoil_current = "ai3"\n' if wired else "", "utf-8"
+    )
+    (tmp_path / "one.toml").write_text(
+        'check_amplitude = "0 mm"\n[[step]]\nkind = "sine"\namplitude = "5 mm"\nfrequency = "2 Hz"\nvoltage = "1 V"\n'
+        'cycles = 2\nrest_before = "0.2 s"\n',
+        "utf-8",
+    )
+    words = ["run", str(tmp_path / "one.toml"), "--rig", str(tmp_path / "rig.toml"), "--out", str(tmp_path / "out")]
+    ran = CliRunner().invoke(cli, [*words, *([] if wired else ["--fault", "dead-supply@0.5s"])])
+    assert ran.exit_code == 0, ran.output
+    said = " ".join(ran.output.split())
+    assert ("the coil's voltage in all records is commanded, not measured" in said) == (not wired)
+    (record,) = records.read_campaign(tmp_path / "out")
+    assert ("it is commanded, not measured" in record.provenance["voltage"]) == (not wired)
+
+
+def test_several_specimens_are_run_in_turn_each_after_it_was_mounted(tmp_path, monkeypatch):
+    """The second was not mounted: the first stays complete, and the same command goes on with the second."""
+    performed = []
+
+    def perform(plan, rig, out, again, as_json, how):
+        performed.append((plan.campaign.header.specimen, out.name))
+        return 0
+
+    monkeypatch.setattr("dampyr.cli.run._perform", perform)
+    words = ["run", str(EXAMPLES / "quick_campaign.toml"), "--out", str(tmp_path), "--specimens", "SN 1,SN2"]
+    first = CliRunner().invoke(cli, words, input="\n")
+    assert first.exit_code == 130
+    assert "Mount SN2" in first.stderr
+    assert "SN2 was not mounted" in first.stderr
+    assert performed == [("SN 1", "SN_1")]
+    done = {"SN_1": "complete"}
+    monkeypatch.setattr(
+        "dampyr.campaigns.run_folders.folder_state", lambda plan, folder: (done.get(folder.name, "new"), "")
+    )
+    second = CliRunner().invoke(cli, words, input="\n")
+    assert second.exit_code == 0
+    assert "Mount SN 1" not in second.stderr
+    assert performed == [("SN 1", "SN_1"), ("SN2", "SN2")]
+
+
+@pytest.mark.parametrize("names", ["SN1,SN1", "SN1,,SN2", "a/b,a_b", ".."])
+def test_specimens_without_folders_of_their_own_are_refused(names, tmp_path):
+    refused = run(EXAMPLES / "quick_campaign.toml", "--out", tmp_path / "out", "--specimens", names)
+    assert refused.exit_code == 2
+    assert "specimens = " in refused.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_specimen_that_fails_ends_the_queue(tmp_path, monkeypatch):
+    monkeypatch.setattr("dampyr.cli.run._perform", lambda *_: 3)
+    words = ["run", str(EXAMPLES / "quick_campaign.toml"), "--out", str(tmp_path), "--specimens", "SN1,SN2"]
+    ended = CliRunner().invoke(cli, words, input="\n\n")
+    assert ended.exit_code == 3
+    assert "Mount SN2" not in ended.stderr
+
+
+@pytest.mark.prove
+def test_a_protocol_that_has_come_to_its_end_says_so_and_proposes_its_figures(tmp_path):
+    (tmp_path / "rig.toml").write_text("[specimen]\nsoftening = 0.01\n")
+    (tmp_path / "endurance.toml").write_text(
+        'rest_between = "0.2 s"\ncheck_amplitude = "0 mm"\n[protocol]\nkind = "endurance"\namplitude = "5 mm"\n'
+        'frequency = "1 Hz"\nvoltage = "1 V"\ncycles = 12\nblock_cycles = 4\nstop_decay = "10 %"\n'
+    )
+    words = (tmp_path / "endurance.toml", "--rig", tmp_path / "rig.toml", "--out", tmp_path / "out")
+    done = run(*words, "--fault", "hot-specimen=25@22s")
+    assert done.exit_code == FAILED, done.output
+    assert "the protocol ends here: the force has decayed by" in done.stderr
+    assert f"next: dampyr protocol {tmp_path / 'out'}" in done.stdout
+    again = run(*words)
+    assert again.exit_code == FAILED
+    judged = CliRunner().invoke(cli, ["protocol", str(tmp_path / "out")])
+    assert judged.exit_code == 1
+    assert "decay <= 10 %" in judged.output
+
+
+def test_what_follows_a_campaign_is_what_it_was_run_for(tmp_path):
+    speeds = {"kind": "peak_velocity", "stroke": "20 mm", "speeds": ["50 mm/s"]}
+    slow = {"kind": "ntc_2018_quasi_static", "design_displacement": "5 mm"}
+    for document, words in (
+        ({"step": [{"kind": "sine", "amplitude": "5 mm", "frequency": "1 Hz"}]}, "identify lab"),
+        ({"protocol": speeds}, "protocol lab"),
+        ({"protocol": slow}, "judge lab --criteria NAME"),
+    ):
+        assert next_command(campaign_of(document), Path("lab")) == f"dampyr {words}"

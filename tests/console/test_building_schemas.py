@@ -17,6 +17,7 @@ from dampyr.console.building_schemas import (
 )
 from dampyr.errors import InputError
 from dampyr.ground_motions import el_centro
+from dampyr.models import Damper
 from dampyr.studies import raminelli_2020
 
 
@@ -37,6 +38,14 @@ def test_a_motion_is_scaled_to_its_peak_and_synthetic_ones_differ_by_their_seeds
     np.testing.assert_array_equal(synthetic.motion(data).acceleration, first.acceleration)
     ensemble = EnsembleRequest(motion=synthetic, motions=2, seed=5)
     np.testing.assert_array_equal(ensemble.synthetic_or_one(data)[1].acceleration, second.acceleration)
+
+
+def test_a_damper_without_an_input_is_one_case_and_refuses_inputs_and_laws():
+    damper = Damper("dahl", {"kx": 1200.0, "kw": 200.0, "rho": 2000.0}, input="none")
+    assert DamperRequest().inputs_by_kind(damper) == {"voltage": [None]}
+    for given in ({"inputs": [0.0]}, {"laws": ["on_off"]}):
+        with pytest.raises(InputError, match="has no input, and inputs or control laws are given; leave them out"):
+            DamperRequest(**given).inputs_by_kind(damper)
 
 
 def test_inputs_are_numbers_then_laws():

@@ -48,3 +48,9 @@ def test_no_other_file_is_a_damper(cards, monkeypatch):
     (cards / "cards" / "large.toml").write_text("#" * (MAX_CARD + 1024))
     with pytest.raises(InputError, match="has 1025 KiB, a card has at most 1024"):
         damper_of(cards, "cards/large.toml")
+
+
+def test_a_card_without_an_input_has_no_unit(cards):
+    Damper("dahl", {"kx": 900.0, "kw": 150.0, "rho": 3000.0}, input="none").save(cards / "cards" / "friction.toml")
+    link = next(link for link in dampers(cards) if link.name == "cards/friction.toml")
+    assert (link.unit, link.low, link.high) == ("", 0.0, 0.0)

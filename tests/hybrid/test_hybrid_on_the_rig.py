@@ -22,7 +22,7 @@ from dampyr.studies import raminelli_2020
 def test_the_light_building_of_chapter_5_is_refused_where_it_would_be_unstable(voltage):
     planned = planned_hybrid({"kind": "hybrid", "structure": "two_storey", "voltage": voltage, "duration": 3.0})
     assert len(planned.refusals) == 1
-    assert "the hybrid test would be unstable: with set points that leave 52 ms ahead" in planned.refusals[0]
+    assert "the hybrid test would be unstable: with set points that leave 84 ms ahead" in planned.refusals[0]
     assert "take a heavier building, a lower voltage, or a shorter board.block than 40 ms" in planned.refusals[0]
     (note, *_) = planned.tests[0].notes
     assert note.startswith("scaled to")
@@ -67,9 +67,11 @@ def test_it_stops_where_the_damper_is_twice_as_strong_as_its_model(tmp_path):
         for name, law in damper.all_laws.items()
     }
     card = replace(damper, laws=laws, covariance=None).save(tmp_path / "weak.toml")
+    # The limit of energy is out of the way: it may be passed first.
+    heavy = {"structure": "heavy_two_storey", "voltage": 3.212, "scale": 1.0, "energy_limit": 1.0}
     with simulated() as rig:
         with pytest.raises(RigFault, match=r"the building wants to move at \d+ mm/s, the limit is 120 mm/s"):
-            run(tmp_path, rig, structure="heavy_two_storey", voltage=3.212, model=str(card), scale=1.0)
+            run(tmp_path, rig, **heavy, model=str(card))
         assert rig.uno.heartbeat().speed == 0
 
 
@@ -82,7 +84,7 @@ def test_the_command_plans_runs_and_goes_on(tmp_path, monkeypatch):
     first = CliRunner().invoke(cli, [*words, "--json", "--report", "page.html"])
     assert first.exit_code == 0, first.output
     shown = json.loads(first.stdout)
-    assert (shown["scale"], max(map(abs, shown["differences"])) < 0.05) == (0.1, True)
+    assert (shown["scale"], max(map(abs, shown["differences"])) < 0.07) == (0.1, True)  # peaks of half a millimetre
     assert (tmp_path / "page.html").is_file()
     again = CliRunner().invoke(cli, [*words, "--json"])
     assert json.loads(again.stdout) == shown  # it is complete: nothing moves

@@ -1,5 +1,7 @@
 """The published campaign, fitted: figures to beat on real records."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -48,17 +50,33 @@ def test_the_first_try_composition_beats_plain_dahl_by_far(records) -> None:
     assert 100 * np.mean([s.l1 for s in fit_result.scores.values()]) < 6.2
 
 
-WINNER = "hyperbolic_tangent + compliance + spring + delay"  # of `leaderboard`, which is run in `make prove`
+WINNER = "shutting_bleed + compliance + place_friction"  # of `leaderboard`, which is run in `make prove`
 
 
 @pytest.mark.prove
-def test_records_and_voltages_that_it_never_saw_are_predicted_as_the_readme_says(records) -> None:
-    options = {"bandwidth": 18.2, "steps": 300}
-    by_record = cross_validate(records, WINNER, options=FitOptions(**options)).by_input
-    printed = {0.0: 7.6, 0.8712: 5.2, 1.98: 4.8, 3.212: 4.6}
-    assert {u: 100 * l1 for u, l1 in by_record.items()} == pytest.approx(printed, abs=0.06)
-    by_voltage = cross_validate(records, WINNER, "input", FitOptions(**options)).by_input
-    assert {u: 100 * l1 for u, l1 in by_voltage.items()} == pytest.approx({0.8712: 8.7, 1.98: 9.8}, abs=0.06)
+def test_records_and_voltages_that_it_never_saw_are_predicted_as_the_docs_say(records) -> None:
+    """Random parts by three seeds: floor 4.1 %, aim 3.7 %; a voltage left out: floor 7.5 and 8.5 %, aim 6.5 and 7.0 %."""
+    options = FitOptions(bandwidth=18.2, steps=300)
+    by_record = [cross_validate(records, WINNER, options=replace(options, seed=seed)).by_input for seed in (0, 1, 2)]
+    printed = {0.0: 4.8, 0.8712: 3.6, 1.98: 3.6, 3.212: 3.7}
+    assert {u: 100 * l1 for u, l1 in by_record[0].items()} == pytest.approx(printed, abs=0.06)
+    assert all(100 * np.mean(list(each.values())) < 4.1 for each in by_record)
+    by_voltage = cross_validate(records, WINNER, "input", options).by_input
+    assert {u: 100 * l1 for u, l1 in by_voltage.items()} == pytest.approx({0.8712: 6.2, 1.98: 7.7}, abs=0.06)
+
+
+@pytest.mark.prove
+def test_twenty_numbers_predict_better_than_a_black_box_of_three_thousand(records) -> None:
+    """All of the parts but those of the gap constant over the voltage, by the velocity as recorded: 4.01 % by three seeds,
+    where a network of two layers of 48 has 4.04 %."""
+    model = "shutting_bleed + place_friction + spring + compliance"
+    options = FitOptions(laws={"spring.k0": "constant", "compliance.s": "constant"})
+    for seed in (0, 1, 2):
+        found = cross_validate(records, model, options=replace(options, seed=seed)).by_input
+        assert 100 * np.mean(list(found.values())) < 4.1
+    left_out = cross_validate(records, model, "input", options).by_input
+    assert 100 * left_out[0.8712] < 7.5
+    assert 100 * left_out[1.98] < 8.5
 
 
 def test_the_cubics_pass_through_the_table_means_at_the_true_voltages() -> None:

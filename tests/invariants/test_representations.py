@@ -9,6 +9,7 @@ import importlib
 import inspect
 import pkgutil
 import re
+import tempfile
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -22,6 +23,9 @@ import pytest
 import dampyr as dp
 from dampyr import hybrid
 from dampyr.campaigns.check import Violation
+from dampyr.campaigns.judgement import JudgedSpecimens
+from dampyr.campaigns.protocol_result import ProtocolFigure, ProtocolResult
+from dampyr.campaigns.protocols.response_time import ResponseTime
 from dampyr.campaigns.run_control import Progress, Skipped
 from dampyr.campaigns.step import Peaks
 from dampyr.errors import DampyrWarning, InputError
@@ -30,11 +34,13 @@ from dampyr.hybrid.delayed_hybrid import delayed_result
 from dampyr.hybrid.hybrid_result import HybridResult
 from dampyr.hybrid.substructure import LagEstimator
 from dampyr.identification import FitOptions
+from dampyr.identification.acceptance_tests.device_criteria import Criterion
 from dampyr.identification.fits.diagnostics import Trend
 from dampyr.identification.fits.residuals import Trace, motion
 from dampyr.identification.limit_cycle_methods.limit_cycle import LimitCycle
 from dampyr.identification.model_choice.leaderboard import Finalist
 from dampyr.identification.model_choice.screening import Screened, Trial
+from dampyr.identification.model_choice.yardstick import Yardstick
 from dampyr.identification.parameter_uncertainty.posterior import Posterior
 from dampyr.identification.parameter_uncertainty.specimens import Specimens
 from dampyr.identification.scoring.validation import cross_validate
@@ -44,6 +50,7 @@ from dampyr.records.conditioning.smoothing_inverse import undo
 from dampyr.records.conditioning.smoothing_recognition import Recognised
 from dampyr.records.files.campaign_folder import campaign_rows
 from dampyr.records.record import Label
+from dampyr.records.specimen_history import SpecimenHistories
 from dampyr.rig.calibration import calibration_of
 from dampyr.show.descriptions import description_of
 from dampyr.show.figures import laws as law_figures
@@ -58,7 +65,9 @@ from dampyr.shown import Shown
 from dampyr.studies.raminelli_2020.study import Study
 from dampyr.studies.raminelli_2020.study_part import StudyPart
 from dampyr.studies.vrths_2020.vrths_study import VrthsStudy
+from tests.campaigns.specimen_folders import QUASI_STATIC, dahl, specimen_folder
 from tests.identification.synthetic import sine
+from tests.records.specimen_record import specimen_record
 
 LINES, LETTERS = 15, 1500
 MOTIONS = ((0.005, 1.0), (0.010, 0.5), (0.008, 0.8))  # m, Hz
@@ -91,6 +100,20 @@ def three_specimens(made: Any) -> Specimens:
 def substructure(made: Any) -> hybrid.Substructure:
     """The computed part of a hybrid test."""
     return hybrid.Substructure(dp.structures.two_storey(), 1, made.shake.acceleration, made.shake.dt)
+
+
+def judged_specimen() -> JudgedSpecimens:
+    """A specimen that holds its criteria."""
+    folder = specimen_folder(Path(tempfile.mkdtemp()), QUASI_STATIC, dahl(300.0, 4000.0))
+    return dp.campaigns.judge(folder, [Criterion("energy", "all", "cycle 3", "a test", -0.1, 0.1)])
+
+
+def specimens_of_a_folder() -> SpecimenHistories:
+    """The history of one specimen, tested twice."""
+    folder = Path(tempfile.mkdtemp())
+    for day in ("2026-01-01", "2026-03-01"):
+        dp.records.write(specimen_record("SN1", day, day), folder / f"{day}.h5")
+    return dp.records.specimens(folder)
 
 
 def public_classes() -> list[type]:
@@ -154,9 +177,18 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "campaigns.Peaks": lambda made: Peaks(0.010, 0.063),
     "campaigns.Plan": lambda made: made.plan,
     "campaigns.PlannedTest": lambda made: made.plan.tests[0],
+    "campaigns.ProtocolResult": lambda made: ProtocolResult(
+        "response_time",
+        ResponseTime(0.012, (0.03,), (1.98,)),
+        (),
+        (ProtocolFigure("01-voltage_switch", "t63", 0.012),),
+        (),
+    ),
     "campaigns.Progress": lambda made: Progress(1, 2, "01-sine", "recording", 0.5, 4.0),
     "campaigns.Skipped": lambda made: Skipped("skipped by the operator"),
     "campaigns.Stopped": lambda made: dp.campaigns.Stopped("the campaign was stopped by its operator"),
+    "campaigns.JudgedSpecimens": lambda made: judged_specimen(),
+    "records.SpecimenHistories": lambda made: specimens_of_a_folder(),
     "campaigns.RecordedCampaign": lambda made: recorded(made.records),
     "campaigns.Test": lambda made: made.campaign.tests[0],
     "show.Fragile": lambda made: Fragile(np.linspace(0.1, 3.0, 300), np.linspace(0.0, 1.0, 300)),
@@ -210,6 +242,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "identification.Validated": lambda made: made.validated,
     "identification.Validation": lambda made: made.validation,
     "identification.Window": lambda made: made.fit.scores[made.records[0].name].window,
+    "identification.Yardstick": lambda made: Yardstick("a network of two layers", 0.05, 0.04, 0.08, 3217, 41.0),
     "models.Composition": lambda made: made.damper.composition,
     "models.Constant": lambda made: dp.models.Constant(3.0),
     "models.Damper": lambda made: made.fit.damper,

@@ -31,7 +31,7 @@ def test_a_card_comes_back_to_the_last_bit(tmp_path: Path) -> None:
         ('unit = "N s/m"', 'unit = "N s/mm"', "a card holds 'N s/m'"),
         ('kind = "polynomial"', 'kind = "magic"', "unknown law"),
         ("schema = 1", "schema = ", "not a TOML file"),
-        ('input = "V"', 'input = "W"', "'V' or 'A'"),
+        ('input = "V"', 'input = "W"', "'V', 'A' or 'none'"),
         ("42745.0", "-42745.0", "greater than 0"),
         ("[damper]", "[dumper]", "lacks 'damper'"),
         ("[damper]", "[covariance]\nwithin_records_only = 3\n[damper]", "= 3 is not allowed; give a list of names"),

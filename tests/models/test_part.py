@@ -53,8 +53,8 @@ def test_a_number_outside_of_its_limits_is_refused_when_a_part_is_made() -> None
 
 
 def test_a_part_without_proposals_starts_anywhere() -> None:
-    assert part("spring").starts(Scale(0.01, 0.05, 0.005)) == [{}]
-    assert all(list(start) == ["rho"] for start in part("dahl").starts(Scale(0.01, 0.05, 0.005)))
+    assert part("spring").starts(Scale(0.01, 0.05, 0.005, 100.0)) == [{}]
+    assert all(list(start) == ["rho"] for start in part("dahl").starts(Scale(0.01, 0.05, 0.005, 100.0)))
 
 
 def test_there_is_one_object_for_each_name_and_none_for_others() -> None:

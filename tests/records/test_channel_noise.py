@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from dampyr.records import Record
 from dampyr.records.checks.channel_noise import quantum
-from dampyr.records.checks.quality import flat_levels
+from dampyr.records.checks.quality import flat_levels, quality
 
 
 @pytest.mark.parametrize("step", [5e-6, 1e-3, 0.1873073])
@@ -39,6 +40,15 @@ def test_a_channel_without_noise_has_no_flat_level() -> None:
     assert flat_levels(np.clip(np.sin(6.0 * t), -0.5, 0.5), slice(None), 0.0) == []
     wide = 1e9 * np.sin(6.0 * t) + 1e-3 * np.random.default_rng(1).standard_normal(t.size)
     assert flat_levels(wide, slice(None), 1e-3) == []
+
+
+def test_samples_that_repeat_in_each_cycle_stand_nowhere() -> None:
+    """An exact sine of 100 samples a cycle, rounded as a text file has it: no value comes twice in a row."""
+    t = np.arange(1200) / 200.0
+    x, v = 0.02 * np.sin(4.0 * np.pi * t), 0.02 * 4.0 * np.pi * np.cos(4.0 * np.pi * t)
+    force = np.round(np.where(v > 0.0, 2000.0, 800.0) * v, 3)
+    record = Record(np.round(t, 3), np.round(x, 6), force, voltage=0.0)
+    assert quality(record).saturated == {}
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.02, 0.1, 0.3])

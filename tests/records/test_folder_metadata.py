@@ -40,7 +40,10 @@ def test_inputs_as_a_table_or_a_number(folder: Path) -> None:
     ("text", "words"),
     [
         ("validation = [", "is not valid TOML"),
-        ("valid = []", "'valid' is not known; choose from units, columns, voltage, current, dt, variable, header, "),
+        (
+            "valid = []",
+            "'valid' is not known; choose from units, columns, voltage, current, no_input, dt, variable, header, ",
+        ),
         ('validation = "quake*"', "is not a list of patterns"),
         ('validation = ["earth*"]', "'earth*' matches no file of the folder"),
         ('current = "run{}"', "current = 'run{}' does not match the file quake_1,5A.txt"),
@@ -48,6 +51,8 @@ def test_inputs_as_a_table_or_a_number(folder: Path) -> None:
         ('current = "{}_{}"', "must hold {} once"),
         ("current = true", "is neither a number"),
         ("current = 1\nvoltage = 1", "a record has one input"),
+        ("no_input = true\nvoltage = 1", "voltage and no_input are both given; a record has one input"),
+        ("no_input = 1", "no_input = 1 is not allowed; write true where the dampers have no input"),
         ('current = {"run*" = 1, "run2*" = 2}', "gives run2_0.25A.txt both 1 and 2 A"),
         ("units = 3", "is not a table"),
         ('columns = {stroke = "x"}', "'stroke', which is not a channel"),

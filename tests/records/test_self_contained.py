@@ -141,7 +141,7 @@ def test_what_points_out_of_a_file_is_refused(folder: Path, name: str) -> None:
     for call in calls:
         with pytest.raises(FileError) as caught:
             call()
-        words = str(caught.value).replace(str(folder), "")  # whose name may hold any number
+        words = str(caught.value).replace(str(folder.parent), "")  # whose name may hold any number
         assert "a file is read only where it holds all of its data; copy it with h5repack" in words
         assert not any(secret in words for secret in ("777", "password", "137"))
 

@@ -42,7 +42,8 @@ class Equation:
 
     ``exact``: the step of its memory is exact between samples. ``by_path``: numbers with which its force depends on the path
     alone, so that it is exact at any step in series too; None where there are none. ``small``: numbers for motions of
-    micrometres, where those of ``values`` would leave the part at rest.
+    micrometres, where those of ``values`` would leave the part at rest. ``order``: that of the error behind a stretch; the
+    backward difference makes it 1 where the force depends on the velocity at the end of a step.
     """
 
     values: dict[str, float]
@@ -51,6 +52,7 @@ class Equation:
     exact: bool = True
     by_path: dict[str, float] | None = None
     small: dict[str, float] = field(default_factory=dict)
+    order: int = 1
 
     def __post_init__(self) -> None:
         if self.follow is None:
@@ -108,6 +110,17 @@ def follows_velocity(w, y0, y1, u0, u1, h, p):
 
 
 @register_jitable
+def bilinear(u, y, w, p):
+    Q, _, k2 = p
+    return k2 * y + Q * w[0]
+
+
+@register_jitable
+def follows_bilinear(w, y0, y1, u0, u1, h, p):
+    return (held(w[0] + (y1 - y0) / p[1]), 0.0, 0.0, 0.0)
+
+
+@register_jitable
 def bingham(u, y, w, p):
     c0, fc, v0 = p
     return c0 * u + fc * math.copysign(1.0, u) * -math.expm1(-abs(u) / v0)
@@ -139,6 +152,46 @@ def follows_bouc_wen(w, y0, y1, u0, u1, h, p):
 
 
 @register_jitable
+def bouc_wen_baber_noori(u, y, w, p):
+    return p[0] * y + p[1] * w[0]
+
+
+@register_jitable
+def pinched_rate(s, w, e, p):
+    """dw/dy of the equations of the page, s the direction."""
+    _, _, rho, sigma, n, zetas, q, rate, Shi, deltaShi, lamda, deltanu, deltaeta = p
+    nu, taken = 1.0 + deltanu * e, zetas * -math.expm1(-rate * e)
+    apart = (s * w - q * nu ** (-1.0 / n)) / ((Shi + deltaShi * e) * (lamda + taken))
+    h = 1.0 - taken * math.exp(-apart * apart)
+    return rho * h / (1.0 + deltaeta * e) * (1.0 - nu * abs(w) ** n * (1.0 if s * w > 0.0 else 1.0 - 2.0 * sigma))
+
+
+@register_jitable
+def follows_pinched(w, y0, y1, u0, u1, h, p):
+    """One step of Runge and Kutta's fourth order along the path."""
+    d, s, b, e = y1 - y0, math.copysign(1.0, y1 - y0), w[0], w[1]
+    a1 = pinched_rate(s, b, e, p)
+    a2 = pinched_rate(s, b + 0.5 * d * a1, e + 0.5 * d * b, p)
+    a3 = pinched_rate(s, b + 0.5 * d * a2, e + 0.5 * d * (b + 0.5 * d * a1), p)
+    a4 = pinched_rate(s, b + d * a3, e + d * (b + 0.5 * d * a2), p)
+    end = b + d * (a1 + 2 * a2 + 2 * a3 + a4) / 6
+    return (end, e + d * (b + 4 * (b + d * (5 * a1 + 2 * a2 + 2 * a3 - a4) / 16) + end) / 6, 0.0, 0.0)
+
+
+@register_jitable
+def choi_polynomial(u, y, w, p):
+    f = 0.0
+    for i in range(7):
+        f += p[i] * (10.0 * u) ** i * (1.0 if i % 2 else w[0])
+    return f
+
+
+@register_jitable
+def follows_choi(w, y0, y1, u0, u1, h, p):
+    return (held(w[0] + (u1 - u0) / p[7]), 0.0, 0.0, 0.0)
+
+
+@register_jitable
 def dahl(u, y, w, p):
     return p[0] * u + p[1] * w[0]
 
@@ -147,6 +200,99 @@ def dahl(u, y, w, p):
 def follows_dahl(w, y0, y1, u0, u1, h, p):
     s = math.copysign(1.0, y1 - y0)
     return (w[0] - (w[0] - s) * -math.expm1(-p[2] * abs(y1 - y0)), 0.0, 0.0, 0.0)
+
+
+@register_jitable
+def asymmetric(u, y, w, p):
+    ce, cc, fe, fc, v0 = p
+    c, f = (ce, fe) if u > 0.0 else (cc, fc)
+    return c * u + f * math.tanh(u / v0)
+
+
+@register_jitable
+def power_law(u, y, w, p):
+    C, alpha = p
+    return C * u * (u * u + 1e-10) ** (0.5 * (alpha - 1.0))
+
+
+@register_jitable
+def place_friction(u, y, w, p):
+    g, y0, ell, vf = p
+    return g * (100.0 * (ell * w[0] - y0)) ** 2 * math.tanh(u / vf)
+
+
+@register_jitable
+def follows_place(w, y0, y1, u0, u1, h, p):
+    s = math.copysign(1.0, y1 - y0)
+    return (w[0] - (w[0] - s) * -math.expm1(-abs(y1 - y0) / p[2]), 0.0, 0.0, 0.0)
+
+
+@register_jitable
+def shutting_bleed(u, y, w, p):
+    c, fy, vy, b, _ = p
+    if u == 0.0:
+        return 0.0
+    s, h, passing = math.copysign(1.0, u), fy * math.tanh(abs(u) / vy) + c * abs(u), b * abs(u)
+    shut = ((1.0 + s * w[0]) / 2.0) ** 4
+    return s * ((1.0 - shut) * passing * h / math.hypot(passing, h) + shut * h)
+
+
+@register_jitable
+def follows_bleed(w, y0, y1, u0, u1, h, p):
+    return (held(w[0] + (y1 - y0) / p[4]), 0.0, 0.0, 0.0)
+
+
+@register_jitable
+def force_table(u, y, w, p):
+    rises, f, reached = p[6:12] if u > 0.0 else p[12:18], 0.0, 0.0
+    for i in range(6):
+        if abs(u) > reached:
+            f += rises[i] * (abs(u) - reached if i == 5 else min(abs(u) - reached, p[i])) / p[i]
+        reached += p[i]
+    return math.copysign(f, u)
+
+
+@register_jitable
+def gamota_filisko(u, y, w, p):
+    fc, d, _, _, _ = p
+    return fc * (w[0] - w[1]) / d
+
+
+@register_jitable
+def gamota_filisko_rate(u, q, e, p):
+    """With k2 = 1 for the unit of force: c0 = d/vc, k1 = r, c1 = tau, fc = d."""
+    _, d, vc, r, tau = p
+    f = q - e
+    return u - (f - held(f / d) * d) * vc / d, (f - r * e) / tau
+
+
+@register_jitable
+def follows_gamota_filisko(w, y0, y1, u0, u1, h, p):
+    """One step of Runge and Kutta's fourth order at the mean velocity."""
+    u, b, e = (y1 - y0) / h, w[0], w[1]
+    a1, b1 = gamota_filisko_rate(u, b, e, p)
+    a2, b2 = gamota_filisko_rate(u, b + 0.5 * h * a1, e + 0.5 * h * b1, p)
+    a3, b3 = gamota_filisko_rate(u, b + 0.5 * h * a2, e + 0.5 * h * b2, p)
+    a4, b4 = gamota_filisko_rate(u, b + h * a3, e + h * b3, p)
+    return (b + h * (a1 + 2 * a2 + 2 * a3 + a4) / 6, e + h * (b1 + 2 * b2 + 2 * b3 + b4) / 6, 0.0, 0.0)
+
+
+@register_jitable
+def generalised_maxwell(u, y, w, p):
+    return p[0] * y + p[1] * w[0] + p[2] * w[1] + p[3] * w[2]
+
+
+@register_jitable
+def relaxes(e, step, h, tau):
+    """e' = step/h - e/tau over h: towards the stretch at which the dashpot takes the whole rate."""
+    steady = step / h * tau
+    return steady + (e - steady) * math.exp(-h / tau)
+
+
+@register_jitable
+def follows_maxwell(w, y0, y1, u0, u1, h, p):
+    d, tau = y1 - y0, p[4]
+    return (relaxes(w[0], d, h, tau), relaxes(w[1], d, h, 10.0 * tau), relaxes(w[2], d, h, 100.0 * tau), 0.0)
 
 
 @register_jitable
@@ -248,6 +394,10 @@ def nothing(u, y, w, p):
 
 #: c of the sigmoid is 0: with more, its force in series is no single answer, as its page says. Inertia is at the outer end.
 EQUATIONS = {
+    "asymmetric": Equation({"ce": 2000, "cc": 800, "fe": 120, "fc": 60, "v0": 0.01}, asymmetric),
+    "bilinear": Equation(
+        {"Q": 150, "uy": 8e-4, "k2": 9000}, bilinear, follows_bilinear, by_path={}, small={"uy": 2e-6}
+    ),
     "bingham": Equation({"c0": 800, "fc": 300, "v0": 0.01}, bingham),
     "biviscous": Equation({"c": 3000, "fy": 400, "vy": 0.012}, biviscous),
     "bouc_wen": Equation(
@@ -256,8 +406,40 @@ EQUATIONS = {
         follows_bouc_wen,
         by_path={"c0": 0},
     ),
+    "bouc_wen_baber_noori": Equation(
+        {"k0": 5e3, "kw": 150, "rho": 1500, "sigma": 0.7, "n": 1.6, "zetas": 0.9, "q": 0.1, "p": 60}
+        | {"Shi": 0.4, "deltaShi": 2, "lamda": 0.3, "deltanu": 4, "deltaeta": 6},
+        bouc_wen_baber_noori,
+        follows_pinched,
+        exact=False,
+        small={"rho": 3e5, "kw": 5, "p": 6e4, "deltaShi": 2e3, "deltanu": 4e3, "deltaeta": 6e3},
+        order=2,
+    ),
+    "choi_polynomial": Equation(
+        {"p0": 20, "p1": 300, "p2": 5, "p3": 3, "p4": 0.1, "p5": 0.05, "p6": 0.001, "vh": 0.02},
+        choi_polynomial,
+        follows_choi,
+        small={"vh": 2e-4, "p0": 0.5},
+    ),
     "dahl": Equation({"kx": 800, "kw": 150, "rho": 3000}, dahl, follows_dahl, by_path={"kx": 0}),
+    "force_table": Equation(
+        {"w1": 0.02, "w2": 0.03, "w3": 0.05, "w4": 0.1, "w5": 0.1, "w6": 0.2}
+        | {"e1": 90, "e2": 60, "e3": 40, "e4": 60, "e5": 50, "e6": 150}
+        | {"c1": 40, "c2": 50, "c3": 30, "c4": 20, "c5": 40, "c6": 20},
+        force_table,
+    ),
+    "gamota_filisko": Equation(
+        {"fc": 150, "d": 1e-3, "vc": 0.1, "r": 0.5, "tau": 0.02},
+        gamota_filisko,
+        follows_gamota_filisko,
+        exact=False,
+        small={"d": 1e-6, "vc": 1e-3, "tau": 0.01},
+        order=2,
+    ),
     "gas_spring": Equation({"f0": 200, "L": 0.04, "gamma": 1.3}, gas_spring, by_path={}),
+    "generalised_maxwell": Equation(
+        {"k0": 2e4, "k1": 1.5e4, "k2": 8e3, "k3": 1.2e4, "tau": 0.002}, generalised_maxwell, follows_maxwell, order=2
+    ),
     "hyperbolic_tangent": Equation({"c": 800, "ft": 250, "v0": 0.01, "s": 0.4}, hyperbolic_tangent),
     "hysteretic_biviscous": Equation(
         {"c": 3000, "fy": 560, "vy": 0.012, "vh": 0.008}, hysteretic_biviscous, follows_velocity, small={"vh": 2e-4}
@@ -276,6 +458,11 @@ EQUATIONS = {
         exact=False,
     ),
     "offset": Equation({"f0": 40}, offset, by_path={}),
+    "place_friction": Equation({"g": 20, "y0": 0.005, "ell": 0.02, "vf": 0.02}, place_friction, follows_place),
+    "power_law": Equation({"C": 900, "alpha": 0.4}, power_law),
+    "shutting_bleed": Equation(
+        {"c": 1700, "fy": 185, "vy": 0.005, "b": 4.6e4, "d": 2e-4}, shutting_bleed, follows_bleed, small={"d": 2e-6}
+    ),
     "sigmoid": Equation({"ft": 560, "c": 0, "vk": 0.03, "vh": 0.008}, sigmoid, follows_velocity, small={"vh": 2e-4}),
     "spring": Equation({"k0": 4e4}, spring, by_path={}),
 }
@@ -338,13 +525,19 @@ class Step:
         return f - self.each.force(u, y, w, self.p)
 
     def root(self) -> float:
-        """The force at the end; what the parts give falls with the guess, so the root lies between the two."""
+        """The force at the end; what the parts give falls with the guess, or rises less than it: the root lies between the two
+        then, or a little beyond."""
         excess = self.excess(self.force0)
         low, high = sorted((self.force0, self.force0 - excess))
         if excess == 0.0 or low == high:
             return low
         wide = 1e-9 * (high - low) + 1e-12 * (1.0 + abs(low) + abs(high))  # an end may be the root, but for rounding
-        return float(brentq(self.excess, low - wide, high + wide, xtol=1e-14, rtol=1e-15))
+        low, high = low - wide, high + wide
+        while self.excess(low) > 0.0:
+            low -= high - low
+        while self.excess(high) < 0.0:
+            high += high - low
+        return float(brentq(self.excess, low, high, xtol=1e-14, rtol=1e-15))
 
 
 @register_jitable

@@ -189,12 +189,17 @@ def errors_along(
     return [one / scale for one in ours], exact / scale
 
 
-def of_first_order(ours: list[np.ndarray], exact: np.ndarray, limit: float) -> None:
-    """The errors halve when the samples double, and the limits agree."""
-    errors = [np.abs(one - exact).max() for one in ours]
+def of_first_order(ours: list[np.ndarray], exact: np.ndarray, limit: float, order: int = 1) -> None:
+    """The errors halve when the samples double, or fall to a quarter where the order is 2, and the limits agree.
+
+    Those of the second order are as uneven as where in a step a kink falls: from the first to the last they do.
+    """
+    errors, factor = [np.abs(one - exact).max() for one in ours], 2.0**order
     for coarse, fine in pairwise(errors):
-        assert 0.4 < fine / coarse < 0.6, errors
-    assert np.abs(2.0 * ours[-1] - ours[-2] - exact).max() < limit, errors
+        assert (0.8 < factor * fine / coarse < 1.2) if order == 1 else fine < 0.5 * coarse, errors
+    if order == 2:
+        assert 0.6 < factor ** (len(errors) - 1) * errors[-1] / errors[0] < 1.6, errors
+    assert np.abs((factor * ours[-1] - ours[-2]) / (factor - 1.0) - exact).max() < limit, errors
 
 
 @pytest.mark.usefixtures("plain")
@@ -209,7 +214,9 @@ def of_first_order(ours: list[np.ndarray], exact: np.ndarray, limit: float) -> N
 def test_a_small_motion_behind_a_compliance_is_of_first_order(name: str) -> None:
     """Where the memory follows the outer end and not the piston, the limit is another one."""
     ours, exact = errors_along(name, reference_of(name, SMALL), COMPLIANCE, SMALL, [200, 400, 800], 600, False)
-    of_first_order(ours, exact, 3e-3)  # it falls with the square of the step, but where memories saturate
+    of_first_order(
+        ours, exact, 3e-3, EQUATIONS[name].order
+    )  # it falls with the square of the step, but where memories saturate
 
 
 MOVING = [name for name, each in EQUATIONS.items() if each.by_path != {}]  # those with a rate
@@ -221,9 +228,11 @@ MOVING = [name for name, each in EQUATIONS.items() if each.by_path != {}]  # tho
 def test_behind_each_element_the_equations_are_approached_at_first_order(name: str, size: float) -> None:
     each = reference_of(name, size)
     counts, fine = ([51_200, 102_400, 204_800], 102_400) if size == FULL else ([12_800, 25_600, 51_200], 25_600)
+    if each.order == 2:  # with as many samples the march is no better than what it is compared with
+        counts = [n // 8 for n in counts]
     for stands in ("compliance", "free play", "both"):
         ours, exact = errors_along(name, each, elements(size)[stands], size, counts, fine, True)
-        of_first_order(ours, exact, 1e-5)
+        of_first_order(ours, exact, 1e-5, each.order)
     t, x, v = motion(7, size, regular(3_200))
     brace, bare = 1.0 / COMPLIANCE.s, damper(name, each, Series(), True)
     behind, same = bare.on_brace(brace), damper(name, each, COMPLIANCE, True)
@@ -269,11 +278,11 @@ def test_the_step_of_an_ensemble_and_the_slopes_of_a_response_solve_the_same_equ
         peak = np.abs(one.force(*t_x_v[:2], voltage=0.0, velocity=t_x_v[2])).max()
     for (t0, x0, v0), (t1, x1, v1) in zip(*(np.transpose(t_x_v)[k : 60 + k] for k in (0, 1)), strict=True):
         piece, before = (x0, x1, v0, v1, t1 - t0), s.copy()
-        names["advance_0"](s, *piece, values)
+        names["advance_site0"](s, *piece, values)
         guess = s[-1] + 0.2 * peak * rng.uniform(-1.0, 1.0)
         raw, fx, fv, ends = names["law"](before, before[-1], guess, *piece, values)
         np.testing.assert_allclose([raw, *ends], [s[-1], *s[:-1]], rtol=1e-6, atol=1e-6 * max(peak, 1.0))
-        np.testing.assert_allclose((fx, fv), names["slopes_0"](before, *piece, values), rtol=1e-4, atol=1e-6)
+        np.testing.assert_allclose((fx, fv), names["slopes_site0"](before, *piece, values), rtol=1e-4, atol=1e-6)
 
 
 def namespace(one: Damper) -> dict[str, object]:
@@ -303,7 +312,7 @@ def test_the_equation_in_series_has_one_root(name: str, rate: float) -> None:
         x0 = 0.01 * rng.uniform(-1.0, 1.0)
         guesses = np.sort(10 ** rng.uniform(-2.0, 3.0) * rng.standard_normal(20))
         piece = (x0, x0 + 0.5 * dt * (v0 + v1), v0, v1, dt)
-        given = np.array([names["phi_0"](s, 0.0, f, *piece, values) for f in guesses])
+        given = np.array([names["phi_site0"](s, 0.0, f, *piece, values) for f in guesses])
         assert np.all(np.diff(guesses - given) > 0.0), (s, piece)
 
 

@@ -1,5 +1,7 @@
 """The loop that reads an armed rig: every sample once, and the first reason is what is told."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 from tests.rig.drives import sine
@@ -8,6 +10,7 @@ from tests.rig_time import SimulatedTime
 from dampyr.errors import RigFault
 from dampyr.rig import Rig, RigSettings, simulated
 from dampyr.rig.interlock import Samples
+from dampyr.rig.player import Player
 
 
 def test_a_request_that_the_uno_refuses_after_a_fault_of_its_own_names_the_fault() -> None:
@@ -71,3 +74,20 @@ def test_a_reader_that_fails_stops_the_rig_and_says_so() -> None:
         rig.watchers.append(broken)
         with pytest.raises(RigFault, match="reading the rig failed: KeyError"), rig.armed() as table:
             table.rest(5.0)
+
+
+def test_a_drive_is_prepared_while_blocks_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its path is interpolated and its kernel compiled before the loop is asked to wait, or the Uno finds its host silent."""
+    prepare, free = Player.prepare, []
+
+    def watched(player: Player) -> None:
+        with ThreadPoolExecutor(1) as reader:  # the lock lets its own thread in
+            free.append(reader.submit(table.loop.lock.acquire, timeout=0.0).result())
+            reader.submit(table.loop.lock.release).result()
+        prepare(player)
+
+    with simulated() as rig, rig.armed() as table:
+        table.home(here=True)
+        monkeypatch.setattr(Player, "prepare", watched)
+        table.go(0.002)
+    assert free == [True]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from tests.rig.wires.process import over_wires_here
 
 from dampyr.cli import cli
 from dampyr.errors import FileError, InputError
+from dampyr.records.checks.certificates import Certificates, LengthCertificate, RelativeCertificate
 from dampyr.rig import Drive, RigSettings, simulated
 from dampyr.rig.calibration import Calibration, calibration_of, load_calibration, save_calibration
 
@@ -101,3 +103,21 @@ def test_an_encoder_too_fine_for_the_uno_is_said_so() -> None:
         rig.armed(),
     ):
         pass
+
+
+def test_a_stated_uncertainty_replaces_the_assumed_one_and_a_measured_one_replaces_both() -> None:
+    base = RigSettings()
+    cell = RelativeCertificate(date(2026, 3, 1), coverage_factor=2.0, uncertainty=1e-3)
+    scale, voltage = (
+        LengthCertificate(date(2026, 3, 1), uncertainty=1e-6),
+        RelativeCertificate(date(2026, 3, 1), uncertainty=2e-3),
+    )
+    certified = replace(base, certificates=Certificates(load_cell=cell, encoder=scale, coil_voltage=voltage))
+    assumed = calibration_of(certified)
+    assert calibration_of(base).corrected(base) == base
+    stated = assumed.corrected(certified)
+    assert stated.load_cell.scale_uncertainty == pytest.approx(5e-4)
+    assert stated.encoder.accuracy / 3**0.5 == pytest.approx(1e-6)
+    assert stated.supply.reading_uncertainty == pytest.approx(2e-3)
+    measured = replace(assumed, scale_uncertainty=3e-3 * assumed.scale).corrected(certified)
+    assert measured.load_cell.scale_uncertainty == pytest.approx(3e-3)

@@ -24,7 +24,7 @@ from dampyr.rig.simulation.simulator import Simulator
 def host(simulator: Simulator, folder: Path | None) -> Rig:
     """A new host of a rig that stays."""
     uno, board = Uno(InProcess(simulator.serial)), InProcessBoard(simulator)
-    return Rig(SETTINGS, uno, board, threaded=False, folder=folder, clocked_by_reads=True)
+    return Rig(SETTINGS, uno, board, threaded=False, folder=folder, clocked_by_reads=True, clock=lambda: simulator.time)
 
 
 @pytest.mark.parametrize("with_rig_file", [True, False])
@@ -50,7 +50,7 @@ def test_a_damper_that_has_to_cool_is_told_before_anything_moves(tmp_path: Path)
     simulator = Simulator(SETTINGS)
     with pytest.raises(InputError, match=r"is at 30 degC as estimated, and limits\.temperature = 26 degC; let it cool"):
         perform(tmp_path / "hot.toml", host(simulator, tmp_path), tmp_path / "out")
-    assert simulator.time == 0.0
+    assert simulator.time < 0.1  # it was asked who it is, and not read
 
 
 def test_it_cools_by_the_thermal_model() -> None:
@@ -62,6 +62,18 @@ def test_it_cools_by_the_thermal_model() -> None:
         expected = 20.0 + 40.0 * math.exp(-seconds / tau)
         assert saved.cooled(rig, now + timedelta(seconds=seconds)) == pytest.approx(expected)
     assert saved.cooled(rig, now - timedelta(days=2)) == 60.0  # a clock that was set back
+
+
+def test_a_jump_of_the_days_clock_cools_nothing() -> None:
+    """NTP sets a wrong clock right, somebody sets it wrong: the machine's own time goes on evenly, in suspension too."""
+    now, rig = datetime(2026, 11, 23, 12, tzinfo=UTC), RigSettings()
+    saved = SavedTemperature(60.0, now, "start-1 1000.0")
+    tau = rig.specimen.heat_capacity / rig.specimen.cooling
+    for jump in (-86400.0, 0.0, 3600.0, 86400.0):
+        later = now + timedelta(seconds=jump)
+        assert saved.cooled(rig, later, "start-1 1100.0") == pytest.approx(20.0 + 40.0 * math.exp(-100.0 / tau))
+    assert saved.cooled(rig, now + timedelta(days=1), "start-2 50.0") == pytest.approx(20.0)  # it was started anew
+    assert SavedTemperature.parse("60", now.isoformat()).uptime == ""  # of dampyr up to 0.3.0
 
 
 def test_each_arming_saves_it(tmp_path: Path) -> None:

@@ -83,7 +83,7 @@ def test_board_and_uno_are_compared_at_each_rest(which: str, ms: int) -> None:
 
 def opened_wide(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     def configure(_: RigSettings) -> None:
-        rig.uno._ask(Request.LIMITS, -37000, 37000, 40000, 200, 255, 1000, 0)
+        rig.uno._ask(Request.LIMITS, -37000, 37000, 40000, 200, 255, 1000, 0, 255, 0)
 
     monkeypatch.setattr(rig.uno, "configure", configure)
 

@@ -13,8 +13,8 @@ def test_a_drive_is_followed_and_recorded_on_one_clock(ready: tuple[Rig, Simulat
     rig, simulator = ready
     drive = sine(0.010, 1.0, 4.0)
     with rig.armed() as table:
-        begun = simulator.time
-        started = begun - table.loop.next / rig.settings.board.rate
+        begun, next_sample = simulator.time, table.loop.next
+        started = simulator._task.start
         got = [
             (block.time[selected], block.displacement[selected], block.voltage[selected])
             for block, selected in table.play(drive)
@@ -27,7 +27,8 @@ def test_a_drive_is_followed_and_recorded_on_one_clock(ready: tuple[Rig, Simulat
         assert np.all(u == 2.0)
         truth = simulator.truth
         began = np.flatnonzero((truth.voltage > 0.0) & (truth.time > begun))[0]
-        assert truth.time[began] == pytest.approx(begun + 0.080 + 0.002, abs=0.0021)  # two blocks ahead, on the clock
+        began_after = truth.time[began] - started - next_sample / rig.settings.board.rate
+        assert began_after == pytest.approx(0.200, abs=0.0021)  # five blocks ahead, on the clock
         true = np.interp(started + 1e-3 + t, truth.time, truth.position)
         assert np.abs(x - true).max() < 2e-4
 

@@ -8,14 +8,14 @@ import pytest
 
 from dampyr.errors import FileError, InputError
 from dampyr.rig import RigSettings, load_settings
-from dampyr.rig.settings import Limits
+from dampyr.rig.settings import Actuator, Limits, Wires
 
 
 def test_old_rig_files_have_no_switches(tmp_path) -> None:
     (tmp_path / "rig.toml").write_text('name = "old"\n[limits]\nstroke = 0.074\n')
     old = load_settings(tmp_path / "rig.toml")
     assert not old.wires.end_switches
-    assert old.travel == pytest.approx(0.0365)
+    assert old.travel == pytest.approx(0.0364)
 
 
 def test_a_filter_is_short_against_the_encoders_edges(tmp_path: Path) -> None:
@@ -33,3 +33,19 @@ def test_a_filter_is_short_against_the_encoders_edges(tmp_path: Path) -> None:
     path.write_text("limits = 3\n")
     with pytest.raises(FileError, match="limits"):
         load_settings(path)
+
+
+def test_limits_of_the_motor_that_contradict_its_parts_are_refused() -> None:
+    def motor(wired: bool = False, **values: float) -> RigSettings:
+        return RigSettings(actuator=Actuator(**values), wires=Wires(bridge_current=wired))
+
+    with pytest.raises(InputError, match=r"max_duty = 0\.3 moves nothing"):
+        motor(max_duty=0.3, dead_band=0.4)
+    with pytest.raises(InputError, match=r"max_current = 50 A is outside of what the Uno reads .* to 42.5 A"):
+        motor(wired=True, max_current=50.0)
+    with pytest.raises(
+        InputError, match=r"no_load_current = 14 A is not less than actuator.full_load_current = 13.2 A"
+    ):
+        motor(no_load_current=14.0)
+    assert motor(max_current=50.0).max_current_steps == 0  # not wired: not looked at
+    assert motor(wired=True).motor_current(motor(wired=True).max_current_steps) == pytest.approx(20.0, abs=0.05)

@@ -198,7 +198,7 @@ def test_a_slip_of_the_encoder_ends_the_test_at_the_next_pass(place: float, coun
     rig, simulator = standing_at(place)
     with rig.armed() as table:
         table.home()
-    with pytest.raises(RigFault, match="index was not where homing put it"), rig.armed() as table:
+    with pytest.raises(RigFault, match=r"index was not where homing put it|count leapt farther"), rig.armed() as table:
         table.go(0.0)
         for k, _ in enumerate(table.play(strokes())):
             if k == 35:

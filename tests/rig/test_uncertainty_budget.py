@@ -11,6 +11,7 @@ import pytest
 from dampyr import records
 from dampyr.campaigns import campaign_of, perform
 from dampyr.errors import RigFault
+from dampyr.models.numerics.differentiation import differentiate
 from dampyr.records import Record
 from dampyr.rig import Rig, RigSettings, simulated
 from dampyr.rig.calibration import Calibration
@@ -142,3 +143,25 @@ def test_a_test_that_was_stopped_states_the_warmth_of_its_coil(tmp_path: Path) -
     record = records.read(path)
     assert record.provenance["complete"] == "no"
     assert record.uncertainty["voltage"].parts["warmth of the coil"] > 0.03
+
+
+@pytest.mark.parametrize("speed", [0.4, 3.7, 5.02, 9.9, 10.3, 15.2, 17.4, 40.1, 59.9])
+def test_the_noise_of_counting_is_that_of_an_even_motion_whatever_its_speed(speed: float) -> None:
+    """At 10.3 mm/s 5 um and 1 kHz beat at 60 Hz, within the bandwidth: all of a count's noise is in the velocity."""
+    rig = RigSettings()
+    t = np.arange(20_000) / rig.board.rate
+    x = 1e-3 * speed * t
+    read = rig.encoder.count * (np.floor(x / rig.encoder.count) + 0.5)
+    error = differentiate(t, read, rig.board.velocity_bandwidth) - 1e-3 * speed
+    true = float(np.sqrt(np.mean(error[200:-200] ** 2)))
+    stated = budget(rig, Evidence(), 20.0, [(t, read, 0.0 * t, 0.0)])["velocity"]["resolution of the encoder"]
+    assert true < 1.02 * stated < max(1.1 * true, 0.18e-3)
+
+
+def test_a_rest_does_not_lower_the_noise_of_what_moves() -> None:
+    rig = RigSettings()
+    t = np.arange(20_000) / rig.board.rate
+    x = 0.0103 * np.minimum(t, 2.0)
+    read = rig.encoder.count * np.floor(x / rig.encoder.count)
+    stated = budget(rig, Evidence(), 20.0, [(t, read, 0.0 * t, 0.0)])["velocity"]["resolution of the encoder"]
+    assert stated > 0.3e-3

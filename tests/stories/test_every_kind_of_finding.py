@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from datetime import date
 from html import unescape
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from dampyr.ground_motions import el_centro
 from dampyr.identification import fit
 from dampyr.models import Damper
 from dampyr.records import Record, with_smoothing, write
+from dampyr.records.checks.certificates import Certificates, RelativeCertificate
 from dampyr.records.conditioning.integrated_displacement import INTEGRATED
 from dampyr.records.description import findings_by_kind
 from dampyr.records.record import Label
@@ -75,6 +77,7 @@ def noisy(x: np.ndarray) -> np.ndarray:
 PLANTED: dict[str, Callable[[], Record]] = {
     "created energy": lambda: with_force(lambda force: -force),
     "mark": lambda: replace_marks(sine()),
+    "certificate": lambda: with_expired_certificate(sine()),
     "label": lambda: sine().replace(note="planted", label=Label(0.02, 2.0)),
     "gap": lambda: sine(np.r_[T[:600], T[640:]]),
     "jitter": lambda: sine(T + 1.5e-4 * np.random.default_rng(2).standard_normal(T.size)),
@@ -94,6 +97,12 @@ PLANTED: dict[str, Callable[[], Record]] = {
 
 def replace_marks(record: Record) -> Record:
     return record.replace(note="planted", marks=("the coil's supply was off for 2 s",))
+
+
+def with_expired_certificate(record: Record) -> Record:
+    certificates = Certificates(load_cell=RelativeCertificate(date(2025, 1, 1), date(2026, 1, 1), "4711"))
+    started = {"started": "2026-03-01T10:00:00+00:00"}
+    return record.replace(note="planted", provenance=started | certificates.provenance())
 
 
 def rounded(record: Record) -> Record:

@@ -6,6 +6,7 @@ import inspect
 import json
 import pkgutil
 import re
+import shutil
 import warnings
 from collections.abc import Callable
 from contextlib import AbstractContextManager
@@ -128,6 +129,12 @@ def test_each_format_that_is_written_brings_it_back(made: Made, tmp_path: Path, 
     assert read(path, voltage=made.records[0].voltage, units=units).origin.kind == "simulated"
 
 
+def specimens_twice(m: Made) -> list[Any]:
+    """Of the campaign and a copy of it, so that there is a trend to be drawn."""
+    copy = shutil.copytree(m.folder, m.folder.with_name("copy"), dirs_exist_ok=True)
+    return ["specimens", m.folder, copy]
+
+
 COMMANDS: dict[str, Callable[[Made], list[Any]]] = {
     "records": lambda m: ["records", m.folder],
     "records of one": lambda m: ["records", m.folder / f"{m.records[0].name}.h5"],
@@ -135,6 +142,7 @@ COMMANDS: dict[str, Callable[[Made], list[Any]]] = {
     "identify --each": lambda m: ["identify", m.folder, "--model", "dahl", "--each"],
     "validate": lambda m: ["validate", m.card, m.folder],
     "accept": lambda m: ["accept", m.card, m.folder],
+    "specimens": specimens_twice,
     "simulate": lambda m: ["simulate", m.card, *SHAKE],
     "ensemble": lambda m: ["ensemble", m.card, *ENSEMBLE],
     "run": lambda m: ["run", m.folder.parent / "campaign.toml", "--out", m.folder],
@@ -147,6 +155,7 @@ ELSEWHERE = {
     "reproduce": "published numbers and records",
     "calibrate": "a calibration, no record", "console": "below", "datasets": "no record", "doctor": "no record",
     "licences": "no record", "motion": "a ground motion",
+    "judge": "campaigns/test_judgement", "protocol": "campaigns/test_protocol_result",
 }  # fmt: skip
 
 
@@ -178,13 +187,20 @@ PAGES: dict[str, Callable[[Made], list[Any]]] = {
     "fit_page": COMMANDS["identify"],
     "validate_page": COMMANDS["validate"],
     "acceptance_page": COMMANDS["accept"],
+    "specimens_page": COMMANDS["specimens"],
     "response_page": COMMANDS["simulate"],
     "ensemble_page": COMMANDS["ensemble"],
 }
 
 
 def test_no_page_is_forgotten() -> None:
-    other = {"plan_page", "motion_page", "hybrid_page"}  # no records yet; no damper; the last one below
+    other = {
+        "plan_page",
+        "motion_page",
+        "hybrid_page",
+        "judgement_page",
+        "protocol_page",
+    }  # no records; no damper; below; its own test
     assert PAGES.keys() | other == set(result_page.PAGES.values())
     modules = {module.name for module in pkgutil.iter_modules(pages.__path__) if module.name.endswith("_page")}
     assert modules - {"html_page", "result_page"} == set(result_page.PAGES.values())

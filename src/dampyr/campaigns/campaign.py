@@ -18,7 +18,7 @@ import numpy as np
 
 from dampyr.campaigns.expand import Row, count_rows, expanded, read_rows
 from dampyr.campaigns.kinds import kind as kind_of
-from dampyr.campaigns.kinds import learning_steps
+from dampyr.campaigns.kinds import learning_steps, protocol_kind
 from dampyr.campaigns.step import Length, shown, words
 from dampyr.campaigns.steps.quasi_static import QuasiStatic
 from dampyr.config import fill, load_toml, unknown, value_of
@@ -109,11 +109,16 @@ class Test(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Campaign(Shown):
-    """A header and the tests in the order in which they run; ``source`` is the text that they were read from."""
+    """A header and the tests in the order in which they run; ``source`` is the text that they were read from.
+
+    ``protocol`` is what ``[protocol]`` states, an object of the class of its ``protocol_kind``; None where steps are given.
+    """
 
     header: Header
     tests: tuple[Test, ...]
     source: str = ""
+    protocol: Any = None
+    protocol_kind: str = ""
 
     @property
     def digest(self) -> str:
@@ -163,7 +168,8 @@ def campaign_of(
     Parameters
     ----------
     document
-        The header's fields, and under "step" a list of tables with a kind and its fields; quantities may be texts with a unit.
+        The header's fields, and under "step" a list of tables with a kind and its fields, or under "protocol" a table with a
+        kind of protocol and its numbers; quantities may be texts with a unit.
     folder
         Where the files that it names are looked for: ground motions, structures, tables of rows.
     seed
@@ -190,13 +196,24 @@ def campaign_of(
     >>> [test.name for test in dp.campaigns.campaign_of({"step": [step]}).tests]
     ['01-sine-5mm-1Hz-0V', '02-sine-5mm-2Hz-0V']
     """
-    allowed = [*(field.name for field in fields(Header)), "step"]
+    allowed = [*(field.name for field in fields(Header)), "protocol", "step"]
     for name in document:
         if name not in allowed:
             raise InputError(unknown(name, name, allowed))
-    head = {name: value for name, value in document.items() if name != "step"}
+    head = {name: value for name, value in document.items() if name not in ("protocol", "step")}
     header = fill(Header, head | ({} if seed is None else {"seed": seed}))
     step_tables = document.get("step")
+    protocol, protocol_name = None, ""
+    if "protocol" in document:
+        if step_tables is not None:
+            raise InputError(
+                "a campaign has [protocol] or [[step]], not both; put the steps into a campaign of their own"
+            )
+        if header.order != "as written":
+            raise InputError(
+                'order = "random" is not allowed with a protocol, whose tests have an order; leave order out'
+            )
+        protocol, protocol_name, step_tables = _read_protocol(document["protocol"])
     if (
         not isinstance(step_tables, list)
         or not step_tables
@@ -211,7 +228,26 @@ def campaign_of(
         for row in expanded(table.fields, table.cls, table.where, table.zipped, table.rows)
     ]
     tests = [test for k, (table, step) in enumerate(steps) for test in _repeat_test(k + 1, len(steps), table, step)]
-    return Campaign(header, tuple(_order_tests(tests, header)))
+    return Campaign(header, tuple(_order_tests(tests, header)), protocol=protocol, protocol_kind=protocol_name)
+
+
+def _read_protocol(table: Any) -> tuple[Any, str, list[dict[str, Any]]]:
+    """What a ``[protocol]`` states, its kind, and the ``[[step]]`` tables that it stands for."""
+    if not isinstance(table, Mapping):
+        raise InputError(f"protocol = {table!r} must be a table [protocol] with its kind")
+    if "kind" not in table:
+        raise InputError('protocol.kind is missing; give the kind of protocol, such as kind = "peak_velocity"')
+    name = value_of(str, table["kind"], "protocol.kind")
+    try:
+        cls = protocol_kind(name)
+    except InputError as problem:
+        raise InputError(f"protocol.kind: {problem}") from None
+    try:
+        protocol = fill(cls, {field: value for field, value in table.items() if field != "kind"}, "protocol")
+        return protocol, name, list(protocol.steps())
+    except InputError as problem:
+        text = str(problem)
+        raise InputError(text if text.startswith("protocol") else f"protocol.{text}") from None
 
 
 @dataclass(frozen=True)

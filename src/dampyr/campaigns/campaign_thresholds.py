@@ -84,6 +84,53 @@ class CampaignThresholds(Thresholds):
         Quantity("N/K", low=0.0),
         "What the same may be more for each kelvin of warming: a gas charge under 300 N gains a 293rd of its force a kelvin",
     ] = 1.0
+    pass_expected: Annotated[
+        float,
+        Newtons,
+        "Difference of the force on the run's first slow pass from what the damper's card promises, beyond which it is marked: "
+        "a gas charge and a mounting differ by less",
+    ] = 50.0
+    pass_expected_share: Annotated[float, Share, "What the same may be more, as a share of what the card promises"] = (
+        0.3
+    )
+    pass_height: Annotated[
+        float,
+        Quantity("", low=0.0),
+        "Standard uncertainties of the load cell by which the height of the hysteresis may differ between slow passes over the "
+        "same place, beyond which it is marked: the height is that of the damper, and the gain of the cell's chain its scale",
+    ] = 2.1
+    pass_height_share: Annotated[
+        float, Share, "What the same may be more, as a share of the height: the passes' speeds differ a little"
+    ] = 0.01
+    height_per_kelvin: Annotated[
+        float,
+        Quantity("1/K", low=0.0),
+        "What the same may be more for each kelvin of warming, as a share of the height: a fluid thins as it warms",
+    ] = 0.01
+    shunt_share: Annotated[
+        float,
+        Share,
+        "Share of the shunt's step at the begin of the run by which a later one may differ beside the load cell's own errors, "
+        "beyond which it is marked: the resistor and the bridge are the same",
+    ] = 0.003
+    shunt_expected: Annotated[
+        float,
+        Quantity("", low=0.0),
+        "Standard uncertainties, of the shunt and of the load cell's scale, by which the step may differ from what the "
+        "settings promise, beyond which it is marked",
+    ] = 3.0
+    quiet_share: Annotated[
+        float,
+        Share,
+        "Share of the load cell's noise on the run's first slow pass that is left in a test, below which it is marked: an "
+        "amplifier that grows slow lets less of it through",
+    ] = 0.5
+    cycle_height: Annotated[
+        float,
+        Share,
+        "Share of the usual height of a test's cycles, their energy over their path, by which two neighbours may differ, "
+        "beyond which it is marked: a damper warms or settles over many cycles",
+    ] = 0.02
     coil_voltage_share: Annotated[
         float, Share, "Share of the largest command by which the coil's voltage may differ, beyond which it is marked"
     ] = 0.05

@@ -1,8 +1,8 @@
 """Whether the rig can do a step, before anything moves; where it cannot, what is in the way and what it could do.
 
 This is the outermost of the three safety layers: firmware and interlock do not rely on it. At every set point the
-actuator's free speed less its droop under the expected force and the table's friction must exceed the path's speed, and also
-the speed that the motor's lag makes of it, :math:`|v + \\tau a|`.
+actuator's free speed at the largest duty that it may have, less its droop under the expected force and the table's friction,
+must exceed the path's speed, and also the speed that the motor's lag makes of it, :math:`|v + \\tau a|`.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from dampyr.campaigns.step import quantity_of, shown
 from dampyr.errors import InputError
 from dampyr.models import Damper
 from dampyr.rig import Drive, RigSettings
+from dampyr.rig.settings import FULL_DUTY
 from dampyr.units import round_trip
 
 STROKE_MARGIN = 0.0005  # m that the path stays inside of the stroke: the table follows its set points with an error
@@ -37,7 +38,7 @@ class Violation:
 def violations_of(step: Any, rig: RigSettings, damper: Damper | None = None) -> tuple[Violation, ...]:
     """What the rig cannot do of a step; empty where it can do all of it."""
     drive = step.drive(rig)
-    violations = [*_duration(drive), *_temperature(drive, rig), *_voltage(drive, rig, damper)]
+    violations = [*_duration(drive), *_duty(drive, rig), *_temperature(drive, rig), *_voltage(drive, rig, damper)]
     if not any(
         violation.limit in ("voltage", "duration") for violation in violations
     ):  # the force follows from the voltage
@@ -59,6 +60,14 @@ def _duration(drive: Drive) -> list[Violation]:
     return [Violation("duration", words)]
 
 
+def _duty(drive: Drive, rig: RigSettings) -> list[Violation]:
+    largest = rig.actuator.max_duty
+    if drive.reversals is None or round(FULL_DUTY * drive.reversals.duty) <= rig.actuator.duty_steps:
+        return []
+    words = f"asks for a duty of {drive.reversals.duty:.4g}, the largest is {largest:.4g} (actuator.max_duty); lower the duty"
+    return [Violation("duty", words)]
+
+
 def _temperature(drive: Drive, rig: RigSettings) -> list[Violation]:
     wanted, limit = drive.until_temperature, rig.limits.temperature
     if wanted is None:
@@ -76,6 +85,8 @@ def _voltage(drive: Drive, rig: RigSettings, damper: Damper | None) -> list[Viol
     if high > limit * (1 + 1e-9):
         return [Violation("voltage", f"needs {high:.4g} V at the coil, the limit is {limit:.4g} V")]
     if damper is None:
+        return []
+    if not damper.has_input:
         return []
     factor = 1.0 if damper.input == "V" else rig.supply.resistance
     low, top = (value * factor for value in damper.range)
@@ -110,7 +121,7 @@ def _speed(step: Any, drive: Drive, trajectory: Course, rig: RigSettings) -> lis
 def _actuator(trajectory: Course, speed: Array, rig: RigSettings) -> list[Violation]:
     """Where the path is faster than the loaded actuator, or, with what its lag takes, its motor."""
     loaded = trajectory.against + rig.table.friction
-    gives = rig.actuator.free_speed - rig.actuator.droop * loaded
+    gives = rig.actuator.top_speed - rig.actuator.droop * loaded
     lagging = np.abs(trajectory.v + rig.actuator.lag * trajectory.a)
     for need, words in ((speed, ","), (lagging, " of the motor, with what its lag takes,")):
         short = np.where(trajectory.speed > 0, need - gives, -np.inf)

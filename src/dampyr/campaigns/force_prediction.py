@@ -20,11 +20,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning
+from dampyr.input_kinds import input_arguments
 from dampyr.models import Damper, Interpolation
 from dampyr.rig import Drive, RigSettings
 from dampyr.rig.specimen import original_specimen, specimen_of
 
 Array = NDArray[np.float64]
+PASS, SLOW_PASS = 1.0e-3, 0.01  # m on either side of a place, m/s: as `dampyr.rig.session.ArmedRig.verify` goes
 FACTOR = 1.2  # the fit's residual is 8 to 11 % rms
 COEFFICIENTS = ("offset.f0", "spring.k0", "hyperbolic_tangent.c", "hyperbolic_tangent.ft")  # F0, k, c, Fy
 UNKNOWN = (
@@ -83,14 +85,28 @@ def course(drive: Drive, rig: RigSettings, damper: Damper | None) -> Course:
         return Course(t, x, v, a, np.copysign(envelope(x, v, u), v))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", DampyrWarning)
-        if damper.input == "V":
-            force = damper.force_of_motion(t, x, velocity=v, voltage=u)
-        else:
-            force = damper.force_of_motion(t, x, velocity=v, current=u / rig.supply.resistance)
+        value = u / rig.supply.resistance if damper.input == "A" else u
+        force = damper.force_of_motion(t, x, velocity=v, **input_arguments(damper.input, value))
     notes = tuple(
         dict.fromkeys(str(warning.message) for warning in caught if issubclass(warning.category, DampyrWarning))
     )
     return Course(t, x, v, a, force, notes)
+
+
+def mean_force_at(damper: Damper, place: float) -> float | None:
+    """The mean of the forces [N] on a slow way down and up again over ``place`` [m] at 0 V, that a card promises; None where it
+    does not hold for 0 V."""
+    low, _ = damper.range
+    if low > 0.0:
+        return None
+    way = np.linspace(PASS, -PASS, 200)
+    x = place + np.concatenate([-way, way, -way])
+    t = np.arange(x.size) * PASS / 200.0 / SLOW_PASS
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DampyrWarning)
+        zero = input_arguments(damper.input, np.zeros(x.size))
+        force = damper.force_of_motion(t, x, velocity=np.gradient(x, t), **zero)
+    return float(0.5 * sum(np.mean(force[first + 50 : first + 150]) for first in (200, 400)))
 
 
 @cache

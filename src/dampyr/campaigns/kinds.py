@@ -1,4 +1,4 @@
-"""Registry of the kinds of step."""
+"""Registries of the kinds of step and of protocol."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Any
 from dampyr import registry
 
 REGISTRY = "dampyr.campaigns.steps"
+PROTOCOLS = "dampyr.campaigns.protocols"
 
 
 def available_steps() -> list[str]:
@@ -21,4 +22,18 @@ def learning_steps() -> list[str]:
 
 def kind(name: str) -> Any:
     """The dataclass of a kind; :class:`~dampyr.errors.InputError` lists them where there is none of that name."""
-    return getattr(registry.member(REGISTRY, name), "".join(part.capitalize() for part in name.split("_")))
+    return _class_of(REGISTRY, name)
+
+
+def available_protocols() -> list[str]:
+    """The names of all kinds of protocol."""
+    return registry.names(PROTOCOLS)
+
+
+def protocol_kind(name: str) -> Any:
+    """The dataclass of a kind of protocol; :class:`~dampyr.errors.InputError` lists them where there is none of that name."""
+    return _class_of(PROTOCOLS, name)
+
+
+def _class_of(package: str, name: str) -> Any:
+    return getattr(registry.member(package, name), "".join(part.capitalize() for part in name.split("_")))

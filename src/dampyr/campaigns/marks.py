@@ -18,15 +18,18 @@ from dampyr.errors import InputError
 from dampyr.records.checks.quality import flat_levels, motion_start
 from dampyr.records.cycle_analysis.cycles import similar_cycles
 from dampyr.records.record import MIN_SAMPLES, Array, Record
+from dampyr.rig.cell_noise import least_noise
 from dampyr.rig.interlock import RAIL
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.thermal_model import COLD, COPPER
-from dampyr.rig.uncertainty_budget import Evidence
+from dampyr.rig.uncertainty_budget import slow_errors
 
 PIECE = 2**17  # samples that are looked at at a time: two minutes at 1 kHz
 CHUNK = 64  # samples that are looked at together first, where a stretch is followed to its end
 WINDOW = 0.02  # s in which a reading is looked at: 20 samples at 1 kHz, which the noise of a live cell leaves
 ABRUPT = 0.05  # s about a reversal or a change of the voltage, within which the force may leap
+CREEPS = 0.02  # m/s; below, the force of a damper changes with its speed, by all of the friction
+SOON = 0.005  # s before and after a sample, in which the table's speed is looked at
 AT_REST = 5.0e-5  # m: ten counts of the encoder; the force of a table at rest does not leap
 ALIKE = 0.1  # of the stroke, by which the cycles of a motion that repeats itself differ, and end off where they began
 LEAST_VOLTAGE = 0.2  # V from which a coil's resistance is taken
@@ -65,6 +68,8 @@ class MeasuredTest:
     """V at the coil, as read back."""
     coil_current: Array | None = None
     """A through the coil."""
+    noise: float = math.nan
+    """V rms of the load cell from sample to sample on the run's first slow pass, where it tells something."""
     closed_loop: bool = False
     """Whether the set points followed from the measured force, so that the table was driven also where it seems to stand."""
     thresholds: CampaignThresholds = USUAL
@@ -94,10 +99,10 @@ def marks_of(read: Callable[[slice], MeasuredTest], rows: int) -> list[Mark]:
             if check not in marks:
                 marks.update((check, mark) for mark in check(piece))
     thinned = read(slice(0, rows, count))
-    return [
-        *(marks[check] for check in CHECKS if check in marks),
-        *(m for check in CHECKS_OF_WHOLE for m in check(thinned)),
-    ]
+    found = [marks[check] for check in CHECKS if check in marks]
+    spoiled = any(mark.spoils for mark in found)  # a force that stands for a while makes the loop of a cycle flat, too
+    whole = [check for check in CHECKS_OF_WHOLE if not (spoiled and check is changed_height)]
+    return [*found, *(mark for check in whole for mark in check(thinned))]
 
 
 def flat_force(measured: MeasuredTest) -> Iterator[Mark]:
@@ -283,27 +288,35 @@ def force_at_rail(measured: MeasuredTest) -> Iterator[Mark]:
         )
 
 
-def zero_moved(evidence: Evidence, span: float = 0.0, allowed: CampaignThresholds = USUAL) -> list[Mark]:
-    """A zero of the force that moved between the slow passes before and after the test, or since the run's first one.
-
-    ``span`` [N] is the force's, peak to peak: a damper that relaxes slowly is not quite the same after a test.
-    """
-    if evidence.zero_shift is None:
-        return []
-    before, after = evidence.zero_shift
-    for change, rise, since in (
-        (after - before, evidence.rise, "in the test"),
-        (after, evidence.warming, "since the run began"),
-    ):
-        limit = allowed.pass_shift + allowed.pass_shift_share * span + allowed.shift_per_kelvin * abs(rise)
-        if abs(change) > limit:
-            return [
-                Mark(
-                    f"the force's zero moved by {change:+.3g} N {since}, by slow passes at 0 V over the same place, "
-                    f"{limit:.3g} N at most; look at the load cell"
-                )
-            ]
-    return []
+def changed_height(measured: MeasuredTest) -> Iterator[Mark]:
+    """A loop whose height changes from a cycle to the next, where the motion repeats itself: a damper's changes over many."""
+    if float(np.ptp(measured.voltage)) > COIL_STEADY:
+        return
+    try:
+        record = Record(measured.time, measured.displacement, measured.force)
+    except InputError:  # samples that do not make a record are refused elsewhere
+        return
+    spans = _repeated_cycles(record)[1:-1]  # growing and fading ones are left out
+    if len(spans) < 2:
+        return
+    x, force = measured.displacement, measured.force
+    steps = np.diff(x)
+    work, path = 0.5 * (force[1:] + force[:-1]) * steps, np.abs(steps)
+    heights = np.array([np.sum(work[a:b]) / np.sum(path[a:b]) for a, b in spans])
+    usual, changes = float(np.median(heights)), np.diff(heights)
+    # A cycle that is a little longer, or takes less time, is faster, and a damper's force grows no more than its speed.
+    sizes = np.array([(np.ptp(x[a:b]), measured.time[b] - measured.time[a]) for a, b in spans])
+    faster = np.sum(np.abs(np.diff(sizes, axis=0)) / np.median(sizes, axis=0), axis=1)
+    allowed = measured.thresholds
+    limits = (allowed.cycle_height + faster) * abs(usual) + allowed.pass_height * slow_errors(measured.rig)
+    worst = int(np.argmax(np.abs(changes) - limits))
+    if abs(changes[worst]) > limits[worst]:
+        yield Mark(
+            f"the force's loop grows by {changes[worst]:+.3g} N from a cycle to the next at "
+            f"{float(measured.time[spans[worst + 1][0]]):.4g} s, of {usual:.4g} N, and {limits[worst]:.3g} N at most are a "
+            "damper's: the gain of the load cell's chain has changed, or the coil's voltage; look at the amplifier and at the "
+            "supply"
+        )
 
 
 def coil_without_its_voltage(measured: MeasuredTest) -> Iterator[Mark]:
@@ -368,6 +381,20 @@ def _steady(command: Array, measured: MeasuredTest) -> NDArray[np.bool_]:
     return np.asarray(~near)
 
 
+def slow_cell(measured: MeasuredTest) -> Iterator[Mark]:
+    """A reading with less noise than before: the cell's amplifier has grown slow, so that the force is late as well."""
+    rig = measured.rig
+    # Below a step of the converter what is read is the converter's own noise, which no amplifier lessens.
+    if not measured.noise > rig.step / math.sqrt(3.0):
+        return
+    share = least_noise(measured.volts, rig.board.rate, rig.step) / measured.noise
+    if share < measured.thresholds.quiet_share:
+        yield Mark(
+            f"the load cell's noise from sample to sample is {share:.0%} of what it was on the run's first slow pass: its "
+            "amplifier has grown slow, so that the force is late and its turns are rounded; look at it and at its filter"
+        )
+
+
 def sudden_force(measured: MeasuredTest) -> Iterator[Mark]:
     """A force that leaps where no damper's does: while the table slides or stands, at one voltage."""
     limit = max(measured.thresholds.sudden_force, measured.thresholds.sudden_rate / measured.rig.board.rate)
@@ -386,7 +413,9 @@ def _is_steady(measured: MeasuredTest, at: int) -> bool:
     """Whether the table about a sample slides one way for `SLIDES` already, or stands, at one voltage.
 
     One that follows a computed building never stands: its set points change by a part of a count, which the encoder does not
-    show, and the force by all of the friction.
+    show, and the force by all of the friction. Nor does it slide evenly: they follow the force. A table whose speed changes may
+    creep or stick, unseen within a count, and a motor changes its speed by 3 mm/s in a millisecond, which changes the force of
+    any damper that creeps.
     """
     x, n = measured.displacement, max(2, round(ABRUPT * measured.rig.board.rate))
     # Within the two counts of a reading that strays the stiffest of dampers has 30 N.
@@ -401,6 +430,11 @@ def _is_steady(measured: MeasuredTest, at: int) -> bool:
         return False
     way = past[far[-1] :]
     ahead, behind = x[at : at + n // 2], x[max(0, at - n // 2) : at]
+    few = max(2, round(SOON * measured.rig.board.rate))
+    soon, just = (abs(float(side[-1] - side[0])) for side in (x[at : at + few + 1], x[max(0, at - few) : at + 1]))
+    evenly = abs(soon - just) <= jitter < min(soon, just) and not measured.closed_loop
+    if min(soon, just) < CREEPS * few / measured.rig.board.rate and not evenly:
+        return False
     forward = float(np.sign(way[-1] - way[0]))
     one_way = float(np.ptp(way)) <= abs(float(way[-1] - way[0])) + jitter
     goes, went = forward * float(ahead[-1] - ahead[0]), forward * float(behind[-1] - behind[0])
@@ -442,8 +476,9 @@ CHECKS: tuple[Check, ...] = (
     force_at_rail,
     coil_without_its_voltage,
     coil_without_its_current,
+    slow_cell,
     sudden_force,
 )
 """The checks of every stretch of a test, in the order in which their marks stand in a record."""
-CHECKS_OF_WHOLE: tuple[Check, ...] = (drifting_zero, created_energy)
+CHECKS_OF_WHOLE: tuple[Check, ...] = (drifting_zero, changed_height, created_energy)
 """The checks of a test as a whole, whose marks follow."""

@@ -93,6 +93,11 @@ def around(pieces: Sequence[PathPiece], centre: float, rest_before: float) -> li
     return [hold(0.0, rest_before), *out, *pieces, *back, hold(0.0, AFTER)]
 
 
+def start_of(centre: float, rest_before: float) -> float:
+    """s from the begin of a path `around` its pieces to the first of them."""
+    return rest_before + move(0.0, centre, GLIDE).duration
+
+
 def sampled(pieces: Sequence[PathPiece], period: float) -> Array:
     """The positions at 0, period, 2 period ...; the last set point is at or after the end, and at rest."""
     edges = np.concatenate(([0.0], np.cumsum([piece.duration for piece in pieces])))

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 
 from dampyr.campaigns.campaign import Campaign, read
@@ -22,6 +23,7 @@ from dampyr.campaigns.learning import TRIES
 from dampyr.campaigns.monitor import Watch, time_left
 from dampyr.campaigns.planned_tests import Plan, PlannedTest, plan
 from dampyr.campaigns.preliminary import preliminary_check
+from dampyr.campaigns.protocol_result import protocol_text
 from dampyr.campaigns.record_test import as_json, check_disk, groups_of, reason, take
 from dampyr.campaigns.recorded_campaign import RecordedCampaign
 from dampyr.campaigns.recorded_tests import (
@@ -36,17 +38,18 @@ from dampyr.campaigns.recorded_tests import (
     remove_parts,
     set_aside,
 )
-from dampyr.campaigns.run_control import Progress, RunControl, Skipped, Stopped
+from dampyr.campaigns.run_control import EndedByProtocol, Progress, RunControl, Skipped, Stopped
 from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.origin import as_origin, combined
+from dampyr.records import read as read_record
 from dampyr.records.formats import h5
-from dampyr.rig.damper_temperature import SavedTemperature
+from dampyr.rig.damper_temperature import SavedTemperature, machine_uptime
 from dampyr.rig.interlock import Samples
 from dampyr.rig.session import ArmedRig, Rig
 
 Watcher = Callable[[Progress], None]
 SAVE_EVERY = 2.0  # s between two times that the damper's temperature is saved: at 300 W it rises by 1.3 K
-TEMPERATURE, TEMPERATURE_TIME = "temperature_degC", "temperature_time"
+TEMPERATURE, TEMPERATURE_TIME, TEMPERATURE_UPTIME = "temperature_degC", "temperature_time", "temperature_uptime"
 
 
 def perform(
@@ -90,7 +93,7 @@ def perform(
     RigFault
         A safety layer has acted, or a mark has spoiled a test.
     Stopped
-        It was asked for.
+        It was asked for; or, as its kind `EndedByProtocol`, the protocol has come to its end, such as a decay of the force.
     FileError
         The disk is full, or the file of a complete test is gone or broken: what is left is run, after a warning, before.
 
@@ -153,6 +156,8 @@ def perform(
                 run.provenance = _note_changed_settings(journal, rig)
                 if changed := run.thresholds.changed:
                     run.provenance |= {"thresholds": changed}
+                if (protocol := campaign_plan.campaign.protocol) is not None:
+                    run.provenance |= {"protocol": protocol_text(campaign_plan.campaign.protocol_kind, protocol)}
                 run.perform()
             tests = entries_with_files(journal.tests(), folder)
     if lost := describe_lost(tests):
@@ -213,10 +218,15 @@ def _note_changed_settings(journal: Journal, rig: Rig) -> dict[str, str]:
 
 
 def _metadata(campaign_plan: Plan, rig: Rig, folder: Path) -> dict[str, str]:
-    """What the journal says of a campaign; where records are there already, the rig is that of the first of them."""
+    """What the journal says of a campaign; where records are there already, the rig is that of the first of them.
+
+    The first is that of the plan's order and the lowest try: the day's clock may have been set back since.
+    """
     head = campaign_plan.campaign.header
-    files = (h5.provenance(path) for path in folder.glob("[!.]*.h5"))
-    first = min(files, key=lambda provenance: provenance.get("started", "9"), default={})
+    places = {test.name: place for place, test in enumerate(campaign_plan.tests)}
+    states = ((path, h5.state(path)) for path in folder.glob("[!.]*.h5"))
+    order = sorted(states, key=lambda row: (places.get(row[1].test, len(places)), row[1].attempt))
+    first = h5.provenance(order[0][0]) if order else {}
     return {
         "name": head.name,
         "operator": head.operator,
@@ -283,9 +293,8 @@ class _Run:
         self.journal.event_metadata = self._temperature
         if rig.damper_persists:
             with suppress(ValueError):  # there is none, or one that another program has written
-                saved = SavedTemperature.parse(
-                    self.journal.get_metadata(TEMPERATURE), self.journal.get_metadata(TEMPERATURE_TIME)
-                )
+                names = (TEMPERATURE, TEMPERATURE_TIME, TEMPERATURE_UPTIME)
+                saved = SavedTemperature.parse(*map(self.journal.get_metadata, names))
                 rig.warmth.estimate = max(rig.warmth.estimate, saved.cooled(rig.settings))
         if rig.warmth.hottest >= limit:
             raise InputError(
@@ -297,9 +306,11 @@ class _Run:
         """The damper's temperature with its time, for the journal."""
         if not self.rig.damper_persists:
             return {}
-        return {TEMPERATURE: f"{self.rig.warmth.hottest:.3f}", TEMPERATURE_TIME: now()}
+        hottest = f"{self.rig.warmth.hottest:.3f}"
+        return {TEMPERATURE: hottest, TEMPERATURE_TIME: now(), TEMPERATURE_UPTIME: machine_uptime()}
 
     def perform(self) -> None:
+        self._end_by_protocol(lambda work: work())
         left = self.remaining_tests()
         self.groups = groups_of(self.rig.settings, self.plan.campaign, datetime.now().astimezone())
         check_disk(self.folder, self.rig, left, self.plan.campaign, self.groups)
@@ -311,6 +322,10 @@ class _Run:
                 with suppress(Skipped):
                     self._perform_armed(left)
                 left.extend(self._take_repeats())
+        except EndedByProtocol as end:
+            with _noting_trouble(end):
+                self.journal.note("ended", str(end))
+            raise
         except BaseException as problem:
             with _noting_trouble(problem):
                 self.journal.note("ended early", reason(problem)["reason"])
@@ -339,9 +354,23 @@ class _Run:
                         self.journal.note("skipped", "by the operator", test.name)
                     else:
                         self._record_test(table, test, len(left) + 1)
+                        if left:
+                            self._end_by_protocol(table.meanwhile)
                     left.extend(self._take_repeats())
         finally:
             self.control.abort_now = None
+
+    def _end_by_protocol(self, do: Callable[[Callable[[], object]], object]) -> None:
+        """Raise `EndedByProtocol` where the records of the complete tests end the protocol; ``do`` does the slow work of it."""
+        if not hasattr(protocol := self.plan.campaign.protocol, "ends"):
+            return
+        complete = [entry for entry in self.journal.tests() if entry.state == "complete"]
+        readers = [partial(read_record, file_of(self.folder, entry.name, entry.attempt)) for entry in complete]
+        found: list[str] = []
+        if readers:
+            do(lambda: found.append(protocol.ends(readers)))
+        if any(found):
+            raise EndedByProtocol(f"the protocol ends here: {found[0]}")
 
     def _take_repeats(self) -> list[PlannedTest]:
         """The tests that the operator wants to have once more."""
@@ -392,8 +421,9 @@ class _Run:
             self.journal.note("fitted", test.fitted, test.name, attempt)
         try:
             self.control.under_way = test.name
+            self._compare_clocks(table, test, remaining)
             learned = self._learn_drive(table, test, remaining, attempt) if test.test.learn else None
-            judge, provenance, drive, before = None, dict(self.provenance), test.drive, 0.0
+            judge, provenance, drive, before = None, self.provenance | self._counted(), test.drive, 0.0
             if learned is not None:
                 judge, drive = PlayJudge(test.drive), learned.drive
                 provenance, before = provenance | learned.provenance, TRIES * self.plan.try_time(test)
@@ -421,6 +451,21 @@ class _Run:
             achieved = "not known" if judge.result is None else percent(judge.result.error)
             marks = (*marks, f"{achieved} off its wanted path, with a learned drive (tries: {learned.words})")
         self.journal.end(test.name, "complete", "; ".join(marks))
+
+    def _counted(self) -> dict[str, str]:
+        """What the protocol has a record say of the tests that are complete before it."""
+        if not hasattr(protocol := self.plan.campaign.protocol, "counted"):
+            return {}
+        counted = protocol.counted(sum(entry.state == "complete" for entry in self.journal.tests()))
+        return dict(counted)
+
+    def _compare_clocks(self, table: ArmedRig, test: PlannedTest, remaining: int) -> None:
+        """Wait until the Uno's clock is known against the board's, where the test's drive is learned or computed on the way."""
+        if not (test.test.learn or getattr(test.step, "closed_loop", False)) or table.loop.clock_ratio.known:
+            return
+        self._report_phase("comparing the clocks", test.name, remaining)
+        table.compare_clocks()
+        self.journal.note("clocks compared", str(table.loop.clock_ratio), test.name)
 
     def _learn_drive(self, table: ArmedRig, test: PlannedTest, remaining: int, attempt: int) -> Learned:
         """Learn a test's drive, try by try."""

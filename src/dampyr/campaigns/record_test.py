@@ -17,9 +17,11 @@ import numpy as np
 
 from dampyr.campaigns.campaign import Campaign
 from dampyr.campaigns.campaign_thresholds import USUAL, CampaignThresholds
+from dampyr.campaigns.force_prediction import mean_force_at, specimen
 from dampyr.campaigns.journal import now
 from dampyr.campaigns.kinds import kind
-from dampyr.campaigns.marks import Mark, MeasuredTest, marks_of, zero_moved
+from dampyr.campaigns.marks import Mark, MeasuredTest, marks_of
+from dampyr.campaigns.pass_marks import passes_differ
 from dampyr.campaigns.planned_tests import UNCHECKED, PlannedTest
 from dampyr.campaigns.run_control import Stopped, exit_status
 from dampyr.errors import DampyrError, FileError, RigFault
@@ -38,6 +40,7 @@ from dampyr.rig.uncertainty_budget import Evidence, LostCounts, budget
 from dampyr.source_digest import full_version
 
 Judge = Callable[[Recording], Mapping[str, str]]
+UNREAD = "as commanded: nothing reads the coil's (wires.coil_voltage), so it is commanded, not measured"
 SPARE = 2.0  # s of samples reserved beyond the plan: stopping takes less than 1 s
 
 
@@ -69,6 +72,7 @@ def take(
         raise
     started = {"started": now(), "temperature_at_start_degC": f"{table.temperature:.2f}"}
     marks: list[Mark] = []
+    largest = 0
     start_temperature, lost = table.temperature, LostCounts(table.rig.settings.encoder.count)
     table.rig.watchers.append(lost)
     try:
@@ -83,22 +87,47 @@ def take(
         ):
             for samples, selection in table.play(planned.drive):
                 if selection.stop > selection.start:
+                    if not recording.rows:
+                        started |= steady_cycles(planned, float(samples.time[selection.start]))
                     recording.append(file_rows(samples, selection, recording.header, table.rig.settings))
                 on_samples(samples)
+                largest = max(largest, samples.status.current)
+            if table.rig.settings.wires.bridge_current:  # of the readings that a status a block shows
+                started["motor_current_largest_A"] = f"{table.rig.settings.motor_current(largest):.2f}"
             table.verify()
     finally:
         table.rig.watchers.remove(lost)
     return tuple(mark.text for mark in marks)
 
 
+def steady_cycles(planned: PlannedTest, first: float) -> dict[str, str]:
+    """Where the record, whose first sample is at ``first`` s, has the cycles that its step commands at full amplitude."""
+    steady = getattr(planned.step, "steady_cycles", None)
+    return steady.as_provenance(first - planned.drive.record_from * planned.drive.period) if steady else {}
+
+
 def collect_evidence(table: ArmedRig, lost: LostCounts, start_temperature: float) -> Evidence:
     """What a test has shown of its own measurement; the damper was at ``start_temperature`` [degC] at its begin."""
-    zero = table.zero
+    zero, height = table.zero, table.height
     shift = (zero[-2] - zero[0], zero[-1] - zero[0]) if len(zero) > 1 else None
     rise = table.temperature - start_temperature
     return dataclasses.replace(
-        early_evidence(table), lost_counts=lost.number(table.loop.index), zero_shift=shift, rise=rise
+        early_evidence(table),
+        lost_counts=lost.number(table.loop.index),
+        zero_shift=shift,
+        first_mean=zero[0] if zero else 0.0,
+        expected_mean=_expected_mean(table) if zero else None,
+        heights=(height[0], height[-2], height[-1]) if len(height) > 1 else None,
+        noise=table.noise[0] if table.noise else math.nan,
+        shunts=(table.shunts[0], *table.shunts[-2:]) if len(table.shunts) > 1 else (),
+        rise=rise,
     )
+
+
+def _expected_mean(table: ArmedRig) -> float | None:
+    """What the card of the damper promises of the force on the slow passes; None without a card."""
+    damper = specimen(table.rig.settings, table.rig.folder)
+    return None if damper is None else mean_force_at(damper, table.place)
 
 
 def early_evidence(table: ArmedRig) -> Evidence:
@@ -130,27 +159,46 @@ def finished(
     held = table.rig.clock_held
     try:
         yield
-    except BaseException as problem:
+    except BaseException as ended:
         table.soft_stop()
-        outcome = started | {"ended": now(), **reason(problem)} | _clock_held(table.rig.clock_held - held)
+        problem = _with_cause(ended, recording, table, thresholds)
+        outcome = started | {"ended": now(), **reason(problem)} | _clocks(table, held)
         with suppress(
             DampyrError
         ):  # a full disk, or too few samples for a record: what was acknowledged is in the file
             recording.close() if isinstance(problem, FileError) else recording.finish(
                 outcome, complete=False, uncertainty=uncertainty(recording, table.rig.settings, early_evidence(table))
             )
+        if problem is not ended:
+            raise problem from None
         raise
     outcome = started | {"ended": now(), "temperature_at_end_degC": f"{table.temperature:.2f}"}
-    outcome |= _clock_held(table.rig.clock_held - held)
+    outcome |= _clocks(table, held)
     evidence = collect_evidence()
     table.meanwhile(lambda: marks.extend(_finish(recording, table.rig.settings, outcome, evidence, judge, thresholds)))
     if any(mark.spoils for mark in marks):
         raise _spoiled(marks)
 
 
-def _clock_held(seconds: float) -> dict[str, str]:
-    """What a record says where the clock of its simulated rig was held back: in the rig's own time nothing was late."""
-    return {"simulated_clock_held_back_s": f"{seconds:.3f}"} if seconds > 0.0 else {}
+def _with_cause(
+    ended: BaseException, recording: Recording, table: ArmedRig, thresholds: CampaignThresholds
+) -> BaseException:
+    """What ended a test early; where that is what a hybrid test computed from a force that was not the damper's, that."""
+    if not (isinstance(ended, RigFault) and ended.ring == "check") or recording.rows < MIN_SAMPLES:
+        return ended
+    evidence, rig = early_evidence(table), table.rig.settings
+    found = marks_of(lambda rows: measured_test(recording, rig, rows, evidence, thresholds), recording.rows)
+    spoiling = [mark for mark in found if mark.spoils]
+    return RigFault(f"{_spoiled(spoiling)}; so {ended}", "check") if spoiling else ended
+
+
+def _clocks(table: ArmedRig, held: float) -> dict[str, str]:
+    """What a record says of the clocks: the Uno's against the board's; and for how long that of a simulated rig was held back
+    beyond the ``held`` s at the begin: in the rig's own time nothing was late.
+    """
+    ratio, seconds = table.loop.clock_ratio, table.rig.clock_held - held
+    clocks = {"uno_clock_ratio": f"{ratio.value:.7f}", "uno_clock_ratio_uncertainty": f"{ratio.uncertainty:.1e}"}
+    return clocks | ({"simulated_clock_held_back_s": f"{seconds:.3f}"} if seconds > 0.0 else {})
 
 
 def _finish(
@@ -163,9 +211,9 @@ def _finish(
 ) -> list[Mark]:
     """Finish the file of a test that came to its end, complete unless a mark spoils it; its marks."""
     outcome = outcome | dict(judge(recording) if judge is not None else {})
-    marks = marks_of(lambda rows: measured_test(recording, rig, rows, evidence.temperature, thresholds), recording.rows)
+    marks = marks_of(lambda rows: measured_test(recording, rig, rows, evidence, thresholds), recording.rows)
     span = float(np.ptp(recording.read("calibrated/force", thinned(recording)))) if recording.rows else 0.0
-    marks += zero_moved(evidence, span, thresholds)
+    marks += passes_differ(evidence, rig, span, thresholds)
     if evidence.doubt:
         marks.append(Mark(evidence.doubt))
     changes: dict[str, Any] = {"marks": tuple(mark.text for mark in marks)}
@@ -218,9 +266,9 @@ def _spoiled(marks: list[Mark]) -> RigFault:
 
 
 def measured_test(
-    recording: Recording, rig: RigSettings, rows: slice, temperature: float, thresholds: CampaignThresholds
+    recording: Recording, rig: RigSettings, rows: slice, evidence: Evidence, thresholds: CampaignThresholds
 ) -> MeasuredTest:
-    """What was measured, as `dampyr.campaigns.marks` looks at it, with the damper at ``temperature`` [degC]."""
+    """What was measured, as `dampyr.campaigns.marks` looks at it, beside what the test has shown of its measurement."""
     coil = {
         name: recording.read(f"raw/{name}", rows) * scale
         for name, scale in (
@@ -238,7 +286,8 @@ def measured_test(
         recording.read("raw/force", rows),
         recording.read("calibrated/voltage", rows) if voltage is None else voltage,
         rig,
-        temperature,
+        evidence.temperature,
+        noise=evidence.noise,
         **coil,
         closed_loop=getattr(kind(recording.header.provenance["kind"]), "closed_loop", False),
         thresholds=thresholds,
@@ -248,14 +297,23 @@ def measured_test(
 def margin(rig: RigSettings) -> int:
     """How many samples `refined` looks at before and after each."""
     dt = 1.0 / rig.board.rate
-    return math.ceil(rig.force_delay / dt) + window(dt, rig.board.velocity_bandwidth)[1] + 2
+    return (
+        math.ceil(rig.force_delay / dt)
+        + (2 if rig.load_cell.mass else 1) * window(dt, rig.board.velocity_bandwidth)[1]
+        + 2
+    )
 
 
 def refined(values: dict[str, Array], rig: RigSettings) -> dict[str, Array]:
-    """The displacement on the force's clock, and its derivative."""
+    """The displacement on the force's clock, and its derivative; the force without the inertia of `load_cell.mass`, which
+    a force that is positive against a positive velocity carries along: :math:`F - m a`."""
     time = values["time"]
     x = np.interp(time - rig.force_delay, time, values["displacement"])
-    return values | {"displacement": x, "velocity": differentiate(time, x, rig.board.velocity_bandwidth)}
+    velocity = differentiate(time, x, rig.board.velocity_bandwidth)
+    changed = {"displacement": x, "velocity": velocity}
+    if mass := rig.load_cell.mass:
+        changed["force"] = values["force"] - mass * differentiate(time, velocity, rig.board.velocity_bandwidth)
+    return values | changed
 
 
 def history(rig: RigSettings) -> tuple[str, ...]:
@@ -265,6 +323,14 @@ def history(rig: RigSettings) -> tuple[str, ...]:
         f"displacement read {rig.force_delay * 1e3:.3g} ms earlier: so much the load cell's filter of {cell.bandwidth:g} Hz "
         "delays the force",
         f"velocity derived from it, 3 dB down at {board.velocity_bandwidth:g} Hz",
+        *(
+            (
+                f"{cell.mass:g} kg hang at the load cell: mass times acceleration is taken off the force, the acceleration "
+                f"derived from the velocity at the same {board.velocity_bandwidth:g} Hz; the raw force is as read",
+            )
+            if cell.mass
+            else ()
+        ),
         *(
             ("the voltage is that of a coil at 20 degC: the command rose with its warmth",)
             if rig.supply.compensated
@@ -330,7 +396,14 @@ def header(
     constant = bool(np.ptp(voltage) == 0.0)
     channels = ["time", "displacement", "force", *(() if constant else ("voltage",))]
     raw = {
-        "force": RawChannel("V", calibration.scale, -calibration.scale * calibration.zero, "N"),
+        "force": RawChannel(
+            "V",
+            calibration.scale,
+            -calibration.scale * calibration.zero,
+            "N",
+            mass=rig.settings.load_cell.mass,
+            bandwidth=rig.settings.board.velocity_bandwidth if rig.settings.load_cell.mass else None,
+        ),
         "position": RawChannel(
             "count",
             calibration.count,
@@ -387,9 +460,11 @@ def provenance(rig: Rig, calibration: Calibration, planned: PlannedTest, campaig
         "calibration": json.dumps(
             {key: value for key, value in dataclasses.asdict(calibration).items() if value is not None}
         ),
+        **rig.settings.certificates.provenance(),
         "board": rig.identity,
         "data_sheet": rig.settings.specimen.data_sheet,
         "voltage": voltage_source(rig.settings),
+        "motor_current": motor_current_source(rig.settings),
         "preliminary_check": "passed" if campaign.header.check_amplitude else UNCHECKED,
         "dampyr": full_version(),
         "python": platform.python_version(),
@@ -401,7 +476,14 @@ def provenance(rig: Rig, calibration: Calibration, planned: PlannedTest, campaig
 def voltage_source(rig: RigSettings) -> str:
     """How the voltage in a record is known."""
     terminal = rig.inputs.get("coil_voltage")
-    return f"read back on {terminal}" if terminal else "as commanded: nothing reads the coil's (wires.coil_voltage)"
+    return f"read back on {terminal}" if terminal else UNREAD
+
+
+def motor_current_source(rig: RigSettings) -> str:
+    """How the motor's current is known."""
+    if not rig.wires.bridge_current:
+        return "not read: the bridge's current outputs are not wired (wires.bridge_current)"
+    return f"read by the Uno, which stops above {rig.actuator.max_current:g} A"
 
 
 def as_json(settings: Any) -> str:

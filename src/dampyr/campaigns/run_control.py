@@ -21,6 +21,10 @@ class Skipped(Stopped):
     """A test was left out by its operator; the campaign goes on with the next one."""
 
 
+class EndedByProtocol(Stopped):
+    """A campaign has come to the end that its protocol sets, before all of its tests have run; the rig is well."""
+
+
 def exit_status(problem: BaseException) -> Literal["stopped", "aborted", "failed"]:
     """How a test or a campaign ended that ended early."""
     if isinstance(problem, Stopped | KeyboardInterrupt | SystemExit):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from typing import Any, ClassVar, Protocol, get_type_hints
@@ -40,7 +41,8 @@ class Step(Protocol):
     ``fixed`` : whether the test keeps its place where the order is random. ``learns`` : whether its drive can be learned: the
     table follows set points, and moves until their end. ``closed_loop`` : whether these follow from the measured force. One
     that names files has ``contents``, a hash of what is in each by its field. One that can be lowered to what the rig can
-    do has ``fit_limits``, and ``fits``, the field that is lowered then. A field that is added after a release has
+    do has ``fit_limits``, and ``fits``, the field that is lowered then. One with cycles of full amplitude by which a device may
+    be judged has ``steady_cycles``, from the begin of the drive on, or None. A field that is added after a release has
     ``repr=False``: at its default it does not change what a campaign is.
     """
 
@@ -69,9 +71,9 @@ def shown(step: Any, field: str, blank: str = " ") -> str:
     return f"{(', ' if blank else '+').join(f'{number * factor:.6g}' for number in numbers)}{blank}{unit}"
 
 
-def words(kind: str, step: Any) -> str:
-    """A step in words, such as ``sine 20 mm at 2 Hz, 0.8712 V``."""
-    first, *others = [text for text in (shown(step, name) for name in step.named) if text]
+def words(kind: str, step: Any, leave_out: Sequence[str] = ()) -> str:
+    """A step in words, such as ``sine 20 mm at 2 Hz, 0.8712 V``, without the fields of ``leave_out``."""
+    first, *others = [text for text in (shown(step, name) for name in step.named if name not in leave_out) if text]
     return f"{kind.replace('_', ' ')} {first}" + (f" at {', '.join(others)}" if others else "")
 
 

@@ -46,6 +46,15 @@ def inputs_for(
     damper: Damper, voltages: tuple[float, ...], currents: tuple[float, ...], controls: tuple[str, ...]
 ) -> tuple[float, ...]:
     """The numbers that are inputs of this damper; refuses those of the other kind, and a request without any input."""
+    if not damper.has_input:
+        typed = [
+            name
+            for name, values in (("--voltage", voltages), ("--current", currents), ("--control", controls))
+            if values
+        ]
+        if typed:
+            raise InputError(f"this damper has no input, and {typed[0]} is given; leave it out")
+        return ()
     word, numbers, others = ("voltage", voltages, currents) if damper.input == "V" else ("current", currents, voltages)
     if others or not (numbers or controls):
         raise InputError(
@@ -57,10 +66,13 @@ def inputs_for(
 def inputs_by_kind(
     damper: Damper, voltages: tuple[float, ...], currents: tuple[float, ...], controls: tuple[str, ...]
 ) -> dict[str, Any]:
-    """The argument ``voltage`` or ``current`` of a response: the numbers, then the control laws."""
+    """The argument ``voltage`` or ``current`` of a response: the numbers, then the control laws; None as the only one for a
+    damper without an input."""
     from dampyr.structures.control_laws import law_of
 
     numbers = inputs_for(damper, voltages, currents, controls)
+    if not damper.has_input:
+        return {"voltage": [None]}
     laws = [law_of(text, damper) for text in controls]
     return {"voltage" if damper.input == "V" else "current": [*numbers, *laws]}
 

@@ -128,6 +128,7 @@ OPTIONS = tuple(
     for pattern, words in (
         (r"\bpass allow_extrapolation=True", "add --allow-extrapolation"),
         (r"\bread it with voltage= \(or current=\)", "declare it with --voltage (or --current)"),
+        (r"\bis read with no_input=True", "is declared with --no-input"),
         (r"\bdeclare it, such as units='([^']*)'( or units='[^']*')?", r"declare it with --motion-unit \1"),
         (r"\bgive the seconds between samples, such as dt=([\d.]+)", r"give the seconds between samples with --dt \1"),
         (r"(--\w[\w-]* [\w.]+)(,| or) \w+=[\w.]+", r"\1"),

@@ -18,6 +18,8 @@ from dampyr.findings import Finding, besides
 from dampyr.to_json import plain
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from dampyr.origin import Origin  # loads numpy, which help does without
     from dampyr.show.table import Table
 
@@ -29,6 +31,7 @@ in_process_option = click.option("--in-process", is_flag=True, hidden=True, expo
 
 DASH = "–"
 NOTICE = "dampyr.origin"  # what the running command has to say of what it prints
+EXIT_CODES = {"passed": 0, "failed": 1, "not judged": 3}  # of a verdict; 2 is a wrong request
 WIDTH_OF_A_FILE = 240  # characters: more than the widest table takes
 
 
@@ -129,6 +132,17 @@ def print_answer(result: Any, as_json: bool, tables: int | None = None) -> None:
         print_json(result.as_dict())
     else:
         print_result(result, tables)
+
+
+def answer(result: Any, report: Path | None, as_json: bool) -> None:
+    """Write the page of a result where one is asked for, print the result, and say where the page is."""
+    if report:
+        from dampyr.show.pages.result_page import write_page
+
+        write_page(result, report)
+    print_answer(result, as_json)
+    if report and not as_json:
+        click.echo(f"page: {report}")
 
 
 def print_shown(table: Table, notes: Sequence[str] = ()) -> None:

@@ -14,7 +14,7 @@ import click
 from dampyr.errors import InputError
 
 Command = Callable[..., Any]
-READ = ("card", "reference", "motion", "motions", "file", "campaign", "rig", "read")
+READ = ("card", "reference", "motion", "motions", "file", "campaign", "rig", "read", "criteria", "design")
 """Parameters of commands that name files which are read; records state theirs themselves."""
 
 

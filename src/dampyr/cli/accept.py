@@ -9,7 +9,7 @@ import click
 
 from dampyr.cli._examples import examples
 from dampyr.cli._options import OptionsCommand
-from dampyr.cli._output import as_json_option, print_answer
+from dampyr.cli._output import EXIT_CODES, answer, as_json_option
 from dampyr.cli._records import READING, gather, role_option
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from dampyr.identification import AcceptOptions
     from dampyr.models import Damper
     from dampyr.records import ReadOptions, Record
-
-FAILED, UNDECIDED = 1, 3  # exit codes; 2 is a wrong request, as with every command
 
 
 @click.command(
@@ -59,14 +57,8 @@ def command(
     damper_or_records = _reference(reference, reading)
     records = gather(paths, role, reading, reference_inputs=inputs_of(damper_or_records), warn=False)
     result = accept(records, damper_or_records, options, reference)
-    if report:
-        from dampyr.show.pages.result_page import write_page
-
-        write_page(result, report)
-    print_answer(result, as_json)
-    if report and not as_json:
-        click.echo(f"page: {report}")
-    return {"passed": 0, "failed": FAILED, "not judged": UNDECIDED}[result.verdict]
+    answer(result, report, as_json)
+    return EXIT_CODES[result.verdict]
 
 
 def _reference(text: str, reading: ReadOptions) -> Damper | list[Record]:

@@ -8,14 +8,16 @@ import shutil
 import sys
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import click
 
 from dampyr.cli._examples import examples
 from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.errors import InputError
 from dampyr.source_digest import full_version
 
+FAILED, ENDED = 3, 130  # exit codes of a bring-up
 LIBRARIES = ("numpy", "scipy", "numba", "h5py", "xarray", "pint", "matplotlib")
 
 
@@ -23,13 +25,46 @@ LIBRARIES = ("numpy", "scipy", "numba", "h5py", "xarray", "pint", "matplotlib")
     epilog=examples(
         "dampyr doctor",
         "dampyr doctor --rig rig.toml",
+        "dampyr doctor --rig rig.toml --bring-up",
+        "dampyr doctor --simulated --bring-up --stand-in --out simulated.json",
     )
 )
 @click.option("--rig", type=click.Path(path_type=Path), help="A rig.toml: look at its instruments too; nothing moves.")
 @click.option("--simulated", is_flag=True, help="Look at the simulated rig.")
+@click.option(
+    "--bring-up",
+    is_flag=True,
+    help="Bring the rig's first boards up, step by step; asks before each, and before anything is energised.",
+)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    default=Path("bring-up.json"),
+    show_default=True,
+    help="With --bring-up: the file of what was seen; a further run goes on where it ends.",
+)
+@click.option("--stand-in", is_flag=True, help="With --bring-up at a simulated rig: answer for the operator.")
+@click.option(
+    "--fault", "faults", multiple=True, help="With --bring-up: give a simulated rig a fault, as `dampyr run` does."
+)
 @as_json_option
-def command(rig: Path | None, simulated: bool, as_json: bool) -> None:
-    """Tell what this machine and its rig have, and what they lack."""
+def command(
+    rig: Path | None,
+    simulated: bool,
+    bring_up: bool,
+    out: Path,
+    stand_in: bool,
+    faults: tuple[str, ...],
+    as_json: bool,
+) -> int:
+    """Tell what this machine and its rig have, and what they lack.
+
+    With --bring-up the exit code is 3 where a step has failed, and 130 where it was ended before the last one.
+    """
+    if bring_up:
+        return _bring_up(rig, simulated, out, stand_in, faults, as_json)
+    if stand_in or faults:
+        raise InputError("--stand-in and --fault belong to --bring-up; add that, or leave them out")
     from dampyr.models.codegen.kernels import cache_folder
 
     compiler = next((path for path in map(shutil.which, ("gcc", "clang", "cc")) if path), None)
@@ -47,8 +82,38 @@ def command(rig: Path | None, simulated: bool, as_json: bool) -> None:
         findings += [[finding.what, finding.observed, finding.repair] for finding in diagnose(rig)]
     if as_json:
         print_json([dict(zip(("what", "found", "repair"), finding, strict=True)) for finding in findings])
-        return
+        return 0
     print_table(f"dampyr {full_version()}", ["what", "found", "to repair it"], findings)
+    return 0
+
+
+def _bring_up(
+    settings: Path | None, simulated: bool, out: Path, stand_in: bool, faults: tuple[str, ...], as_json: bool
+) -> int:
+    """Go through the steps of a bring-up with a person, or with a stand-in for one; the exit code."""
+    from dampyr.cli._bring_up import TerminalOperator
+    from dampyr.rig.bring_up import STEPS, Operator, bring_up
+    from dampyr.rig.connecting import open_rig
+    from dampyr.rig.connecting import simulated as simulated_rig
+    from dampyr.rig.simulation.stand_in import OperatorStandIn
+
+    if not (settings or simulated):
+        raise InputError("--bring-up needs a rig: give --rig rig.toml, or --simulated")
+    if stand_in and not simulated:
+        raise InputError("--stand-in answers at a simulated rig only; add --simulated, or leave it out")
+    operator: Operator = TerminalOperator()
+    with simulated_rig(settings, faults=faults) if simulated else open_rig(settings, faults=faults) as rig:
+        if rig.simulated:  # whose screw no person can turn
+            begin = (lambda _: "go") if stand_in else operator.begin
+            operator = OperatorStandIn(cast(Any, rig.board).simulator, begin, operator.show)
+        outcomes = bring_up(rig, out, operator)
+    failed = any(outcome.verdict == "failed" for outcome in outcomes)
+    if as_json:
+        print_json(outcomes)
+    else:
+        rows = [[outcome.step, outcome.verdict, outcome.cause] for outcome in outcomes]
+        print_table("Bring-up", ["step", "verdict", "cause and repair"], rows, notes=[f"written: {out}"])
+    return FAILED if failed else (0 if len(outcomes) == len(STEPS) else ENDED)
 
 
 def _machine() -> list[list[Any]]:

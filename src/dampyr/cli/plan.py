@@ -92,6 +92,7 @@ def command(
     the same command goes on where it stopped.
     """
     from dampyr import planning
+    from dampyr.input_kinds import NO_INPUT
     from dampyr.models import published
 
     if records and card:
@@ -99,9 +100,12 @@ def command(
             "records and --card are both given; a card stands in place of records, so leave one of them out"
         )
     evidence: Any = published.card_or_published(str(card), Path()) if card else None
-    options = replace(options, peak=_peak(options.goal, structure, motion, ground, voltage, peak_of))
     if records:
         evidence = gather(records, "fit", reading)
+    has_input = (
+        all(record.input != NO_INPUT for record in evidence) if records else evidence is None or evidence.has_input
+    )
+    options = replace(options, peak=_peak(options.goal, structure, motion, ground, voltage, peak_of, has_input))
     if perform:
         if out is None:
             raise InputError("--out is missing; give a folder for the rounds of tests")
@@ -126,7 +130,13 @@ def command(
 
 
 def _peak(
-    goal: str, structure: str | None, motion: Path | None, ground: Ground, voltage: float | None, peak_of: str
+    goal: str,
+    structure: str | None,
+    motion: Path | None,
+    ground: Ground,
+    voltage: float | None,
+    peak_of: str,
+    has_input: bool,
 ) -> Peak | None:
     """The peak that is planned for, where one is."""
     from dampyr.planning import Peak
@@ -137,7 +147,7 @@ def _peak(
                 "--structure, --motion and --voltage are of --goal peak; give it too, or --at for a test's voltage"
             )
         return None
-    if voltage is None:
+    if voltage is None and has_input:
         raise InputError("--goal peak needs the damper's --voltage in the earthquake, such as --voltage 1.98")
     return Peak(structure_of(structure), ground.motion(motion), voltage, peak_of)
 

@@ -130,8 +130,10 @@ def _without_file(folder: Path) -> list[dict[str, Any]]:
 
 
 def _input(description: dict[str, Any]) -> str | None:
-    if description["input"] is None:
-        return None
+    from dampyr.input_kinds import INPUTS
+
+    if description["input"] not in INPUTS:
+        return "none" if description["input"] else None
     low, high = description["input_range"]
     return f"{low:.5g} {description['input']}" if low == high else f"{low:.3g} to {high:.3g} {description['input']}"
 
@@ -155,11 +157,13 @@ def _row(description: dict[str, Any]) -> list[Any]:
 
 def _print_by_input(descriptions: list[dict[str, Any]]) -> None:
     """What was tested at each input, the inputs in rising order; those that vary, and those not known, last."""
+    from dampyr.input_kinds import NO_INPUT
+
     groups: dict[tuple[bool, float], list[dict[str, Any]]] = {}
     for described in descriptions:
         low, high = described["input_range"] or (0.0, 1.0)
         groups.setdefault((low != high, low if low == high else 0.0), []).append(described)
-    if len(groups) < 2:
+    if len(groups) < 2 or all(described["input"] == NO_INPUT for described in descriptions):
         return
     rows = []
     for (varies, _), group in sorted(groups.items()):
@@ -197,6 +201,7 @@ def _span(values: list[float]) -> str | None:
 
 def _print_in_full(description: dict[str, Any]) -> None:
     """A record in full, one line for each thing known of it."""
+    from dampyr.records.checks.certificates import KEY, certificates_in_words
     from dampyr.records.record import CHANNELS, GROUPS
 
     m, q = description["measured"], description["quality"]
@@ -235,7 +240,9 @@ def _print_in_full(description: dict[str, Any]) -> None:
         for channel, uncertainty in description["uncertainty"].items()
     ]
     lines += [("to look at", finding["words"]) for finding in description["findings"]]
-    lines += list(description["provenance"].items()) + [("done", step) for step in description["history"]]
+    lines += certificates_in_words(description["provenance"])
+    lines += [(name, text) for name, text in description["provenance"].items() if name != KEY]
+    lines += [("done", step) for step in description["history"]]
     print_table(description["name"], ["", ""], lines)
 
 

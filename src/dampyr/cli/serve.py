@@ -77,7 +77,7 @@ def command(
     opensees_server.check_live(damper)
     voltages, currents = (() if value is None else (value,) for value in (voltage, current))
     inputs = inputs_for(damper, voltages, currents, (control,) if control else ())
-    if len(inputs) + (control is not None) != 1:
+    if damper.has_input and len(inputs) + (control is not None) != 1:
         raise InputError("--control decides the input itself; give one of --control, --voltage and --current")
     if inputs:
         damper.check_input(inputs[0], allow_extrapolation)
@@ -89,7 +89,7 @@ def command(
     place = place_of(storey, between)
 
     def live_damper(n: int) -> opensees_server.LiveDamper:
-        u = inputs[0] if inputs else law
+        u = inputs[0] if inputs else law if law is not None else 0.0
         return opensees_server.live_damper(n, damper, u, law, building, place, record, allow_extrapolation)
 
     if building is not None:  # what does not fit is said before anything waits

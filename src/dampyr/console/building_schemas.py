@@ -111,7 +111,12 @@ class DamperRequest(Strict):
     laws: list[Annotated[str, Field(max_length=40)]] = Field(default=[], max_length=5)
 
     def inputs_by_kind(self, damper: Damper) -> dict[str, Any]:
-        """The argument ``voltage`` or ``current`` of a response: the numbers, then the control laws."""
+        """The argument ``voltage`` or ``current`` of a response: the numbers, then the control laws; None where there is no
+        input."""
+        if not damper.has_input:
+            if self.inputs or self.laws:
+                raise InputError(f"{self.name} has no input, and inputs or control laws are given; leave them out")
+            return {"voltage": [None]}
         if not self.inputs and not self.laws:
             raise InputError("no input and no control law is given; give one or more")
         laws = [law_of(text, damper) for text in self.laws]

@@ -11,6 +11,7 @@ from pydantic import BaseModel
 from dampyr import studies
 from dampyr.console import safe_paths
 from dampyr.errors import DampyrError, InputError
+from dampyr.input_kinds import unit_of
 from dampyr.models import Damper
 from dampyr.origin import Origin
 
@@ -19,8 +20,8 @@ MAX_CARD = 2**20  # bytes: a card with the covariance of 60 parameters has a ten
 
 
 class DamperLink(BaseModel):
-    """A damper that can be chosen: its input's unit, the range it was calibrated on, and its origin, which the title says, too,
-    where it is not measured."""
+    """A damper that can be chosen: its input's unit, empty where it has none, the range it was calibrated on, and its origin,
+    which the title says, too, where it is not measured."""
 
     name: str
     title: str
@@ -66,7 +67,9 @@ def dampers(data: Path) -> list[DamperLink]:
             continue
         title = name.removeprefix(f"{CARDS}/").removesuffix(".toml") if name in cards else f"published: {name}"
         title += f" ({damper.origin.kind})" if damper.origin.notice else ""
-        links.append(DamperLink(name=name, title=title, unit=damper.input, low=low, high=high, origin=damper.origin))
+        links.append(
+            DamperLink(name=name, title=title, unit=unit_of(damper.input), low=low, high=high, origin=damper.origin)
+        )
     return links
 
 

@@ -237,6 +237,8 @@ def edited(path: Path, to: Path, changes: dict[str, Any], when: str) -> None:
     }
     if "voltage" in changes and "current" in changes:
         raise InputError("voltage and current are both given; a record has one input, so leave one of them out")
+    if "voltage" in changes or "current" in changes:
+        fields["no_input"] = False
     if "voltage" in changes:
         fields |= {"voltage": changes["voltage"], "current": None}
     if "current" in changes:

@@ -9,12 +9,12 @@ of its time are set is that of `Damper.force`; one that is read before lags by a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from xml.sax.saxutils import quoteattr
 
 from dampyr.export.kinds.c import before_use
+from dampyr.input_kinds import INPUTS
 from dampyr.models import Damper
-from dampyr.models.damper import INPUTS
 
 UNITS = {
     "m": 'm="1"', "m/s": 'm="1" s="-1"', "N": 'kg="1" m="1" s="-2"', "V": 'kg="1" m="2" s="-3" A="-1"', "A": 'A="1"',
@@ -25,17 +25,21 @@ UNITS = {
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable of the FMU: its value reference is its place in the list, from 0."""
+    """A variable of the FMU, by its value ``reference``."""
 
     name: str
     unit: str
     causality: str
     description: str
+    reference: int = 0
 
 
 def variables(damper: Damper, drive: str) -> list[Variable]:
-    """The inputs (displacement, velocity, voltage or current), then the force, then the parameters at the present input."""
-    word = INPUTS[damper.input]
+    """The inputs (displacement, velocity, and voltage or current), then the force, then the parameters at the present input.
+
+    Their references count from 0; of a damper without an input, that of the voltage or current, 2, is left out.
+    """
+    word = INPUTS.get(damper.input, "")
     derived = {
         "displacement": "integrated from the velocity, from 0",
         "velocity": "slope of the displacement over the step",
@@ -53,12 +57,16 @@ def variables(damper: Damper, drive: str) -> list[Variable]:
         )
     ]
     units = {f"{p.name}.{key}": q.unit for p in damper.composition.parts for key, q in p.parameters.items()}
-    return [
+    at_coil = Variable(word, damper.input, "input", f"at the coil; the damper {damper.range_words}")
+    about = f"parameter at the present {word}" if word else "parameter"
+    listed = [
         *motion,
-        Variable(word, damper.input, "input", f"at the coil; the damper {damper.range_words}"),
+        at_coil,
         Variable("force", "N", "output", "positive against a positive velocity"),
-        *(Variable(key, units.get(key, ""), "local", f"parameter at the present {word}") for key in damper.all_laws),
+        *(Variable(key, units.get(key, ""), "local", about) for key in damper.all_laws),
     ]
+    numbered = [replace(variable, reference=k) for k, variable in enumerate(listed)]
+    return [variable for variable in numbered if variable.name]
 
 
 def model_description(damper: Damper, name: str, fmi: int, drive: str, token: str, version: str) -> str:
@@ -78,25 +86,25 @@ def model_description(damper: Damper, name: str, fmi: int, drive: str, token: st
     return _description_3(name, head, token, units, listed, start)
 
 
-def _unit_and_start(k: int, variable: Variable, start: float) -> str:
-    value = "" if variable.causality != "input" else f' start="{start if k == 2 else 0.0!r}"'
+def _unit_and_start(variable: Variable, start: float) -> str:
+    value = "" if variable.causality != "input" else f' start="{start if variable.reference == 2 else 0.0!r}"'
     unit = f" unit={quoteattr(variable.unit)}" if variable.unit else ""
     return unit + value
 
 
-def _attributes(k: int, variable: Variable) -> str:
+def _attributes(variable: Variable) -> str:
     """What both versions of the standard write of a variable."""
     initial = "" if variable.causality == "input" else f" initial={quoteattr('calculated')}"
     return (
-        f'name={quoteattr(variable.name)} valueReference="{k}" causality="{variable.causality}" '
+        f'name={quoteattr(variable.name)} valueReference="{variable.reference}" causality="{variable.causality}" '
         f'variability="continuous"{initial} description={quoteattr(variable.description)}'
     )
 
 
 def _description_2(name: str, head: str, token: str, units: str, listed: list[Variable], start: float) -> str:
     rows = "\n".join(
-        f"    <ScalarVariable {_attributes(k, variable)}><Real{_unit_and_start(k, variable, start)}/></ScalarVariable>"
-        for k, variable in enumerate(listed)
+        f"    <ScalarVariable {_attributes(variable)}><Real{_unit_and_start(variable, start)}/></ScalarVariable>"
+        for variable in listed
     )
     force = next(k for k, variable in enumerate(listed, 1) if variable.causality == "output")
     return f"""<?xml version="1.0" encoding="UTF-8"?>
@@ -123,11 +131,8 @@ def _description_2(name: str, head: str, token: str, units: str, listed: list[Va
 
 
 def _description_3(name: str, head: str, token: str, units: str, listed: list[Variable], start: float) -> str:
-    rows = "\n".join(
-        f"    <Float64 {_attributes(k, variable)}{_unit_and_start(k, variable, start)}/>"
-        for k, variable in enumerate(listed)
-    )
-    force = next(k for k, variable in enumerate(listed) if variable.causality == "output")
+    rows = "\n".join(f"    <Float64 {_attributes(variable)}{_unit_and_start(variable, start)}/>" for variable in listed)
+    force = next(variable.reference for variable in listed if variable.causality == "output")
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" {head} instantiationToken="{token}">
   <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUState="true"
@@ -157,11 +162,30 @@ def wrapper(damper: Damper, name: str, fmi: int, drive: str) -> str:
         .replace("@COUNT", str(count))
         .replace("@LOW", repr(low))
         .replace("@DRIVE", str(("both", "displacement", "velocity").index(drive)))
-        .replace("@RANGE", f"{low:g} to {high:g} {damper.input}")
-        .replace("@WORD", INPUTS[damper.input])
-        .replace("@UNIT", damper.input)
     )
-    return core + (FMI_2 if fmi == 2 else FMI_3).replace("DAMPER", name)
+    interface = (FMI_2 if fmi == 2 else FMI_3).replace("DAMPER", name)
+    if not damper.has_input:
+        for text, instead in WITHOUT_INPUT:
+            core, interface = core.replace(text, instead), interface.replace(text, instead)
+    word = INPUTS.get(damper.input, "")
+    core = core.replace("@RANGE", f"{low:g} to {high:g} {damper.input}").replace("@WORD", word)
+    return core.replace("@UNIT", damper.input) + interface
+
+
+WITHOUT_INPUT = (
+    (", *x, *v, u)", ", *x, *v)"),
+    ("_parameters(u, p)", "_parameters(p)"),
+    ("no force at @WORD = %g @UNIT: calibrated from @RANGE, or the delay is too long\", u)",
+     "no force: the delay is too long\")"),
+    ("@WORD = %g @UNIT at t = %g s: calibrated from @RANGE, or the delay is too long\", m->in[U], t)",
+     "no force at t = %g s: the delay is too long\", t)"),
+    ("        if (r < FIRST_PARAMETER) {", "        if (r < FIRST_PARAMETER && r != U) {"),
+    ("} else if (r < FIRST_PARAMETER + COUNT) {", "} else if (r != U && r < FIRST_PARAMETER + COUNT) {"),
+    ("if (r > U ||", "if (r >= U ||"),
+    ("if (r[k] > U ||", "if (r[k] >= U ||"),
+    ("/* x, v, u as they were set last", "/* x and v as they were set last, the third is free"),
+)  # fmt: skip
+"""What of the interface's text is another one where the damper has no input: nobody sets or reads the variable U."""
 
 
 CORE = r"""#include "DAMPER.h"

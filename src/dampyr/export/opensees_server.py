@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.export import trial_step
 from dampyr.ground_motions import GroundMotion
+from dampyr.input_kinds import input_arguments
 from dampyr.models import Damper
 from dampyr.models.codegen.kernels import bind
 from dampyr.structures import Building
@@ -180,8 +181,8 @@ def live_damper(
             f"the element has {degrees} degrees of freedom and {building.name} has {building.n} floors; give it the "
             "horizontal displacement of each floor, from the ground up"
         )
-    voltage, current = (u, None) if damper.input == "V" else (None, u)
-    sites = make_sites(building, {place: damper}, voltage, current, allow_extrapolation)
+    inputs = input_arguments(damper.input, u)
+    sites = make_sites(building, {place: damper}, inputs.get("voltage"), inputs.get("current"), allow_extrapolation)
     row = connections(building, sites)[0]
     decided = None if law is None else LawInput(law, damper, building, row, motion)
     return LiveDamper(damper, row, u if law is None else law.low, decided, allow_extrapolation)

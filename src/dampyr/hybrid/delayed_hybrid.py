@@ -12,6 +12,7 @@ from dampyr.ground_motions import GroundMotion
 from dampyr.hybrid.delayed_actuator import run_delayed
 from dampyr.hybrid.hybrid_result import HybridResult, modelled_force
 from dampyr.hybrid.substructure import LARGEST_LAG, substructure_of
+from dampyr.input_kinds import input_arguments
 from dampyr.models import Damper
 from dampyr.origin import combined
 from dampyr.structures import Building, respond
@@ -74,7 +75,7 @@ def delayed_result(
     for name, number in (("delay", delay), ("delay - lag_error", lag)):
         if not 0.0 <= number <= LARGEST_LAG:
             raise InputError(f"{name} = {number:g} s is not allowed; it must be from 0 to {LARGEST_LAG:g} s")
-    inputs: dict[str, Any] = {"voltage" if damper.input == "V" else "current": value}
+    inputs = input_arguments(damper.input, value)
     computed = respond(building, motion, {place: damper}, **inputs)
     part = replace(substructure_of(building, place, computed, h, damper, value), lag=lag, adaptive=adaptive)
     run = run_delayed(part, damper, delay, 0.0)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from dampyr.errors import RigFault
 from dampyr.hybrid.substructure import GAINS, LARGEST_LAG, Substructure, lag_of
 from dampyr.rig.drive import Drive
-from dampyr.rig.firmware.protocol import MAX_POINTS
+from dampyr.rig.firmware.protocol import QUEUE
 from dampyr.rig.interlock import Samples
 from dampyr.rig.player import Player
 
@@ -28,13 +28,16 @@ class HybridPlayer(Player):
     def __post_init__(self) -> None:
         assert isinstance(self.drive, HybridDrive)
         self.hybrid: HybridDrive = self.drive
-        self.run = self.hybrid.substructure.run()
         self._points = round(self.drive.period * self.rig.board.rate)  # samples of a step
         self._late = round(self.rig.force_delay * self.rig.board.rate)
         self._measured: list[tuple[Array, Array]] = []
         self._first = 0  # sample of the drive with which what is in `_measured` begins
         self._identified = False
         self._static = 0.0
+
+    def prepare(self) -> None:
+        """Make the run of the computed part, whose kernel may have to be compiled."""
+        self.run = self.hybrid.substructure.run()
 
     def feed(self, samples: Samples) -> None:
         """Take a block, and send the set points until the next one has come."""
@@ -44,6 +47,17 @@ class HybridPlayer(Player):
             self._measured.append((samples.displacement[skip:], samples.force[skip:]))
             self._compute(after - self.start)
         super().feed(samples)
+
+    def _follow(self, now: int) -> None:
+        """Send the first set points a block before their time, and follow them from ``start`` on: they all are at rest."""
+        hybrid = self.hybrid
+        self.ratio = self.clock.ratio.value
+        self.points = math.ceil((hybrid.n - 1) * self.ratio - 1e-9) + 1
+        if not self.sent and now >= self.start - self.rig.block_samples:
+            self._keep_filled(0, QUEUE)
+        if now >= self.start:
+            self.running = True
+            self.uno.follow(self._period, self.points)
 
     def _compute(self, taken: int) -> None:
         """Make the steps that the first ``taken`` samples complete."""
@@ -82,17 +96,19 @@ class HybridPlayer(Player):
         self.run.begin(lag / hybrid.clock, gain)
         self._identified = True
 
-    def _send_points(self, free: int) -> None:
+    def _keep_filled(self, followed: int, free: int) -> None:
         """Set points until the next block has come; those of the test follow from what was measured."""
         hybrid, taken = self.hybrid, self._first + sum(len(x) for x, _ in self._measured)
         ahead = self.rig.board.block + hybrid.reserve
-        until = min(hybrid.n, math.ceil(taken / self._points + ahead / hybrid.period) + 2)
-        while self.sent < until:
-            n = min(MAX_POINTS, until - self.sent)
-            self.uno.points(
-                self.sent, [round(float(p) / self.rig.encoder.count) for p in self._set_points(self.sent, n)]
-            )
-            self.sent += n
+        seconds = taken / self.rig.board.rate + ahead
+        until = min(self.points, math.ceil(seconds / hybrid.period * self.ratio) + 2)
+        if self.sent < until:
+            # The Uno's set points lie between those of the drive, which are on the board's clock, as its own is another one.
+            at = np.minimum(np.arange(self.sent, until) / self.ratio, hybrid.n - 1.0)
+            first, last = math.floor(at[0]), math.ceil(at[-1])
+            points = self._set_points(first, last - first + 1)
+            self.uno.points(self.sent, self._in_counts(np.interp(at, np.arange(first, last + 1), points)))
+            self.sent = until
 
     def _set_points(self, first: int, n: int) -> Array:
         """Set points ``first`` to ``first`` + n of the drive, from the lead-in, the test and the way back."""
@@ -134,7 +150,7 @@ class HybridDrive(Drive):
     lead_in: int = field(kw_only=True)
     cycles: tuple[int, int] = field(kw_only=True)
     clock: float = field(default=1.0, kw_only=True)
-    reserve: float = field(default=0.004, kw_only=True)
+    reserve: float = field(default=0.034, kw_only=True)
 
     player: ClassVar[type[Player]] = HybridPlayer
 

@@ -38,6 +38,10 @@ class FitThresholds(Thresholds):
         SHARE,
         "Mean L1 ratio beyond which a model does not describe its records; no record of a good fit is beyond it",
     ] = 0.10
+    # half again what a model may miss: its numbers describe little then, and a cause is worth some seconds
+    unexplained: Annotated[
+        float, SHARE, "Mean L1 ratio beyond which effects are tried that the model or the records may lack"
+    ] = 0.15
     correlated: Annotated[
         float,
         RATIO,

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.data_frames import column_name, data_frame
 from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError, RangeError
 from dampyr.findings import Finding
+from dampyr.input_kinds import INPUTS, KINDS, NO_INPUT, unit_of
 from dampyr.models import card
 from dampyr.models.codegen.composition import Composition, compose
 from dampyr.models.laws import Constant, Interpolation, Law, WithTemperature, onto_limits
@@ -35,7 +36,6 @@ from dampyr.shown import Shown
 from dampyr.units import in_si
 
 Array = NDArray[np.float64]
-INPUTS = {"V": "voltage", "A": "current"}
 RANGES = {"displacement": "m", "velocity": "m/s", "frequency": "Hz"}
 # Times the calibrated displacement or velocity: a path of a test is not there, and one in mm is at 1000 times.
 FAR = 20.0
@@ -58,7 +58,8 @@ class Damper(Shown):
         that name), in SI units over the input; a number means a constant, values at inputs such as
         ``{0.0: 900.0, 2.0: 3000.0}`` an `Interpolation`. A damper of numbers alone holds at every input and needs none.
     input
-        ``"V"``: the voltage at the coil, or ``"A"``: its current.
+        ``"V"``: the voltage at the coil, ``"A"``: its current, or ``"none"``: the damper has no input, as one of friction, oil
+        or rubber; all of its laws are then numbers, and nothing that is made of it speaks of an input.
     ranges
         what the calibration covered: ``displacement`` (m, peak), ``velocity`` (m/s, peak), ``frequency`` (Hz) -> (low, high).
     covariance
@@ -132,10 +133,13 @@ class Damper(Shown):
                 low, high = laws[name].extremes()
             law = laws[name]
             everywhere = isinstance(law, Constant) and law.is_everywhere
-            where = name if everywhere else f"{name} between {law.low:g} and {law.high:g} {self.input}"
+            where = (
+                name if everywhere else f"{name} between {law.low:g} and {law.high:g} {unit_of(self.input)}".rstrip()
+            )
             quantity.check(where, low)
             quantity.check(where, high)
             quantity.doubt(where, low)
+        self._check_constants()
         k = composition.lag
         if k is not None and not isinstance(laws[composition.parameters[k]], Constant):
             raise InputError(
@@ -147,8 +151,8 @@ class Damper(Shown):
     composition: Composition = field(init=False, repr=False)
 
     def _check_names(self) -> None:
-        if self.input not in INPUTS:
-            raise InputError(f"the input of a damper is 'V' or 'A', not {self.input!r}")
+        if self.input not in KINDS:
+            raise InputError(f"the input of a damper is 'V', 'A' or 'none', not {self.input!r}")
         wanted, given = set(self.composition.parameters), set(self.laws)
         if given - wanted:
             raise InputError(
@@ -157,6 +161,20 @@ class Damper(Shown):
             )
         if wanted - given:
             raise InputError(f"{self.composition} lacks a law for {', '.join(sorted(wanted - given))}")
+
+    def _check_constants(self) -> None:
+        """A damper without an input has one number for each parameter, and no lag between a command and its force."""
+        if self.has_input:
+            return
+        over = [name for name, law in self.all_laws.items() if not _is_number(law)]
+        if over:  # first of all what is no number: its range is that of the numbers beside it, too
+            name = next((name for name in over if not isinstance(self.all_laws[name], Constant)), over[0])
+            raise InputError(
+                f"{name} follows an input and the damper's input is 'none'; give it as a number, or say which input: 'V' or "
+                "'A'"
+            )
+        if self.composition.lag is not None:
+            raise InputError("the part lag is the lag of an input, and the damper's input is 'none'; leave lag out")
 
     def _check_covariance(self) -> None:
         if self.covariance is None:
@@ -203,11 +221,15 @@ class Damper(Shown):
             low, high = self.range
             inputs = np.linspace(low, high, ROWS) if low < high else low
         at = np.atleast_1d(np.asarray(inputs, dtype=float))
+        if not self.has_input:
+            at = np.zeros(1)
         quantities = self.composition.quantities
         columns = {
             column_name(name, quantities[name].unit): values
             for name, values in zip(self.laws, self.at_mean_temperature.values(at).T, strict=True)
         }
+        if not self.has_input:
+            return data_frame(columns)
         return data_frame(columns, at.tolist(), column_name(INPUTS[self.input], self.input))
 
     @property
@@ -215,10 +237,17 @@ class Damper(Shown):
         """The laws by flat parameter name."""
         return dict(self.laws)  # type: ignore[arg-type]
 
+    @property
+    def has_input(self) -> bool:
+        """False where the damper is one without an input, such as one of friction, oil or rubber."""
+        return self.input != NO_INPUT
+
     @cached_property
     def needs_input(self) -> bool:
-        """False where every law is a number that holds at every input."""
-        return not all(isinstance(law, Constant) and law.is_everywhere for law in self.all_laws.values())
+        """False where every law is a number that holds at every input, and where there is none."""
+        return self.has_input and not all(
+            isinstance(law, Constant) and law.is_everywhere for law in self.all_laws.values()
+        )
 
     @cached_property
     def range(self) -> tuple[float, float]:
@@ -230,6 +259,8 @@ class Damper(Shown):
     def range_words(self) -> str:
         """The calibrated range as a sentence on the damper says it."""
         low, high = self.range
+        if not self.has_input:
+            return "has no input"
         return f"is calibrated from {low:g} to {high:g} {self.input}" if self.needs_input else "holds at every input"
 
     @cached_property
@@ -358,6 +389,8 @@ class Damper(Shown):
 
     def check_input(self, u: ArrayLike, allow_extrapolation: bool = False) -> Array:
         """``u`` as an array; :class:`~dampyr.errors.RangeError` outside the calibrated range unless allowed by name."""
+        if not self.has_input:
+            return np.zeros(np.shape(u))
         values = np.asarray(in_si(u, self.input, INPUTS[self.input]), dtype=float)
         if not np.all(np.isfinite(values)):
             raise InputError(f"the {INPUTS[self.input]} holds a value that is not finite")
@@ -388,7 +421,8 @@ class Damper(Shown):
             if values.min() < quantity.low or values.max() > quantity.high:
                 values[...] = quantity.without_rounding(values, float(np.abs(values).max()))
             for extreme in (values.min(), values.max()):
-                quantity.check(f"{name} at {_format_span(inputs)} {self.input}", float(extreme))
+                where = f" at {_format_span(inputs)} {self.input}" if self.has_input else ""
+                quantity.check(f"{name}{where}", float(extreme))
         if not static:
             table[..., list(self.composition.static)] = 0.0
         return table
@@ -398,8 +432,10 @@ class Damper(Shown):
         k = self.composition.delay
         return 0.0 if k is None else float(self.values(u, allow_extrapolation=allow_extrapolation)[k])
 
-    def at(self, u: float, allow_extrapolation: bool = False) -> Any:
+    def at(self, u: float = 0.0, allow_extrapolation: bool = False) -> Any:
         """The model at one input: the part's dataclass, or a tuple of them where there are several parts.
+
+        A damper without an input is the same whatever ``u`` is.
 
         Examples
         --------
@@ -407,7 +443,8 @@ class Damper(Shown):
         >>> dp.studies.raminelli_2020.damper().at(0.0)
         Dahl(kx=802.0, kw=50.237, rho=42745.0)
         """
-        values = self.values(float(in_si(u, self.input, INPUTS[self.input])), allow_extrapolation=allow_extrapolation)
+        number = float(in_si(u, self.input, INPUTS[self.input])) if self.has_input else 0.0
+        values = self.values(number, allow_extrapolation=allow_extrapolation)
         models, start = [], 0
         for p in self.composition.parts:
             stop = start + len(p.parameters)
@@ -418,8 +455,11 @@ class Damper(Shown):
     def pick_input(self, voltage: ArrayLike | None, current: ArrayLike | None) -> ArrayLike:
         """The input that this damper takes, of the two; InputError where it is the other one, or none.
 
-        One that needs no input takes either, and 0 where none is given.
+        One that needs no input takes either, and 0 where none is given; one without an input takes none.
         """
+        if not self.has_input:
+            refuse_input(voltage, current)
+            return 0.0
         wanted, other = (voltage, current) if self.input == "V" else (current, voltage)
         if not self.needs_input:
             return next((value for value in (wanted, other) if value is not None), 0.0)
@@ -583,6 +623,8 @@ class Damper(Shown):
         return low, high
 
     def _input_along(self, u: ArrayLike, t: Array) -> Array:
+        if not self.has_input:
+            return np.zeros(())
         values = np.asarray(in_si(u, self.input, INPUTS[self.input]), dtype=float)
         if values.ndim and values.shape != t.shape:
             raise InputError(
@@ -706,6 +748,19 @@ class Damper(Shown):
         ('V', (0.0, 3.212))
         """
         return card.read(Path(path), cls)
+
+
+def refuse_input(voltage: Any, current: Any) -> None:
+    """:class:`~dampyr.errors.InputError` where a voltage or a current is given to a damper that has no input."""
+    for word, value in (("voltage", voltage), ("current", current)):
+        if value is not None:
+            raise InputError(f"this damper has no input, and {word}= is given; leave it out")
+
+
+def _is_number(law: Law) -> bool:
+    """Whether a law has one value, at every temperature or at two of them."""
+    sides = (law.cold, law.warm) if isinstance(law, WithTemperature) else (law,)
+    return all(isinstance(side, Constant) and side.is_everywhere for side in sides)
 
 
 def _complete_name(name: str, composition: Composition) -> str:

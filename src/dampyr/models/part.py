@@ -22,11 +22,12 @@ _Class = TypeVar("_Class", bound=type)
 
 @dataclass(frozen=True)
 class Scale:
-    """The size of a record's motion, for initial guesses: peak-to-peak stroke [m], peak speed [m/s], dt [s]."""
+    """The size of a record, for initial guesses: peak-to-peak stroke [m], peak speed [m/s], dt [s], large force [N]."""
 
     stroke: float
     speed: float
     dt: float
+    force: float
 
 
 def quantities(cls: type) -> dict[str, Quantity]:
@@ -76,6 +77,21 @@ class Part:
         return getattr(self.module, "STATES", {})
 
     @cached_property
+    def starts_at_rest(self) -> bool:
+        """Whether the states are 0 at the start of every record: a fit does not find them."""
+        return getattr(self.module, "STARTS_AT_REST", False)
+
+    @cached_property
+    def constant(self) -> tuple[str, ...]:
+        """The parameters that do not follow the input, unless a fit is told a law for one by its name."""
+        return getattr(self.module, "CONSTANT", ())
+
+    @cached_property
+    def scaling(self) -> tuple[str, ...]:
+        """The parameters to which the force is proportional together; where each is linear, it is so to each."""
+        return getattr(self.module, "SCALE_TOGETHER", tuple(key for key, q in self.parameters.items() if q.linear))
+
+    @cached_property
     def within_stroke(self) -> tuple[str, ...]:
         """States in m that cannot be farther at the start of a record than the damper's ends have moved in all of them."""
         return getattr(self.module, "WITHIN_STROKE", ())
@@ -98,6 +114,11 @@ class Part:
         """
         own = hasattr(self.module, "force_in_series")
         return read(self.module.force_in_series, f"{self.name}_force_in_series") if own else self.force
+
+    @cached_property
+    def rises_in_series(self) -> bool:
+        """Whether the force behind an element that stretches may rise with a guess at it, by less than half of that."""
+        return getattr(self.module, "RISES_IN_SERIES", False)
 
     @cached_property
     def stretch(self) -> Formula | None:

@@ -116,10 +116,13 @@ class PredictionError:
     within_sessions: Array | None = None
 
     def __post_init__(self) -> None:
-        for name in ("record_sd", "session_sd"):
-            value = float(getattr(self, name))
-            if not (math.isfinite(value) and 0.0 <= value <= 1.0):
-                raise InputError(f"{name} = {value:g} is not allowed; it must lie between 0 and 1 (0.08 is 8 %)")
+        for name in ("record", "session"):
+            value = float(getattr(self, f"{name}_sd"))
+            stated = math.isinf(getattr(self, f"{name}_freedom"))
+            # an estimate of a logarithm may be beyond 1, as where the force of one record is in another unit
+            if not (math.isfinite(value) and value >= 0.0 and (value <= 1.0 or not stated)):
+                limits = "lie between 0 and 1" if stated else "be finite and at least 0"
+                raise InputError(f"{name}_sd = {value:g} is not allowed; it must {limits} (0.08 is 8 %)")
         for name in ("record_freedom", "session_freedom", "freedom"):
             if not float(getattr(self, name)) > 0.0:
                 raise InputError(f"{name} = {getattr(self, name):g} is not allowed; it must be greater than 0, or inf")
@@ -382,10 +385,14 @@ def phase_basis(t: Array, x: Array, v: Array) -> Array:
     line = np.polynomial.polynomial.polyfit(t - t[0], x, 1)
     away = x - line[0] - line[1] * (t - t[0])
     scaled = [trace / max(float(np.quantile(np.abs(trace), AMPLITUDE_QUANTILE)), 1e-300) for trace in (away, v)]
-    radius, phase = np.hypot(*scaled), np.arctan2(scaled[1], scaled[0])
-    steps = np.outer(phase, np.arange(1, HARMONICS + 1))
-    waves = np.stack((np.cos(steps), np.sin(steps)), axis=-1).reshape(t.size, -1)
-    return np.asarray(radius[:, None] * waves)
+    point = scaled[0] + 1j * scaled[1]
+    radius = np.abs(point)
+    turn = np.divide(point, radius, out=np.ones_like(point), where=radius > 0.0)  # exp(i phase)
+    basis = np.empty((t.size, 2 * HARMONICS))
+    for k in range(HARMONICS):  # radius times cosine and sine of k + 1 times the phase
+        basis[:, 2 * k], basis[:, 2 * k + 1] = point.real, point.imag
+        point = point * turn
+    return basis
 
 
 def residual_draw(basis: Array, dt: float, shape: ShapeError, rng: np.random.Generator) -> tuple[Array, Array]:

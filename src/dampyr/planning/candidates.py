@@ -50,11 +50,12 @@ class Candidate:
     frequency: float
     amplitude: float
     duration: float
+    has_input: bool = True
 
     @property
     def words(self) -> str:
-        """What it does, such as ``sine 20 mm at 2 Hz, 0.8712 V``."""
-        return words(self.kind, self.step)
+        """What it does, such as ``sine 20 mm at 2 Hz, 0.8712 V``; of a damper without an input the motion alone."""
+        return words(self.kind, self.step, () if self.has_input else ("voltage",))
 
     @property
     def table(self) -> dict[str, Any]:
@@ -91,8 +92,13 @@ class RigEnvelope:
 def voltages_of(damper: Damper, rig: RigSettings, wanted: Sequence[float] | None = None) -> tuple[float, ...]:
     """The voltages of a design: those ``wanted``, else the knots of the card's laws, else four from end to end.
 
-    Raises :class:`~dampyr.errors.InputError` for a damper over the current and a voltage that neither rig nor card allow.
+    Raises :class:`~dampyr.errors.InputError` for a damper over the current and a voltage that neither rig nor card allow. A
+    damper without an input is tested with the coil of the rig off.
     """
+    if not damper.has_input:
+        if wanted:
+            raise InputError("voltages are given, and the damper has no input; leave them out")
+        return (0.0,)
     if damper.input != "V":
         raise InputError(
             "this card is over the current in A, and a rig is told voltages; give a card over the voltage, such as one "
@@ -135,7 +141,7 @@ def envelope(
         )
     if not SHORTEST <= seconds <= 600.0:
         raise InputError(f"seconds = {seconds:g} is not allowed; give {SHORTEST:g} to 600 s of steady motion")
-    levels = voltages_of(damper, rig, voltages)
+    levels = voltages_of(damper, rig, voltages if damper.has_input else None)
     frequencies = np.array([round(float(f), 3) for f in np.geomspace(LOWEST, HIGHEST, FREQUENCIES)])
     limits, candidates, rounds = {}, [], len(levels) + 2
     for k, u in enumerate(levels):
@@ -157,13 +163,20 @@ def envelope(
                 rig, damper, [_make_random(0.2, top, u, seconds, s, rig) for top in (1.5, 4.0) for s in SEEDS]
             )
     dampers = _list_dampers(rig, damper)
-    passed = tuple(c for c in candidates if not any(violations_of(c.step, rig, checked) for checked in dampers))
+    passed = tuple(
+        replace(c, has_input=damper.has_input)
+        for c in candidates
+        if not any(violations_of(c.step, rig, checked) for checked in dampers)
+    )
     progress(1.0)
     if not passed:
+        at, lower = "", ""
+        if damper.has_input:
+            at, lower = f" at {min(levels):.4g} to {max(levels):.4g} V", "lower the voltages, or "
         raise InputError(
-            f"the rig {rig.name!r} can do none of {len(candidates)} candidate tests with this damper at {min(levels):.4g} to "
-            f"{max(levels):.4g} V: with at least {1e3 * _smallest_amplitude(rig):.3g} mm none is within its limits; "
-            "lower the voltages, or check actuator and limits in the rig's file"
+            f"the rig {rig.name!r} can do none of {len(candidates)} candidate tests with this damper{at}: with at least "
+            f"{1e3 * _smallest_amplitude(rig):.3g} mm none is within its limits; {lower}check actuator and limits in the "
+            "rig's file"
         )
     return RigEnvelope(passed, frequencies, limits, levels)
 

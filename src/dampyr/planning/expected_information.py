@@ -36,6 +36,7 @@ from dampyr.identification.search.fit_data import Piece, piece
 from dampyr.identification.search.normal_equations import modelled_force
 from dampyr.identification.search.parametrisation import Column, columns, held_twins
 from dampyr.identification.search.problem import Problem, SearchPoint, checked_nuisances
+from dampyr.input_kinds import NO_INPUT, input_arguments
 from dampyr.models import Damper
 from dampyr.models.codegen.composition import Composition
 from dampyr.records import Record
@@ -139,8 +140,9 @@ class CoefficientLayout:
     def damper(self, theta: Array) -> Damper:
         """The damper of other coefficients; :class:`~dampyr.errors.InputError` where they make none."""
         knots = [u for c in self.columns for u in c.knots]
+        low, high = (-np.inf, np.inf) if self.unit == NO_INPUT else (min(knots), max(knots))
         by_column = np.split(theta, np.cumsum([c.size for c in self.columns])[:-1])
-        laws = {c.name: c.law(part, min(knots), max(knots)) for c, part in zip(self.columns, by_column, strict=True)}
+        laws = {c.name: c.law(part, low, high) for c, part in zip(self.columns, by_column, strict=True)}
         return Damper(self.composition.names, laws, input=self.unit)
 
 
@@ -177,8 +179,9 @@ def expected_record(drive: Drive, damper: Damper, rig: RigSettings, name: str) -
     voltage: float | Array = u if np.ptp(u) else float(u[0])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)  # of motions beyond the card's: the check before motion says it
-        force = damper.force_of_motion(t, x, voltage=voltage, velocity=v)
-    return Record(time=t, displacement=x, force=force, velocity=v, voltage=voltage, name=name)
+        force = damper.force_of_motion(t, x, velocity=v, **input_arguments(damper.input, voltage))
+    applied: dict[str, Any] = {"voltage": voltage} if damper.has_input else {"no_input": True}
+    return Record(time=t, displacement=x, force=force, velocity=v, name=name, **applied)
 
 
 def expected_information(plan: CoefficientLayout, record: Record, spread: ModelDeviation) -> Information:

@@ -37,7 +37,7 @@ class Peak(Shown):
     motion
         the earthquake.
     voltage
-        of the damper, V.
+        of the damper, V; None where it has no input.
     of
         which peak: ``"drift"``, ``"displacement"`` or ``"acceleration"``.
 
@@ -51,7 +51,7 @@ class Peak(Shown):
 
     building: Building
     motion: GroundMotion
-    voltage: float
+    voltage: float | None
     of: str = "drift"
 
     def __post_init__(self) -> None:
@@ -61,7 +61,16 @@ class Peak(Shown):
     @property
     def words(self) -> str:
         """Such as ``the largest drift at 1.98 V``."""
-        return f"the largest {self.of} at {self.voltage:.4g} V"
+        return f"the largest {self.of}" + ("" if self.voltage is None else f" at {self.voltage:.4g} V")
+
+    def check(self, damper: Damper) -> None:
+        """:class:`~dampyr.errors.InputError` unless the voltage is one that the damper takes."""
+        if self.voltage is not None and damper.has_input:
+            damper.check_input(self.voltage)
+        elif self.voltage is not None:
+            raise InputError("the goal peak has a voltage, and the damper has no input; leave it out")
+        elif damper.has_input:
+            raise InputError("the goal peak needs the damper's voltage in the earthquake, such as 1.98 V; give it")
 
     def value(self, damper: Damper) -> float:
         """The peak, in m or m/s2."""
@@ -128,7 +137,8 @@ def peak_goal(plan: CoefficientLayout, peak: Peak) -> tuple[PeakGoal, float]:
     gradient, value = peak.gradient(plan)
     if not np.any(np.abs(gradient) > INSENSITIVE):
         raise InputError(
-            f"no parameter of the damper changes {peak.words}; choose a voltage or a structure that it acts on"
+            f"no parameter of the damper changes {peak.words}; choose "
+            + f"{'a voltage or ' * (peak.voltage is not None)}a structure that it acts on"
         )
     return PeakGoal(gradient), value
 

@@ -25,6 +25,7 @@ from dampyr.campaigns.run_control import RunControl
 from dampyr.errors import InputError
 from dampyr.findings import Finding
 from dampyr.identification import Fit
+from dampyr.input_kinds import NO_INPUT
 from dampyr.models import Damper
 from dampyr.options import takes
 from dampyr.origin import Named, Origin, check_one_kind
@@ -273,11 +274,17 @@ class _Loop:
         write_whole(folder / EXPECTED, json.dumps(plain(promise), indent=2) + "\n")
         write_whole(folder / CAMPAIGN, proposal.text)
 
+    @property
+    def _has_input(self) -> bool:
+        """Whether the damper has an input; where it has none the coil of the rig stays off, and no record has a voltage."""
+        known = self.evidence
+        return known.has_input if isinstance(known, Damper) else known.residuals.unit != NO_INPUT
+
     def _fit_all(self, last: int) -> Fit:
         """The fit to the records that were known and those of all rounds so far."""
         records = list(self.evidence.records) if isinstance(self.evidence, Fit) else []
         for number in range(1, last + 1):
-            for record in read_campaign(self.folder / f"round-{number:02d}", role="fit"):
+            for record in read_campaign(self.folder / f"round-{number:02d}", role="fit", no_input=not self._has_input):
                 name = f"round {number}, {record.name}"
                 records.append(record.replace(note=f"named {name} among the rounds of a plan", name=name))
         return fitted(records, self.options, self.progress)

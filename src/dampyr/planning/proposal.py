@@ -18,6 +18,7 @@ from dampyr.errors import InputError
 from dampyr.findings import OF_DAMPER, Finding, handed_on
 from dampyr.identification import Fit, FitOptions
 from dampyr.identification.fits.least_squares import fit_model
+from dampyr.input_kinds import NO_INPUT
 from dampyr.models import Constant, Damper
 from dampyr.options import Options, ShownIn, Terminal, takes
 from dampyr.origin import Origin
@@ -325,10 +326,14 @@ def _propose(
 ) -> Proposal:
     notes: list[str] = []
     kinds = _choose_kinds(rig, options, notes)
+    if not damper.has_input:
+        kinds, notes = tuple(kind for kind in options.kinds if kind != "voltage_steps"), []
     bare = damper.without("lag") if "lag" in damper.composition.names else damper
     if options.peak is not None:
-        damper.check_input(options.peak.voltage)
+        options.peak.check(damper)
     chosen_voltages = options.voltages if options.voltages is not None or evidence is None else _list_knots(evidence)
+    if not damper.has_input and options.voltages is None:
+        chosen_voltages = None
     levels = voltages_of(damper, rig, chosen_voltages)
     candidates_of = envelope(
         rig, bare, levels, kinds, options.seconds, lambda p: progress("finding what the rig can do", p)
@@ -426,7 +431,9 @@ def _note_sessions(evidence: Fit | None, tests: Sequence[Candidate]) -> tuple[st
         return (f"{of_records.words}; to settle it, repeat one of these tests on another day or after a new mounting",)
     tested = {u for test in tests for u in getattr(test.step, "voltages", (getattr(test.step, "voltage", None),))}
     missing = [f"{u:g}" for u in _list_knots(evidence) if not any(v is not None and abs(u - v) < 1e-6 for v in tested)]
-    if missing:
+    if evidence.problem.pieces[0].unit == NO_INPUT:
+        do = "repeat a test of the records among these, which are made in one session"
+    elif missing:
         do = f"add a test at {listing(missing)} V to the session of these tests: then each voltage is tested in two sessions"
     else:
         do = "these tests, made in one session, settle it, for they are at every voltage of the records"
@@ -469,6 +476,7 @@ class _Study:
     def layout_of(self, records: Sequence[Record]) -> CoefficientLayout:
         """The coefficients of a fit to the present records and these."""
         inputs: list[float | Array] = [r.voltage for r in records if r.voltage is not None]
+        inputs += [0.0 for r in records if r.input == NO_INPUT]
         inputs += [p.u for p in self.evidence.problem.pieces] if self.evidence else []
         damper = self._with_lag() if any(np.ndim(u) for u in inputs) else self.bare
         return layout(damper, inputs, self.options.laws, self.options.fixed)

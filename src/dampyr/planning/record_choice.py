@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, InputError
+from dampyr.input_kinds import NO_INPUT
 from dampyr.models import Constant, Damper
 from dampyr.planning.expected_information import (
     GAIN,
@@ -85,7 +86,7 @@ def choose_records(records: Sequence[Record], n: int, damper: Damper | None = No
 
 def expected_misses(records: Sequence[Record], damper: Damper | None = None) -> Misses:
     """The criterion of `choose_records` for these records."""
-    without = [r.name for r in records if r.input_value is None or np.ptp(np.asarray(_input_of(r)))]
+    without = [r.name for r in records if r.input is None or np.ptp(np.asarray(_input_of(r)))]
     if without:
         raise InputError(f"{without[0]}: its input is not known or varies, and records are chosen by it; leave it out")
     inputs = np.array([float(np.mean(_input_of(r))) for r in records])
@@ -98,14 +99,14 @@ def expected_misses(records: Sequence[Record], damper: Damper | None = None) -> 
     place = np.log(np.column_stack((stroke, [m.frequency_hz for m in measured]))) / np.log(ALIKE)
     if damper is None:
         fastest = max(m.peak_speed for m in measured)
+        has_input = records[0].input != NO_INPUT
+        low, high = (float(inputs.min()), float(inputs.max())) if has_input else (-np.inf, np.inf)
         damper = Damper(
             "dahl",
             {
-                "dahl.kx": Constant(1.0 / fastest, float(inputs.min()), float(inputs.max())),
-                "dahl.kw": Constant(1.0, float(inputs.min()), float(inputs.max())),
-                "dahl.rho": Constant(
-                    1.0 / (SLIDING * float(np.median(stroke))), float(inputs.min()), float(inputs.max())
-                ),
+                "dahl.kx": Constant(1.0 / fastest, low, high),
+                "dahl.kw": Constant(1.0, low, high),
+                "dahl.rho": Constant(1.0 / (SLIDING * float(np.median(stroke))), low, high),
             },
             input=str(records[0].input),
         )
@@ -117,7 +118,7 @@ def expected_misses(records: Sequence[Record], damper: Damper | None = None) -> 
 
 
 def _input_of(record: Record) -> float | Array:
-    value = record.voltage if record.voltage is not None else record.current
+    value = 0.0 if record.input == NO_INPUT else record.input_channel
     return np.nan if value is None else value
 
 

@@ -30,11 +30,12 @@ from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.record_files import read, write
 from dampyr.records.record import Record
 from dampyr.records.record_thresholds import RecordThresholds
+from dampyr.records.specimen_history import specimens
 
 __all__ = [
     "Record", "ReadOptions", "read", "write", "convert", "cut", "read_campaign", "nominal_inputs", "fetch", "locate",
     "cycles", "cut_cycles", "cycle_average", "differentiate", "with_velocity", "remove_offset", "remove_drift",
     "estimate_delay", "correct_delay", "measure", "amplitude_error", "total_harmonic_distortion", "overview", "quality",
     "describe", "spectrum", "recognise_smoothing", "Declaration", "MovingAverage", "with_smoothing", "displacement_noise",
-    "with_lowpass", "cycle_table", "RecordThresholds",
+    "with_lowpass", "cycle_table", "RecordThresholds", "specimens",
 ]  # fmt: skip

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from dampyr.findings import Finding, Severity, findings_of
+from dampyr.records.checks.certificates import expired_certificates
 from dampyr.records.checks.label_checks import creates_energy, disagreements
 from dampyr.records.checks.overview import Overview, overview
 from dampyr.records.checks.quality import Quality, quality
@@ -125,6 +126,7 @@ def findings_by_kind(record: Record) -> dict[str, tuple[Severity, list[str]]]:
     integrated = [f"displacement {record.provenance['displacement']}"] if is_integrated(record) else []
     doubts = {
         "mark": list(record.marks),
+        "certificate": expired_certificates(record.provenance),
         "label": contradictions[: len(contradictions) - len(energy)],
         **sampling.judged(record.thresholds),
         "undeclared smoothing": _undeclared(smoothing),

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.findings import Finding, findings_of
+from dampyr.input_kinds import INPUTS, NO_INPUT
 from dampyr.origin import DAY, NOT_STATED, Origin, PublishedData, as_origin
 from dampyr.records.checks.channel_uncertainty import ChannelUncertainty
 from dampyr.records.conditioning.moving_average import MovingAverage
@@ -46,8 +47,8 @@ CHANNELS: Mapping[str, str] = MappingProxyType(
 GROUPS: Mapping[str, str] = MappingProxyType({"measurement_session": "session", "specimen": "specimen"})
 """The fields by which records belong together, and how tables call them."""
 
-COMMENTS = (*GROUPS, "origin")
-"""What files of columns hold as text, where it is stated: groups, and the kind of the origin."""
+COMMENTS = (*GROUPS, "origin", "input")
+"""What files of columns hold as text, where it is stated: groups, the kind of the origin, and that there is no input."""
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,9 @@ class Record(Shown):
     voltage, current
         The damper's input at the coil, in V or A: a number, a ``(n,)`` channel or None. At most one of the
         two.
+    no_input
+        True: the damper has no input, as one of friction, oil or rubber. Without it and without a voltage or a current the
+        input is not known, and no fit takes the record.
     temperature
         ``(n,)`` in degC, or None.
     name, role
@@ -137,6 +141,7 @@ class Record(Shown):
     source_file: SourceFile | None = None
     origin: Origin = NOT_STATED
     thresholds: RecordThresholds = USUAL
+    no_input: bool = False
 
     def __post_init__(self) -> None:
         for channel in CHANNELS:
@@ -157,6 +162,10 @@ class Record(Shown):
         _check_values(self)
         if self.voltage is not None and self.current is not None:
             raise InputError("voltage and current are both given; a record has one input, so leave one of them out")
+        if self.no_input and self.input_channel is not None:
+            raise InputError(
+                f"{INPUTS[self.input or 'V']} is given, and no_input says that the damper has none; leave one of them out"
+            )
         if self.role not in ("fit", "validation"):
             raise InputError(f"role = {self.role!r} is not known; choose 'fit' or 'validation'")
 
@@ -181,21 +190,23 @@ class Record(Shown):
         return float(self.time[-1] - self.time[0])
 
     @property
-    def input(self) -> Literal["V", "A"] | None:
-        """The unit of the damper's input: "V", "A", or None when unknown."""
+    def input(self) -> Literal["V", "A", "none"] | None:
+        """The unit of the damper's input: "V", "A", "none" where it has none, or None when unknown."""
         if self.voltage is not None:
             return "V"
-        return "A" if self.current is not None else None
+        if self.current is not None:
+            return "A"
+        return NO_INPUT if self.no_input else None  # type: ignore[return-value]
 
     @property
     def input_value(self) -> float | None:
-        """The mean of the damper's input in V or A, or None when unknown."""
+        """The mean of the damper's input in V or A, or None when it has none or it is unknown."""
         value = self.input_channel
         return None if value is None else float(np.mean(value))
 
     @property
     def input_channel(self) -> float | Array | None:
-        """The damper's input in V or A as the record holds it: a number, a channel (n,), or None when unknown."""
+        """The damper's input in V or A as the record holds it: a number, a channel (n,), or None without one."""
         return self.voltage if self.voltage is not None else self.current
 
     @property
@@ -330,6 +341,7 @@ def commonest_name(records: Iterable[Record]) -> tuple[str, int]:
 def stated(record: Record) -> dict[str, str]:
     """The `COMMENTS` that a record has."""
     held = {name: getattr(record, name) for name in GROUPS} | {"origin": record.origin.kind}
+    held["input"] = NO_INPUT if record.no_input else None
     return {name: text for name, text in held.items() if text not in (None, NOT_STATED.kind)}
 
 

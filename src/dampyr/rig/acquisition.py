@@ -27,10 +27,10 @@ from dampyr.rig.player import Player, player_of
 from dampyr.rig.read_latency import Lateness
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.thermal_model import Warmth
+from dampyr.rig.uno_clock import ClockRatio, UnoClock
 
 Array = NDArray[np.float64]
-AHEAD = 2  # blocks by which the command runs ahead of the reading: one is output while the next is computed
-AHEAD_OF_CLOCK = 5  # the same where the clock does not wait for a busy host: 0.2 s of reserve
+AHEAD = 5  # blocks by which the command runs ahead of the reading: 0.2 s of reserve for a late host and a slow line
 
 WORDS = {
     Fault.HEARTBEAT: "the host was silent for too long",
@@ -40,7 +40,8 @@ WORDS = {
     Fault.STALL: "the motor was driven and nothing moved: is the motor blocked, overloaded or unpowered, or the encoder dead?",
     Fault.FOLLOWING: "the table fell behind its set points: is the motor blocked, or is the drive too fast for its load?",
     Fault.UNDERRUN: "set points came too late",
-    Fault.ENCODER: "the encoder's signals are broken",
+    Fault.ENCODER: "the encoder's signals are broken, or its count leapt farther than any motor moves: look at its wires and "
+    "at how scale and reading head are held, and home the table again",
     Fault.ABORTED: "it was aborted",
     Fault.RESTARTED: "the Uno had started anew; home the table again",
     Fault.INDEX: "the encoder's index was not where homing put it, so counts were lost or the scale has slipped; look at the "
@@ -48,19 +49,28 @@ WORDS = {
     Fault.END: "an end switch opened: the table reached its end, or the switch's wire is broken",
     Fault.EMERGENCY: "the emergency stop was pressed, or its wire is broken",
     Fault.DIRECTION: "the table moved against its motor: are the encoder's lines A and B, or the motor's leads, swapped?",
+    Fault.CURRENT: "the motor's current was above actuator.max_current: is the table blocked, the load too large or a lead "
+    "shorted?",
 }
+UNHOMED_SPEED_WORDS = (
+    "the table was faster than 5 mm/s where it may only be slow (not homed, or outside of its limits): is there play in the "
+    "screw or its mounts that the motor crossed, does the load push the table, or did the encoder leap?"
+)
 
 
-def fault_in_words(faults: Fault) -> str:
-    """The reasons why the Uno stopped, as words."""
-    return " and ".join(words for fault, words in WORDS.items() if fault in faults) or "no reason given"
+def fault_in_words(faults: Fault, slow: bool = False) -> str:
+    """The reasons why the Uno stopped, as words; ``slow``: the table was one that may only move slowly."""
+    words = WORDS | ({Fault.SPEED: UNHOMED_SPEED_WORDS} if slow else {})
+    return " and ".join(words[fault] for fault in WORDS if fault in faults) or "no reason given"
 
 
 def fault_of(status: Status) -> RigFault | None:
     """The fault in which the Uno stands; None where it stands in none."""
     if status.state is not State.FAULT:
         return None
-    return RigFault(f"the Uno stopped the table: {fault_in_words(status.faults)}", "firmware")
+    return RigFault(
+        f"the Uno stopped the table: {fault_in_words(status.faults, not status.homed or status.outside)}", "firmware"
+    )
 
 
 class Acquisition:
@@ -76,11 +86,12 @@ class Acquisition:
         warmth: Warmth,
         threaded: bool,
         watchers: Sequence[Callable[[Samples], None]] = (),
-        clock: Callable[[], float] = time.monotonic,
+        clock: Callable[[], float] | None = time.monotonic,
+        uno_clock: UnoClock | None = None,
     ) -> None:
         self.rig, self.uno, self.board, self.calibration = rig, uno, board, calibration
         self.interlock, self.warmth, self.threaded = interlock, warmth, threaded
-        self.watchers, self.clock = watchers, clock
+        self.watchers, self.clock, self.uno_clock = watchers, clock, uno_clock or UnoClock()
         self._index = interlock.index if interlock is not None else {}  # where the encoder's index is passed
         self.lock = threading.RLock()
         self.player: Player | None = None
@@ -91,7 +102,7 @@ class Acquisition:
         self.status: Status = uno.heartbeat()
         self._command = np.zeros(0)  # coil volts of samples not read yet, for a coil at 20 degC
         self._factors = np.zeros(0)  # by how much more was output, for the coil's warmth
-        self._ahead = rig.block_samples * (AHEAD_OF_CLOCK if threaded else AHEAD)
+        self._ahead = rig.block_samples * AHEAD
         self._timed = False
         self._late = Lateness(rig.board.rate)
         self._over = threading.Event()
@@ -102,6 +113,7 @@ class Acquisition:
         """Start sampling with the coil at 0 V; the board counts from 0, wherever the table stands."""
         self.calibration = replace(self.calibration, middle=0.0)
         self.warmth.restart()
+        self.uno_clock.restart()
         self._command, self._factors = np.zeros(self._ahead), np.ones(self._ahead)
         self.board.start(self.rig.board.rate, self._command)
         self._timed = True
@@ -117,6 +129,11 @@ class Acquisition:
     def index(self) -> dict[int, int]:
         """Where the encoder's index is passed, counts from the middle; see `Interlock`."""
         return dict(self._index)
+
+    @property
+    def clock_ratio(self) -> ClockRatio:
+        """The Uno's clock against the board's, as far as it is known."""
+        return self.uno_clock.ratio
 
     @property
     def queued(self) -> int:
@@ -153,9 +170,11 @@ class Acquisition:
         try:
             volts, counts = self.board.read(n)
             passes = self.board.index_counts()
-            waiting = self._late.of(self._next + n, self.clock()) if self.threaded else 0.0
+            waiting = self._late.of(self._next + n, self.clock()) if self.clock else 0.0
             with self.lock:
-                samples = self._samples(volts, counts, passes, self.uno.heartbeat())
+                status = self.uno.heartbeat()
+                self.uno_clock.take((self._next + n) / self.rig.board.rate + waiting, status.time)
+                samples = self._samples(volts, counts, passes, status)
                 self._judge(samples, waiting)
                 self._feed(samples)
         except RigFault as problem:
@@ -208,6 +227,8 @@ class Acquisition:
         self.warmth.take(samples)
         if fault := fault_of(samples.status):  # the cause; what the interlock sees then may be its consequence
             raise fault
+        if self.uno_clock.fault:
+            raise RigFault(self.uno_clock.fault, "interlock")
         if self.interlock is not None:
             self.interlock.judge(samples, waiting)
             trip = self.interlock.estimate(self.warmth.estimate, float(samples.time[-1]), self.warmth.doubt)
@@ -242,9 +263,11 @@ class Acquisition:
 
     def play(self, drive: Drive) -> Player:
         """Play a drive from the first sample on whose command is not fixed yet."""
+        # Without the lock: a path is interpolated and a kernel compiled, and blocks are read meanwhile.
+        player = player_of(drive, self.rig, self.uno, self.uno_clock)
         with self.lock:
-            self.player = player_of(drive, self.rig, self.uno, self.queued)
-            return self.player
+            player.start, self.player = self.queued, player
+            return player
 
     def end_drive(self) -> None:
         """Nothing is played any more."""

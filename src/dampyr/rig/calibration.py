@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from math import pi
+from math import pi, sqrt
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -79,9 +79,17 @@ class Calibration(Shown):
         return self.slope * volts + self.base
 
     def corrected(self, rig: RigSettings) -> RigSettings:
-        """The settings with what was measured in the place of what was assumed, and its uncertainty."""
+        """The settings with what was measured in the place of what was assumed, and its uncertainty; where nothing was
+        measured, with that of a certificate."""
         cell: dict[str, Any] = {}
         supply: dict[str, Any] = {}
+        encoder: dict[str, Any] = {}
+        if (certified := rig.certificates.standard("load_cell")) is not None:
+            cell["scale_uncertainty"] = certified
+        if (certified := rig.certificates.standard("coil_voltage")) is not None:
+            supply["reading_uncertainty"] = certified
+        if (certified := rig.certificates.standard("encoder")) is not None:
+            encoder["accuracy"] = sqrt(3.0) * certified  # which is a limit
         if self.scale_uncertainty is not None:
             cell["scale_uncertainty"] = self.scale_uncertainty / abs(self.scale)
         if self.zero_uncertainty is not None:
@@ -97,7 +105,12 @@ class Calibration(Shown):
                 supply |= {name: value, f"{name}_uncertainty": (uncertainty or 0.0) / value}
         if self.inductance is not None:
             supply["inductance"] = self.inductance
-        return replace(rig, load_cell=replace(rig.load_cell, **cell), supply=replace(rig.supply, **supply))
+        return replace(
+            rig,
+            load_cell=replace(rig.load_cell, **cell),
+            supply=replace(rig.supply, **supply),
+            encoder=replace(rig.encoder, **encoder),
+        )
 
     def zeroed(self, volts: float) -> Calibration:
         """The same with these volts at no force."""

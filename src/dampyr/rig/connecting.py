@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from dampyr.errors import InputError
-from dampyr.rig.calibration import load_calibration
+from dampyr.rig.calibration import calibration_of, load_calibration
 from dampyr.rig.instruments.catalogue import with_absolute_folders
 from dampyr.rig.loop_process import LoopProcess, remote_rig
 from dampyr.rig.session import Rig
@@ -86,7 +86,7 @@ def simulated(
     ...     table.go(0.0)
     ...     samples = sum(block.force.size for block, _ in table.play(still))
     >>> samples
-    600
+    760
     """
     rig, folder = _load(settings)
     fault_specs = tuple(FaultSpec.parse(fault) if isinstance(fault, str) else fault for fault in faults)
@@ -107,6 +107,7 @@ def simulated(
         threaded=False,
         folder=folder,
         clocked_by_reads=True,
+        clock=lambda: simulator.time,
         on_close=[simulator.close],
         damper_persists=False,
         simulated=True,
@@ -142,7 +143,7 @@ def _in_real_time(rig: RigSettings, folder: Path | None, simulation: Simulation 
 def _calibrated(rig: RigSettings, folder: Path | None) -> RigSettings:
     """The settings with the calibration that lies beside them: an instrument that is opened takes its ranges from these."""
     calibration = load_calibration(folder) if folder else None
-    return rig if calibration is None else calibration.corrected(rig)
+    return (calibration or calibration_of(rig)).corrected(rig)
 
 
 def _load(settings: RigSettings | str | Path | None) -> tuple[RigSettings, Path | None]:

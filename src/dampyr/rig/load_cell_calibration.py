@@ -20,12 +20,12 @@ from dampyr.rig.calibration import Array, doubt, save_calibration, shunt_point, 
 from dampyr.rig.coil_calibration import Coil, measure_coil
 from dampyr.rig.interlock import RAIL
 from dampyr.rig.session import Rig
+from dampyr.rig.shunt import SHUNT_UNCERTAINTY
 from dampyr.units import STANDARD_GRAVITY, parse
 
 PARTS = 10  # of a reading, from whose means the uncertainty of the whole is taken
 LOAD_UNCERTAINTY = 1.0e-3  # of a load: a weight of class M3 or a scale of a laboratory, or better
 GRAVITY_UNCERTAINTY = 1.5e-3  # of a mass: the local gravity is between 9.780 and 9.832 m/s2
-SHUNT_UNCERTAINTY = 5.0e-3  # of a shunt: resistor, bridge and sensitivity as their makers state them
 AMPLIFIER_RATE = 20000.0  # Hz: a step through 1 kHz takes eight samples to get to 90 %
 FASTEST_READING = 200000.0  # Hz of all inputs together: a PCI-6221 reads 250,000 a second
 FAST_BLOCK = 0.1  # s

@@ -13,6 +13,7 @@ from dampyr.rig.drive import Drive
 from dampyr.rig.firmware.protocol import Status
 from dampyr.rig.interlock import Samples
 from dampyr.rig.player import Player
+from dampyr.rig.uno_clock import ClockRatio
 
 SETTLED = 0.3  # s in which a table that decelerates is at rest
 SILENT = 30.0  # s without a block, after which none will come: the board itself gives an error within two
@@ -37,6 +38,10 @@ class Loop(Protocol):
     @property
     def next(self) -> int:
         """The next sample that will be read."""
+
+    @property
+    def clock_ratio(self) -> ClockRatio:
+        """The Uno's clock against the board's, as far as it is known."""
 
     @property
     def index(self) -> Mapping[int, int]:

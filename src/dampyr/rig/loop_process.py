@@ -33,6 +33,7 @@ from dampyr.rig.player import Player
 from dampyr.rig.session import Rig
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation.instrument_ends import Simulation
+from dampyr.rig.uno_clock import ClockRatio
 
 START = 60.0  # s that the process may take to import what it needs, and to connect, on a busy machine
 COMPILED = 600.0  # s in which a simulated rig is compiled on a slow machine, the first time
@@ -181,6 +182,7 @@ class RemoteLoop:
         self.lock = threading.RLock()
         self.player: Player | None = None
         self.stopped: RigFault | None = None
+        self.clock_ratio = ClockRatio()
         self.waiting = WaitingBlocks(rig.settings.board.block, self.halt)
         self.status: Status = link.ask("acquire", rig.calibration, rig.interlocked, rig.warmth.state)
         link.on_block = self._take
@@ -195,6 +197,7 @@ class RemoteLoop:
             return
         samples = message.samples
         self.status, self.rig.warmth.state, self.link.held = samples.status, message.warmth, message.held
+        self.clock_ratio = message.clock_ratio
         with self.lock:
             self.calibration = message.calibration
             if self.player is not None and self.player.start == message.finished:

@@ -31,6 +31,7 @@ from dampyr.rig.settings import RigSettings
 from dampyr.rig.simulation.instrument_ends import Simulation, simulate_instruments
 from dampyr.rig.simulation.real_time import RealTimeSimulator
 from dampyr.rig.thermal_model import Warmth, WarmthState
+from dampyr.rig.uno_clock import ClockRatio, UnoClock
 
 Opener = Callable[[RigSettings], tuple[Any, Any]]
 Clock = Callable[[], float]
@@ -39,13 +40,15 @@ ANSWERING = 4  # threads: an abort does not wait behind what another thread of t
 
 @dataclass(frozen=True)
 class SentBlock:
-    """A block as it goes to the host, with the calibration that it was made with and the damper's warmth after it; ``finished``
-    is the first sample of a drive that has been played to its end, ``held`` s for which a simulated clock was held back.
+    """A block as it goes to the host, with the calibration that it was made with, and the damper's warmth and the ratio of the
+    Uno's clock to the board's after it; ``finished`` is the first sample of a drive that has been played to its end, ``held`` s
+    for which a simulated clock was held back.
     """
 
     samples: Samples
     calibration: Calibration
     warmth: WarmthState
+    clock_ratio: ClockRatio
     finished: int | None
     held: float
 
@@ -66,6 +69,7 @@ class LoopServer:
         self.rig: RigSettings | None = None
         self.uno: Any = None
         self.index: dict[int, int] = {}
+        self.uno_clock = UnoClock()
         self.board: Any = None
         self.simulator: RealTimeSimulator | None = None
         self.release_gc: Callable[[], None] = lambda: None
@@ -129,7 +133,8 @@ class LoopServer:
         interlock = Interlock(self.rig, index=self.index) if interlocked else None
         warmth = Warmth(self.rig, self.rig.specimen.room)
         warmth.state = warm
-        self.loop = Acquisition(self.rig, self.uno, self.board, calibration, interlock, warmth, True, (), self.clock)
+        parts = (calibration, interlock, warmth)
+        self.loop = Acquisition(self.rig, self.uno, self.board, *parts, True, (), self.clock, self.uno_clock)
         threading.Thread(target=self._send, args=(self.loop,), name="send", daemon=True).start()
         return self.loop.status
 
@@ -146,7 +151,9 @@ class LoopServer:
                 player = loop.player
                 finished = player.start if player is not None and player.finished else None
                 held = 0.0 if self.simulator is None else self.simulator.held
-                self.blocks.send(SentBlock(block, loop.calibration, loop.warmth.state, finished, held))
+                self.blocks.send(
+                    SentBlock(block, loop.calibration, loop.warmth.state, loop.clock_ratio, finished, held)
+                )
 
     def do_play(self, drive: Drive) -> int:
         """Play a drive; the sample with which it begins."""
@@ -195,5 +202,7 @@ def serve_rig(questions: Connection, blocks: Connection) -> None:
     for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # these are for the host, which asks for what it wants
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
+    import scipy.interpolate  # noqa: F401  # what a path needs: later, between two blocks, the Uno would find its host silent
+
     raise_priority()
     LoopServer(questions, blocks).serve()

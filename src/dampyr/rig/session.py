@@ -21,6 +21,7 @@ from dampyr.errors import DampyrWarning, FileError, InputError, RigFault
 from dampyr.origin import SIMULATED, Origin, of_board
 from dampyr.rig.acquisition import Acquisition, fault_in_words
 from dampyr.rig.calibration import Calibration, calibration_of, load_calibration
+from dampyr.rig.cell_noise import least_noise
 from dampyr.rig.damper_temperature import load_temperature, save_temperature
 from dampyr.rig.drive import Drive
 from dampyr.rig.firmware.control_core import SLOW
@@ -32,8 +33,11 @@ from dampyr.rig.interlock import Interlock, Samples
 from dampyr.rig.loop import SETTLED, Loop
 from dampyr.rig.player import Player
 from dampyr.rig.settings import RigSettings
+from dampyr.rig.shunt import READ, ShuntStep, step_of, switch_shunt
+from dampyr.rig.shunt import SETTLED as SHUNT_SETTLED
 from dampyr.rig.signal_deferral import deferred_signals
 from dampyr.rig.thermal_model import Warmth
+from dampyr.rig.uno_clock import KNOWN, UnoClock
 from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
@@ -42,6 +46,7 @@ ARRIVED = 5e-4  # m: from there on a drive's first step is one that the table fo
 STANDING = 2e-4  # m by which a table that has arrived may be off
 QUICK = 0.2  # s of work during which the board's buffer is enough
 HOMING = 240.0  # s that the search for the index may take: to and fro over a stroke at 2 mm/s
+COMPARING = 120  # s that the comparison of the clocks may take: with a latency of 1 to 16 ms it takes 20 to 30
 BACK = 0.4  # s of a jog on the way back from outside of the limits, renewed before its 0.5 s are over
 OVERSHOOT = (
     1e-4  # m before the ends of the travel, to which the table goes: it stops a few counts of 5 um beyond its place
@@ -60,7 +65,16 @@ def local_loop(rig: Rig) -> Acquisition:
     assert rig.calibration is not None
     guard = Interlock(rig.settings, index=rig.index) if rig.interlocked else None
     return Acquisition(
-        rig.settings, rig.uno, rig.board, rig.calibration, guard, rig.warmth, rig.threaded, rig.watchers, rig.clock
+        rig.settings,
+        rig.uno,
+        rig.board,
+        rig.calibration,
+        guard,
+        rig.warmth,
+        rig.threaded,
+        rig.watchers,
+        rig.clock if rig.threaded or rig.clocked_by_reads else None,
+        rig.uno_clock,
     )
 
 
@@ -69,7 +83,7 @@ class Rig(Shown):
     """A rig that is connected and not armed; see `dampyr.rig.connect` and `dampyr.rig.simulated`.
 
     ``clocked_by_reads``: its time passes only while it is read, as that of a rig simulated in this process.
-    ``clock``: the host's monotonic time [s], by which late readings are noticed.
+    ``clock``: the host's monotonic time [s], by which late readings are noticed; where ``clocked_by_reads`` that of the rig.
     ``make_loop`` makes the loop that reads it once it is armed.
     ``held``: s for which the clock of a simulated rig in real time was held back so far.
     ``damper_persists``: the damper is as warm as the last host left it; that of a simulated rig is a new one.
@@ -95,6 +109,8 @@ class Rig(Shown):
     held: Callable[[], float] = lambda: 0.0
     simulated: bool = False
     warmth: Warmth = field(init=False)
+    uno_clock: UnoClock = field(init=False, default_factory=UnoClock)
+    """What is known of the Uno's clock, where this process reads the rig."""
     was_armed: bool = field(init=False, default=False)
     """Whether it has been armed since it was connected: before, nothing has moved."""
     index: dict[int, int] = field(init=False, default_factory=dict)
@@ -180,7 +196,8 @@ class Rig(Shown):
             status = self.uno.heartbeat()
         if status.state is State.FAULT:
             if not self._taken_over and status.faults & ~(Fault.RESTARTED | Fault.ABORTED):
-                stopped = f"the Uno had stopped by itself before this host came: {fault_in_words(status.faults)}"
+                words = fault_in_words(status.faults, not status.homed or status.outside)
+                stopped = f"the Uno had stopped by itself before this host came: {words}"
                 warnings.warn(stopped, DampyrWarning, stacklevel=4)
             self.uno.clear()
         self._taken_over = True
@@ -314,10 +331,20 @@ class ArmedRig(Shown):
         steps = (self.loop.cut, self._stop, self.loop.end, self.loop.settle, self._disarm_uno, self._stop_board)
         self.zero: list[float] = []
         """The force [N] about which the damper's hysteresis lay, each time that `verify` has looked."""
+        self.place = 0.0
+        """Where it looked the last time [m]."""
+        self.height: list[float] = []
+        """Half of what the forces of the two ways were apart [N], each of those times."""
+        self.noise: list[float] = []
+        """The load cell's noise [V rms] from sample to sample, each of those times (`dampyr.rig.cell_noise`)."""
+        self.shunts: list[ShuntStep] = []
+        """The step of the shunt across the load cell's bridge, where one is wired, each of those times."""
         self._way_out: deque[Callable[[], None]] = deque(steps)
 
     def begin(self) -> None:
         """Start sampling and arm; the board and the Uno are aligned where the table rests."""
+        if self.rig.settings.wires.shunt:
+            switch_shunt(self.rig.board, False)  # another host may have been killed while it was on
         self.loop.begin()
         self.ask_uno(self.rig.uno.heartbeat, self.rig.uno.arm)
         for samples in self._blocks_for(SETTLED):  # without the lock: the thread that reads needs it for a block
@@ -447,11 +474,13 @@ class ArmedRig(Shown):
 
     def verify(self) -> None:
         """Pass the encoder's index as `verify_index` does, and append to `zero` the force [N] about which the damper's
-        hysteresis lies, with the coil at 0 V.
+        hysteresis lies, and to `height` half of the hysteresis itself, with the coil at 0 V.
 
-        It is the mean of the forces on a slow way down and up again over the same place, (F- + F+)/2: friction and damping
-        cancel, and what is left, the zero of the load cell and the static force there, changes with neither. Nothing where
-        the table is not homed.
+        The former is the mean of the forces on a slow way down and up again over the same place, (F- + F+)/2: friction and
+        damping cancel, and what is left, the zero of the load cell and the static force there, changes with neither. The
+        latter, (F+ - F-)/2, is friction and damping alone: it changes with the gain of the load cell's chain, and with no
+        zero. Where a shunt is wired (``wires.shunt``), it is switched in and out then, and its step appended to `shunts`.
+        Nothing where the table is not homed.
         """
         if not self.homed:
             return
@@ -461,16 +490,39 @@ class ArmedRig(Shown):
             self.verify_index()
             place, passes = 0.0, -1
         self.go(place + ZERO_SIDE)
-        means = []
+        means, readings = [], []
         for way in (-1.0, 1.0):
             samples = list(self._move_slowly(place + way * ZERO_SIDE))
+            readings += [block.volts[0] for block in samples]
             x = np.concatenate([block.displacement for block in samples])
             force = np.concatenate([block.force for block in samples])
             # Only the middle half of the way: there the hysteresis has saturated, and the table moves at its full speed.
             means.append(float(np.mean(force[np.abs(x - place) < 0.5 * ZERO_SIDE])))
         if self.loop.status.index_passes == passes:
             raise RigFault(INDEX_GONE, "check")
+        self.place = place
         self.zero.append(0.5 * sum(means))
+        self.height.append(0.5 * (means[1] - means[0]))
+        self.noise.append(least_noise(np.concatenate(readings), self.rig.settings.board.rate, self.rig.settings.step))
+
+        if self.rig.settings.wires.shunt:
+            self.shunts.append(self.shunt_step())
+
+    def shunt_step(self) -> ShuntStep:
+        """Switch the shunt across the load cell's bridge in and out again, at rest: the step of the force."""
+        board, settle = self.rig.board, partial(self._force_at_rest, SHUNT_SETTLED)
+        before = self._force_at_rest(READ)
+        try:
+            switch_shunt(board, True)
+            after = np.concatenate([settle(), self._force_at_rest(READ)])
+        finally:
+            switch_shunt(board, False)
+        settle()
+        return step_of(before, after, self.rig.settings.board.rate)
+
+    def _force_at_rest(self, seconds: float) -> Array:
+        """The force of so many seconds from now on [N]."""
+        return np.concatenate([samples.force for samples in self._blocks_for(seconds)])
 
     def _align(self) -> None:
         """Align the board's counts with the Uno's, at rest: in a block in which the table moves, they are read at
@@ -498,6 +550,21 @@ class ArmedRig(Shown):
         """Keep reading for ``seconds``."""
         for _ in self._blocks_for(seconds):
             pass
+
+    def compare_clocks(self) -> None:
+        """Keep reading until the Uno's clock is known well enough against the board's for a path that is learned or computed.
+
+        :class:`RigFault` where it is not after a minute: the line's latency is too uneven then.
+        """
+        for _ in range(COMPARING):
+            if self.loop.clock_ratio.known:
+                return
+            self.rest(1.0)
+        raise RigFault(
+            f"{self.loop.clock_ratio} after {COMPARING} s, and a drive that is learned or computed needs "
+            f"{1e6 * KNOWN:.0f} ppm; look at the Uno's serial line and at what else this machine does",
+            "check",
+        )
 
     def meanwhile(self, work: Callable[[], object]) -> None:
         """Do slow work, such as finishing a long record, and keep reading: a rig whose host is silent stops.

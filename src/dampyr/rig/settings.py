@@ -13,6 +13,7 @@ from typing import Annotated, Any
 
 from dampyr.config import fill, load_toml
 from dampyr.errors import FileError, InputError
+from dampyr.records.checks.certificates import Certificates
 from dampyr.records.record import as_group
 from dampyr.shown import Shown
 from dampyr.units import Quantity
@@ -21,6 +22,8 @@ FILTERS = (
     6.425e-6,
     125e-9,
 )  # s, of an M Series board, the longer one first; its third, 2.55 ms, is longer than any edge
+FULL_DUTY = 255  # of the Uno's PWM
+UNO_REFERENCE, UNO_STEPS = 5.0, 1023  # V at which the Uno's converter is full, and what it shows then
 GAIN_MARGIN = 1.25  # of the highest command: more than a gain that was assumed is wrong by
 FILTERS_IN_EDGES = 3.0  # filters between two edges of the encoder at limits.speed: its edges are not evenly spaced
 Metre = Quantity("m", low=0.0)
@@ -55,8 +58,17 @@ class Wires:
     index: Annotated[str, "counter and input that latch the position at the encoder's index; empty without"] = (
         "ctr1/PFI9"
     )
+    shunt: Annotated[
+        str, "digital output of a relay that puts a shunt across the load cell's bridge; empty without one"
+    ] = ""
     end_switches: Annotated[bool, "whether both end switches are wired to the Uno; the original rig had none"] = False
     emergency_stop: Annotated[bool, "whether an emergency stop is wired to the Uno; the original rig had none"] = False
+    direction_pin: Annotated[
+        bool, "whether the bridge takes one PWM and a direction, for which the firmware is built with DIRECTION_PIN=1"
+    ] = False
+    bridge_current: Annotated[
+        bool, "whether the bridge's two current outputs (R_IS, L_IS) are wired to A0 and A1 of the Uno"
+    ] = False
 
 
 @dataclass(frozen=True)
@@ -70,6 +82,39 @@ class Actuator:
     lag: Annotated[float, Time, "assumed: the motor's time constant with the screw's inertia"] = 0.025
     dead_band: Annotated[float, Quantity("", low=0.0, high=0.9), "assumed: duty that only overcomes friction"] = 0.06
     backlash: Annotated[float, Metre, "assumed: no more than the encoder sees"] = 5.0e-6
+    max_duty: Annotated[
+        float,
+        Quantity("", low=0.1, high=1.0),
+        "the original ran at full PWM; a bridge with bootstrap drivers cannot hold it: 0.98 there",
+    ] = 1.0
+    max_slew: Annotated[
+        float,
+        Quantity("1/s", low=4.0, high=1000.0),
+        "of the duty; 1000: from rest to full within a millisecond, from full ahead to full astern within two",
+    ] = 1000.0
+    max_current: Annotated[
+        float,
+        Quantity("A", low=0.0, open_low=True),
+        "where wires.bridge_current: above it for 20 ms the Uno stops; assumed: half as much again as at full load",
+    ] = 20.0
+    full_load_current: Annotated[float, Quantity("A", low=0.0, open_low=True), "Table A.2: at max_load"] = 13.2
+    no_load_current: Annotated[float, Quantity("A", low=0.0), "Table A.2"] = 2.4
+    current_scale: Annotated[
+        float,
+        Quantity("A/V", low=0.0, open_low=True),
+        "assumed, where wired: amperes per volt at the Uno's input; 8500 of the BTS 7960's data sheet and 1 kohm",
+    ] = 8.5
+
+    @property
+    def duty_steps(self) -> int:
+        """`max_duty` in the Uno's whole numbers, of 255."""
+        return max(1, int(self.max_duty * FULL_DUTY + 1e-9))
+
+    @property
+    def top_speed(self) -> float:
+        """m/s of the unloaded actuator at `max_duty`; `free_speed` is that at full duty."""
+        share = self.duty_steps / FULL_DUTY
+        return self.free_speed * max(0.0, share - self.dead_band) / (1.0 - self.dead_band)
 
 
 @dataclass(frozen=True)
@@ -99,6 +144,16 @@ class LoadCell:
     safe: Annotated[float, Quantity("", low=1.0), "Table A.4: 150 % of the capacity"] = 1.5
     sensitivity: Annotated[float, Quantity("V/V", low=0.0, open_low=True), "Table A.4: 1.955 mV/V"] = 1.955e-3
     bridge: Annotated[float, Quantity("ohm", low=0.0, open_low=True), "assumed: the usual full bridge"] = 350.0
+    shunt: Annotated[
+        float,
+        Quantity("ohm", low=0.0, open_low=True),
+        "assumed, where wired: the resistor that the relay of wires.shunt puts across an arm of the bridge, as 562 N would",
+    ] = 390.0e3
+    mass: Annotated[
+        float,
+        Quantity("kg", low=0.0, high=1000.0),
+        "what hangs between the cell and the damper and moves with the table; its inertia is taken off the force",
+    ] = 0.0
     scale: Annotated[float, Quantity("N/V", low=0.0, open_low=True), "measured: steps of 0.187 N of 16 bit"] = 613.0
     zero: Annotated[float, Quantity("V", low=-10.0, high=10.0), "to be measured: `dampyr calibrate`"] = 0.0
     bandwidth: Annotated[float, Quantity("Hz", low=0.0, open_low=True), "assumed: the amplifier's filter"] = 1000.0
@@ -200,13 +255,46 @@ class BoardSettings:
 
 
 @dataclass(frozen=True)
+class UnoSettings:
+    """The Uno's clock and its line, as the simulated rig has them; those of a real one are measured while it is read."""
+
+    clock_ppm: Annotated[
+        float,
+        Quantity("ppm", low=-2e4, high=2e4),
+        "simulated: by which a cold Uno's clock is slower than the board's; a resonator may be 5000 off",
+    ] = 1500.0
+    clock_drift: Annotated[
+        float,
+        Quantity("ppm/K"),
+        "simulated: slower by so much when warmer; measured on one: forum.arduino.cc, topic 69316",
+    ] = 10.0
+    warming: Annotated[
+        float, Quantity("K", low=0.0), "simulated: by which it warms after it was switched on; assumed"
+    ] = 5.0
+    warming_time: Annotated[float, Time, "simulated: time constant of that; assumed"] = 300.0
+    shortest_latency: Annotated[float, Second, "simulated: of a request and its reply together, at least; assumed"] = (
+        0.001
+    )
+    longest_latency: Annotated[
+        float, Second, "simulated: at most, uneven; a serial adapter hands over what has come every 16 ms"
+    ] = 0.016
+
+    def __post_init__(self) -> None:
+        if self.longest_latency < self.shortest_latency:
+            raise InputError(
+                f"uno.longest_latency = {self.longest_latency * 1e3:g} ms is less than "
+                f"uno.shortest_latency = {self.shortest_latency * 1e3:g} ms; give at least as much"
+            )
+
+
+@dataclass(frozen=True)
 class Limits:
     """The limits of every test: the limits of all three safety layers."""
 
     stroke: Annotated[float, Length, "Table A.1: peak to peak, about the middle"] = 0.074
     braking: Annotated[
-        float, Metre, "measured, simulated: the path of braking, by which travel ends before stroke does"
-    ] = 0.0005
+        float, Metre, "measured, simulated: the path of braking from 73 mm/s, by which travel ends before stroke does"
+    ] = 0.0006
     force: Annotated[float, Force, "Table A.2: the least of actuator, load cell and damper"] = 4500.0
     speed: Annotated[float, Speed, "assumed: half as much again as the actuator's free speed"] = 0.120
     temperature: Annotated[float, Quantity("degC"), "Table A.1"] = 71.0
@@ -227,7 +315,9 @@ class RigSettings(Shown):
     supply: Supply = field(default_factory=Supply)
     specimen: SpecimenSettings = field(default_factory=SpecimenSettings)
     board: BoardSettings = field(default_factory=BoardSettings)
+    uno: UnoSettings = field(default_factory=UnoSettings)
     limits: Limits = field(default_factory=Limits)
+    certificates: Certificates = field(default_factory=Certificates)
 
     def __post_init__(self) -> None:
         check(self)
@@ -250,6 +340,17 @@ class RigSettings(Shown):
         """V that the supply may be commanded, lowest and highest: 0 to supply.max_voltage at the coil and a quarter more, since
         a gain that is calibrated may be lower than the one of the settings; within the board's range."""
         return 0.0, min(GAIN_MARGIN * self.supply.max_voltage / self.supply.gain, self.board.range)
+
+    @property
+    def max_current_steps(self) -> int:
+        """`actuator.max_current` in steps of the Uno's converter; 0 where the bridge's current outputs are not wired."""
+        if not self.wires.bridge_current:
+            return 0
+        return int(self.actuator.max_current / self.actuator.current_scale / UNO_REFERENCE * UNO_STEPS)
+
+    def motor_current(self, steps: int) -> float:
+        """A of the motor at a reading of the Uno's converter."""
+        return steps / UNO_STEPS * UNO_REFERENCE * self.actuator.current_scale
 
     @property
     def force_delay(self) -> float:
@@ -305,6 +406,23 @@ def check(rig: RigSettings) -> None:
         least = min(rig.encoder.range, rig.actuator.stroke)
         raise InputError(
             f"limits.stroke = {limits.stroke * 1e3:g} mm is longer than the parts allow; give at most {least * 1e3:g} mm"
+        )
+    actuator, range_ = rig.actuator, UNO_REFERENCE * rig.actuator.current_scale
+    if actuator.top_speed <= 0.0:
+        raise InputError(
+            f"actuator.max_duty = {actuator.max_duty:g} moves nothing: the first {actuator.dead_band:g} only overcomes "
+            "friction (actuator.dead_band); give more"
+        )
+    if actuator.no_load_current >= actuator.full_load_current:
+        raise InputError(
+            f"actuator.no_load_current = {actuator.no_load_current:g} A is not less than actuator.full_load_current = "
+            f"{actuator.full_load_current:g} A; give the motor's currents without load and at max_load"
+        )
+    if rig.wires.bridge_current and not 1 <= rig.max_current_steps < UNO_STEPS:
+        raise InputError(
+            f"actuator.max_current = {actuator.max_current:g} A is outside of what the Uno reads of the bridge, "
+            f"{range_ / UNO_STEPS:.2g} to {range_:.4g} A at actuator.current_scale = {actuator.current_scale:g} A/V; lower it, "
+            "or give the bridge's outputs smaller resistors"
         )
     if rig.travel <= 0.0:
         raise InputError(

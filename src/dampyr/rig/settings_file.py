@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from dataclasses import fields, is_dataclass
+from datetime import date
 from pathlib import Path
 from typing import Any, get_type_hints
 
@@ -29,13 +31,22 @@ def write_settings(settings: RigSettings, path: str | Path) -> Path:
             for key, hint in get_type_hints(cls, include_extras=True).items():
                 quantity = split(hint)[1]
                 remark = "; ".join(filter(None, (quantity.unit if quantity else "", origin(hint))))
-                lines.append(f"{key} = {_toml(getattr(value, key))}{f'  # {remark}' if remark else ''}\n")
+                item = getattr(value, key)
+                if item is None:
+                    lines.append(f"# {key} = {{ date = 2026-03-01, expires = 2027-03-01 }}  # {remark}\n")
+                else:
+                    lines.append(f"{key} = {_toml(item)}{f'  # {remark}' if remark else ''}\n")
     write_whole(path, HEAD + "".join(lines))
     return path
 
 
 def _toml(value: Any) -> str:
     """A value as TOML writes it; a float keeps every bit."""
+    if is_dataclass(value):
+        held = ((field.name, getattr(value, field.name)) for field in fields(value))
+        return f"{{ {', '.join(f'{name} = {_toml(item)}' for name, item in held if item is not None)} }}"
+    if isinstance(value, date):
+        return value.isoformat()
     if isinstance(value, bool):
         return "true" if value else "false"
     return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)

@@ -19,30 +19,46 @@ from numpy.typing import NDArray
 from dampyr.models.numerics.differentiation import differentiate
 from dampyr.rig.interlock import Samples
 from dampyr.rig.settings import RigSettings
+from dampyr.rig.shunt import SHUNT_UNCERTAINTY, ShuntStep, expected_step
 from dampyr.rig.thermal_model import COLD, COPPER, THERMOCOUPLE
 
 Array = NDArray[np.float64]
 UNSEEN_COUNTS = 2.0  # that the board and the Uno may differ by at rest, where no index shows them
+STRETCH = 0.2  # s: a count in it is a speed of 25 um/s
 UNSEEN_DRIFT = 10.0  # N by which the force's zero may have moved where it was not looked at
 WARMING = 0.3  # of the warming that the thermal model gives: its heat capacity and cooling are assumed
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """What was seen in a test: counts that were lost, None where no index shows them; and the shift [N] of the force's zero
-    before and after the test against the first look, None where it was not looked at; the damper's temperature [degC] after
-    the test, how much that is above the room's, and how much it rose in the test; the s by which a change of the voltage
-    may be late, as of a supply without the samples' clock; and the K by which the thermocouple is above the estimate, with what
-    seems to be wrong with it (`dampyr.rig.thermal_model.Warmth`)."""
+    """What a test has shown of its own measurement. "First", "before" and "after" are the slow passes (`ArmedRig.verify`)."""
 
     lost_counts: float | None = None
+    """Counts of the encoder that were lost; None where no index shows them."""
     zero_shift: tuple[float, float] | None = None
+    """N by which the force's zero, before and after, is off the first; None where it was not looked at."""
+    first_mean: float = 0.0
+    """N, the mean force of the first pass."""
+    expected_mean: float | None = None
+    """N, what the damper's card promises of it; None without a card."""
+    heights: tuple[float, float, float] | None = None
+    """N, half of the damper's hysteresis: first, before and after."""
+    noise: float = math.nan
+    """V rms, the load cell's noise from sample to sample on the first pass; NaN where it tells nothing."""
+    shunts: tuple[ShuntStep, ...] = ()
+    """Steps of the shunt across the load cell's bridge: first, before and after; none without one."""
     temperature: float = COLD
+    """degC of the damper after the test."""
     warming: float = 0.0
+    """K by which that is above the room's."""
     rise: float = 0.0
+    """K by which it rose in the test."""
     command_delay: float = 0.0
+    """s by which a change of the voltage may be late, as of a supply without the samples' clock."""
     parted: float = 0.0
+    """K by which the thermocouple is above the estimate (`dampyr.rig.thermal_model.Warmth`)."""
     doubt: str = ""
+    """What seems to be wrong with the thermocouple."""
 
 
 class LostCounts:
@@ -75,12 +91,15 @@ class Sizes:
 
     def __init__(self, bandwidth: float, late: int = 0) -> None:
         self.bandwidth, self.late, self.force, self.voltage = bandwidth, late, 0.0, 0.0
-        self._n, self._sum, self._changes, self._path, self._time = 0, 0.0, 0.0, 0.0, 0.0
+        self._n, self._sum, self._changes = 0, 0.0, 0.0
+        self.speeds: list[float] = []
+        """The mean speed of each stretch of `STRETCH` in which the table moves, m/s."""
 
     def add(self, time: Array, displacement: Array, force: Array, voltage: Array | float) -> None:
         """A piece, (n,) SI each."""
-        self._path += float(np.sum(np.abs(np.diff(displacement))))
-        self._time += float(time[-1] - time[0])
+        n = max(1, round(STRETCH * (len(time) - 1) / float(time[-1] - time[0])))
+        moved = np.abs(displacement[n::n] - displacement[:-n:n])
+        self.speeds += (moved[moved > 0.0] / STRETCH).tolist()
         self._n += len(time)
         self._sum += float(np.sum(differentiate(time, force, self.bandwidth) ** 2))
         if self.late and np.ndim(voltage):
@@ -92,11 +111,6 @@ class Sizes:
     def rate(self) -> float:
         """The root of the mean square of the force's rate, N/s: its peaks are those of a few samples at reversals."""
         return math.sqrt(self._sum / max(1, self._n))
-
-    @property
-    def speed(self) -> float:
-        """The mean speed, m/s."""
-        return self._path / self._time if self._time else 0.0
 
     @property
     def change(self) -> float:
@@ -117,13 +131,14 @@ def budget(
     parts = {
         "time": {"clock": rig.board.clock_accuracy * duration / math.sqrt(3.0)},
         "displacement": _displacement(rig, evidence),
-        "velocity": {"resolution of the encoder": _velocity_noise(rig, sizes.speed)},
+        "velocity": {"resolution of the encoder": _counting_noise(rig, np.array(sizes.speeds), 1)},
         "force": _force(rig, evidence, sizes),
         "voltage": _voltage(rig, evidence, sizes),
     }
     if "temperature" in rig.inputs:
+        certified = rig.certificates.standard("thermocouple")
         parts["temperature"] = {
-            "thermocouple": THERMOCOUPLE,
+            "thermocouple": THERMOCOUPLE if certified is None else certified,
             "distance from the estimate": abs(evidence.parted) / math.sqrt(3.0),
         }
     return parts
@@ -139,22 +154,32 @@ def _displacement(rig: RigSettings, evidence: Evidence) -> dict[str, float]:
     }
 
 
-def _velocity_noise(rig: RigSettings, speed: float) -> float:
-    r""":math:`\sigma_v^2 = \sigma_x^2 \frac{2}{f_e} \int_0^{\infty} (2 \pi f)^2 |G(f)|^2 \mathrm{d}f` of counting noise, with
-    the gain of `dampyr.models.numerics.differentiation`.
+def _counting_noise(rig: RigSettings, speeds: Array, order: int) -> float:
+    r"""The noise of counting in the velocity [m/s rms], or at ``order`` 2 in the acceleration [m/s2 rms], with the
+    response H(f) of `dampyr.models.numerics.differentiation` at the record's bandwidth,
+    for a table that goes at ``speeds`` [m/s] in turn.
 
-    The noise is new with each count, not with each sample: it is white up to :math:`f_e/2`, where f_e is the sampling rate, or
-    a quarter of the counts per second where these are fewer, for even motion beats with the sampling; twice the bandwidth at
-    least.
+    At an even speed the reading is a sawtooth of a count q about the position, at the counts per second less the next multiple
+    of the sampling rate, :math:`f_b`: where the two beat slowly, all of it is within the bandwidth,
+    :math:`\sigma_v^2 = \sum_k \frac{q^2}{2 \pi^2 k^2} |H(k f_b)|^2`. It is no less than that of noise which is new with each
+    sample, :math:`\frac{q^2}{12} \int |H|^2`, for no motion is quite even.
     """
-    rate, bandwidth = rig.board.rate, rig.board.velocity_bandwidth
-    time = np.arange(round(20.0 / bandwidth * rate)) / rate
+    rate, count = rig.board.rate, rig.encoder.count
+    time = np.arange(round(20.0 / rig.board.velocity_bandwidth * rate)) / rate
     impulse = np.zeros(len(time))
     impulse[len(time) // 2] = 1.0
-    response = differentiate(time, impulse, bandwidth)
-    independent = min(rate, max(0.25 * speed / rig.encoder.count, 2.0 * bandwidth))
-    white = float(np.sqrt(np.sum(response**2)))
-    return rig.encoder.count / math.sqrt(12.0) * white * math.sqrt(rate / independent)
+    response = impulse
+    for _ in range(order):
+        response = differentiate(time, response, rig.board.velocity_bandwidth)
+    white = count**2 / 12.0 * float(np.sum(response**2))
+    if not speeds.size:
+        return math.sqrt(white)
+    known, gain = np.fft.rfftfreq(8 * len(time), 1.0 / rate), np.abs(np.fft.rfft(response, 8 * len(time)))
+    beat = speeds / count - rate * np.round(speeds / count / rate)
+    harmonics = np.arange(1, 65)[:, None]
+    at = harmonics * np.abs(beat)
+    sizes = np.where(at < 0.5 * rate, np.interp(at, known, gain), 0.0) * count / (math.pi * harmonics)
+    return math.sqrt(float(np.mean(np.maximum(0.5 * np.sum(sizes**2, axis=0), white))))
 
 
 def _force(rig: RigSettings, evidence: Evidence, sizes: Sizes) -> dict[str, float]:
@@ -168,11 +193,23 @@ def _force(rig: RigSettings, evidence: Evidence, sizes: Sizes) -> dict[str, floa
         "scale": cell.scale_uncertainty * sizes.force,
         "zero": cell.zero_uncertainty,
         "shift of the zero": shift,
-        "linearity and hysteresis": math.sqrt(2.0 / 3.0) * cell.linearity * cell.capacity,
+        "linearity and hysteresis": slow_errors(rig),
         "noise": cell.noise,
         "converter": rig.step * abs(cell.scale) / math.sqrt(12.0),
         "delay of the amplifier": cell.delay_uncertainty * sizes.rate,
+        **({"inertia": cell.mass * _counting_noise(rig, np.array(sizes.speeds), 2)} if cell.mass else {}),
     }
+
+
+def slow_errors(rig: RigSettings) -> float:
+    """N of the load cell by its linearity and its hysteresis, which a mean over some seconds does not lessen."""
+    return math.sqrt(2.0 / 3.0) * rig.load_cell.linearity * rig.load_cell.capacity
+
+
+def shunt_error(rig: RigSettings) -> float:
+    """The standard uncertainty [N] with which the step of the shunt is expected: the shunt's, the scale's, the cell's own."""
+    relative = math.hypot(SHUNT_UNCERTAINTY, rig.load_cell.scale_uncertainty)
+    return abs(expected_step(rig)) * relative + slow_errors(rig)
 
 
 def _voltage(rig: RigSettings, evidence: Evidence, sizes: Sizes) -> dict[str, float]:

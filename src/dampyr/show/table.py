@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Literal, get_args
+from dataclasses import dataclass, replace
+from typing import Any, Literal, get_args
 
 from dampyr.errors import InputError
 from dampyr.shown import Shown
@@ -72,6 +72,16 @@ class Table(Shown):
         for number, row in enumerate(self.rows, 1):
             if len(row) != width:
                 raise InputError(f"row {number} of a table has {len(row)} cells; its columns are {width}")
+
+    def without(self, *names: str) -> Table:
+        """The table less the columns of these names."""
+        retained = [k for k, name in enumerate(self.columns) if name not in names]
+
+        def of(cells: Sequence[Any]) -> list[Any]:
+            return [cells[k] for k in retained] if cells else []
+
+        rows = [of(row) for row in self.rows]
+        return replace(self, columns=of(self.columns), rows=rows, units=of(self.units), align=of(self.align))
 
     @property
     def heads(self) -> list[str]:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError
-from dampyr.models.damper import INPUTS
+from dampyr.input_kinds import INPUTS, NO_INPUT
 from dampyr.structures.building import Building
 from dampyr.structures.building_options import InstallationOptions
 from dampyr.structures.control_laws import is_control_law, values_at
@@ -71,10 +71,12 @@ def make_sites(
     """The sites of ``dampers``: one damper, which stands in storey 1, or a mapping from place to a damper or a list of them.
 
     A place is a storey, or two floors by label or count (see :mod:`dampyr.structures.building`).
-    ``voltage`` [V] or ``current`` [A] is one number or law for all or a mapping from place to these. The static
-    force of a damper is left out: a building is at rest in its equilibrium with it.
+    ``voltage`` [V] or ``current`` [A] is one number or law for all or a mapping from place to these; it is of the dampers that
+    have an input, and refused where none has. The static force of a damper is left out: a building is at rest in its
+    equilibrium with it.
     """
     input_of(voltage, current)
+    _check_has_input(dampers, voltage, current)
     voltage, current = _by_place(building, voltage), _by_place(building, current)
     sites = [
         _site(building.resolve_place(key), damper, voltage, current, allow_extrapolation)
@@ -210,9 +212,31 @@ def _site(place: Any, damper: Any, voltage: Any, current: Any, allow_extrapolati
     return Site(storey, damper, u if law is None else None, np.array(values, dtype=float), delay, floors, law)
 
 
+def _has_input(damper: Any) -> bool:
+    return getattr(damper, "input", "V") != NO_INPUT
+
+
+def any_has_input(placed: Mapping[Any, Any]) -> bool:
+    """Whether a damper of a placement has an input, a voltage or a current."""
+    return any(_has_input(damper) for _, damper in places_and_dampers(placed))
+
+
+def _check_has_input(dampers: Any, voltage: Any, current: Any) -> None:
+    """:class:`~dampyr.errors.InputError` where an input or a control law is given and no damper has one to be set."""
+    word, value = input_of(voltage, current)
+    placed = placement(dampers)
+    if value is None or not placed or any_has_input(placed):
+        return
+    if is_control_law(value):
+        raise InputError(f"a control law sets the input of a damper, and this one has none; leave {word}= out")
+    raise InputError(f"{word}= is given, but the damper has no input; leave it out")
+
+
 def _input(place: Any, damper: Any, voltage: Any, current: Any) -> Any:
     """The constant input of a damper, or its law."""
     kind = getattr(damper, "input", "V")
+    if kind == NO_INPUT:
+        return 0.0
     inputs = {"V": voltage, "A": current}
     value, other = inputs[kind], inputs["A" if kind == "V" else "V"]
     if isinstance(value, Mapping):
@@ -244,6 +268,11 @@ def _input(place: Any, damper: Any, voltage: Any, current: Any) -> Any:
 
 def _check_places(value: Any, sites: list[Site]) -> None:
     occupied = {site.place for site in sites}
+    with_input = {site.place for site in sites if _has_input(site.damper)}
+    if isinstance(value, Mapping) and (passive := [place for place in value if place in occupied - with_input]):
+        raise InputError(
+            f"an input is given for {_place_name(passive[0])}, whose damper has none; leave that place out of the inputs"
+        )
     if isinstance(value, Mapping) and (stray := [place for place in value if place not in occupied]):
         raise InputError(
             f"an input is given for {_place_name(stray[0])}, which holds no damper; "

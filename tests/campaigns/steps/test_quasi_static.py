@@ -28,6 +28,18 @@ def test_the_table_goes_from_turn_to_turn_at_the_speed():
     assert (drive.displacement.max(), drive.displacement.min()) == pytest.approx((0.004, -0.004), abs=1e-8)
 
 
+def test_its_steady_cycles_go_from_turn_to_turn_and_back():
+    step = kind("quasi_static")(0.004, 0.010, 1.0, cycles=4, centre=0.002, rest_before=1.0, period=0.001)
+    steady, drive = step.steady_cycles, step.drive(RIG)
+    assert (steady.period, steady.count) == (pytest.approx(2 * (0.8 + 0.1)), 3)
+    turns = steady.begin + steady.period * np.arange(steady.count + 1)
+    assert np.interp(turns, times(drive), drive.displacement) == pytest.approx(0.006, abs=1e-7)
+    assert np.interp(turns - 0.5 * steady.period, times(drive), drive.displacement)[1:] == pytest.approx(
+        -0.002, abs=1e-7
+    )
+    assert kind("quasi_static")(0.004, cycles=1).steady_cycles is None
+
+
 def test_its_peaks_are_the_speed_or_what_a_short_stroke_reaches():
     peaks = kind("quasi_static")(0.004, 0.002).peaks(RIG)
     assert (peaks.position, peaks.speed) == pytest.approx((0.004, 0.002))

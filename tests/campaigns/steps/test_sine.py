@@ -30,6 +30,15 @@ def test_the_steady_cycles_are_the_sine_about_its_centre():
     assert (drive.displacement[0], drive.displacement[-1]) == pytest.approx((0.0, 0.0), abs=1e-12)
 
 
+def test_it_says_where_its_steady_cycles_are():
+    step = kind("sine")(0.008, 0.5, 1.98, cycles=3, taper=2, centre=0.005, rest_before=1.0, period=0.005)
+    steady, drive = step.steady_cycles, step.drive(RIG)
+    assert (steady.begin, steady.period, steady.count) == pytest.approx((1.0 + 0.005 / GLIDE + 0.1 + 4.0, 2.0, 3))
+    inside = (times(drive) > steady.begin) & (times(drive) < steady.begin + 3 * steady.period)
+    expected = 0.005 + 0.008 * np.sin(np.pi * (times(drive)[inside] - steady.begin))
+    np.testing.assert_allclose(drive.displacement[inside], expected, atol=1e-12)
+
+
 def test_its_peaks_are_those_of_the_sine_or_of_the_glide():
     peaks = kind("sine")(0.008, 0.5, centre=-0.005).peaks(RIG)
     assert (peaks.position, peaks.speed) == pytest.approx((0.013, 2 * np.pi * 0.5 * 0.008))

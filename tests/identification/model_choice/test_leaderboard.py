@@ -26,7 +26,7 @@ from dampyr.identification.model_choice.leaderboard import (
     optimism,
     standard_error,
 )
-from dampyr.identification.model_choice.screening import CUT, NOT_BEGUN, Trial
+from dampyr.identification.model_choice.screening import CUT, Trial
 from dampyr.identification.scoring.scoring_window import Window
 from dampyr.identification.scoring.validation import Fold, Validation, cross_validate
 from dampyr.models import Damper, compose
@@ -194,10 +194,10 @@ def test_the_campaign_without_its_velocity(campaign_folder: Path, bandwidth: flo
 @pytest.mark.prove
 @pytest.mark.parametrize(
     "models",
-    [("hyperbolic_tangent",), pytest.param(None, marks=pytest.mark.by_hand)],
-    ids=["of one", "of all"],
+    [("shutting_bleed", "hysteretic_biviscous"), pytest.param((), marks=pytest.mark.by_hand)],
+    ids=["of two", "of all"],
 )
-def test_one_call_meets_the_floors_on_the_campaign(campaign_folder: Path, models: tuple[str, ...] | None) -> None:
+def test_one_call_meets_the_floors_on_the_campaign(campaign_folder: Path, models: tuple[str, ...]) -> None:
     from multiprocessing import get_context
 
     records = read_campaign(campaign_folder)
@@ -207,9 +207,11 @@ def test_one_call_meets_the_floors_on_the_campaign(campaign_folder: Path, models
         ).winner  # whatever the machine
     by_record, by_input = best.validations
     print(best.model, by_record.by_input, by_input.by_input)
-    for voltage, floor in ((0.0, 8.0), (0.8712, 5.8), (1.98, 5.2), (3.212, 5.2)):
+    assert best.model == "shutting_bleed + compliance + place_friction"
+    for voltage, floor in ((0.0, 5.2), (0.8712, 4.0), (1.98, 4.0), (3.212, 4.0)):
         assert 100 * by_record.by_input[voltage] <= floor
-    assert all(100 * one <= 11.0 for one in by_input.by_input.values())
+    assert 100 * by_input.by_input[0.8712] <= 7.5
+    assert 100 * by_input.by_input[1.98] <= 8.5
 
 
 # the choice, without a search
@@ -321,7 +323,7 @@ def test_what_takes_too_much_work_is_stopped_and_says_so() -> None:
         records, FitOptions(models=(NAME,), add_ons=("spring", "compliance"), budget=1e-6, bandwidth=15.0)
     )
     [screened] = ranking.screened
-    assert [one.reason for one in screened.trials[1:]] == [NOT_BEGUN] * 2  # the bare model is tried whatever it takes
+    assert screened.trials == (screened.bare,)  # the bare model is tried whatever it takes
     assert np.isfinite(screened.bare.error)
     for words in ("the trial fits of ", "no work was left to try more add-ons"):
         assert any(words in note for note in ranking.left_out), words

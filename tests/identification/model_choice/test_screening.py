@@ -42,11 +42,11 @@ def test_a_search_that_ends_between_two_rounds_says_which_limit_ended_it(
 ) -> None:
     """Each add-on halves the error and each trial spends 1 s of work; the clock jumps after the first round."""
     now = [0.0]
-    monkeypatch.setattr(parallel, "time", SimpleNamespace(time=lambda: now[0]))
+    monkeypatch.setattr(parallel, "time", SimpleNamespace(monotonic=lambda: now[0]))
     monkeypatch.setattr(screening, "trial", lambda model, *_: Trial(model, 0.5 ** model.count("+"), 0.0, "", 1.0))
 
     def progress(done: float) -> None:
-        now[0] = 100.0 if done >= 1 / 3 else 0.0
+        now[0] = 100.0 if done >= 1 / 2 else 0.0  # of four rounds, the first of bare models
 
     add_ons = ("spring", "compliance", "delay")
     [screened], unfinished = screen_all(["dahl"], [], FitOptions(add_ons=add_ons), None, progress, limit, deadline)
@@ -54,3 +54,18 @@ def test_a_search_that_ends_between_two_rounds_says_which_limit_ended_it(
     assert done == ["dahl", "dahl + spring", "dahl + compliance", "dahl + delay"][: 3 if np.isfinite(limit) else 4]
     assert {trial.reason for trial in screened.trials} == {"", reason}
     assert unfinished == ["dahl"]
+
+
+def test_a_model_of_many_numbers_far_behind_the_best_bare_one_gets_no_add_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    errors = {"bingham": 0.30, "bouc_wen": 0.14, "lugre": 0.12, "dahl + hyperbolic_tangent": 0.10}
+    monkeypatch.setattr(
+        screening,
+        "trial",
+        lambda model, *_: Trial(model, 0.9 * errors.get(model, 1.0) if model in errors else 0.09, 0.0, "", 1.0),
+    )
+    screened, _ = screen_all(list(errors), [], FitOptions(add_ons=("delay",)), None, lambda done: None)
+    tried = {model.base: len(model.trials) for model in screened}
+    assert (
+        screen_all(["dahl"], [], FitOptions(add_ons=()), None, lambda done: None)[1] == []
+    )  # nothing more was to be tried
+    assert tried == {"bingham": 2, "bouc_wen": 1, "lugre": 2, "dahl + hyperbolic_tangent": 2}

@@ -27,7 +27,13 @@ def test_sums_of_products_are_those_of_the_stored_columns(name: str, varying: bo
     t = 0.004 * np.arange(N)
     x = 0.008 * np.sin(7.0 * t) + 0.002 * np.sin(31.0 * t)
     v = np.gradient(x, t)
-    p = np.array([min(max(SIZES.get(q.unit, 1.3), q.low), q.high) for q in composition.quantities.values()])
+    sizes = [min(max(SIZES.get(q.unit, 1.3), q.low), q.high) for q in composition.quantities.values()]
+    p = np.array(
+        [
+            size if size or not q.open_low else 0.01
+            for size, q in zip(sizes, composition.quantities.values(), strict=True)
+        ]
+    )
     p = p * (1.0 + 0.1 * np.sin(t)[:, None]) if varying else p
     state0 = np.full(composition.n_states, 0.2)
     force, weight = 100.0 * np.cos(5.0 * t), np.array([0.01])

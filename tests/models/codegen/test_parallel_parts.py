@@ -26,14 +26,14 @@ def functions_of(model: str) -> dict[str, object]:
 def force_at_end(names: dict[str, object], piece: tuple[float, ...], p: np.ndarray, s: np.ndarray) -> float:
     """The states moved along a piece, and the force at its end."""
     s = s.copy()
-    names["advance_0"](s, *piece, p)  # type: ignore[operator]
-    return float(names["force_0"](s, piece[1], piece[3], 0.0, p))  # type: ignore[operator]
+    names["advance_site0"](s, *piece, p)  # type: ignore[operator]
+    return float(names["force_site0"](s, piece[1], piece[3], 0.0, p))  # type: ignore[operator]
 
 
 @pytest.mark.parametrize("model", MODELS)
 def test_slopes_are_those_of_the_force_at_the_end_of_a_piece(model: str) -> None:
     names, p, s = functions_of(model), np.array(MODELS[model]), np.full(compose(model).n_states, 0.2)
-    slopes = names["slopes_0"](s, *PIECE, p)  # type: ignore[operator]
+    slopes = names["slopes_site0"](s, *PIECE, p)  # type: ignore[operator]
     for slope, place, step in zip(slopes, (1, 3), (1e-8, 1e-6), strict=True):
         up, down = (tuple(v + sign * step * (k == place) for k, v in enumerate(PIECE)) for sign in (1, -1))
         difference = (force_at_end(names, up, p, s) - force_at_end(names, down, p, s)) / (2 * step)
@@ -47,8 +47,8 @@ def test_tangents_carry_the_derivatives_by_parameters_and_states_along_a_piece(m
     width = p.size + s.size
     D, J, moved = np.zeros((s.size, width)), np.zeros(width), s.copy()
     D[:, p.size :] = np.eye(s.size)
-    names["advance_tangents_0"](moved, D, *PIECE, p)  # type: ignore[operator]
-    names["jacobian_0"](moved, D, PIECE[1], PIECE[3], 0.0, p, J)  # type: ignore[operator]
+    names["advance_tangents_site0"](moved, D, *PIECE, p)  # type: ignore[operator]
+    names["jacobian_site0"](moved, D, PIECE[1], PIECE[3], 0.0, p, J)  # type: ignore[operator]
     for k in range(width):
         step = 1e-6 * (p[k] if k < p.size else 1.0)
         up, down = ((p + sign * step * (np.arange(p.size) == k), s + sign * step * (np.arange(s.size) + p.size == k))

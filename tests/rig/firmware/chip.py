@@ -41,6 +41,7 @@ class Chip:
         self.chip = chip.Chip(program, elf, mark, baud)
         self.reader, self.number, self.time, self.inputs = Reader(), 0, 0, 0
         self.place, self.gain, self.motor, self.seen = 0.0, 65.0, 0.0, b""
+        self.sense = 0  # 16, 32: the bridge's current output at A0 or A1 has 2.5 V
         self.moving: Callable[[], float] | None = None  # counts/s at which the table is moved, whatever the motor does
 
     def close(self) -> None:
@@ -59,7 +60,7 @@ class Chip:
         speed = self.motor if self.moving is None else self.moving()
         old, self.place = self.place, self.place + speed / 1000.0
         move = int(self.place // 1) - int(old // 1)
-        sent, self.time = self.chip.step(move, self.inputs, data, what), self.time + 1
+        sent, self.time = self.chip.step(move, self.inputs, data, what | self.sense), self.time + 1
         self.seen += sent
         return sent
 

@@ -60,7 +60,7 @@ static unsigned framed(const uint8_t *payload, unsigned n, uint8_t *out)
     return at;
 }
 
-static const uint8_t SIZES[] = {0, 1, 18, 0, 0, 0, 5, 6, 0, 6, 7, 0, 0, 0};
+static const uint8_t SIZES[] = {0, 1, 21, 0, 0, 0, 5, 6, 0, 6, 7, 0, 0, 0, 0};
 
 static unsigned request(uint8_t *out, uint8_t type, int sensible)
 {
@@ -87,6 +87,8 @@ static unsigned request(uint8_t *out, uint8_t type, int sensible)
                 put_u16(payload + 14, (uint16_t)(50 + any(151)));
                 put_u16(payload + 17, (uint16_t)(100 + any(901)));
                 payload[19] = 0;
+                payload[20] = (uint8_t)(1 + any(255));
+                put_u16(payload + 21, (uint16_t)any(1023));
                 break;
             case HOME:
                 payload[2] = (uint8_t)any(2);
@@ -121,12 +123,13 @@ static void say(uint8_t type, const uint8_t *body, unsigned n)
 
 static void get_ready(void)
 {
-    static const uint8_t limits[18] = {0xA8, 0xE4, 0xFF, 0xFF, 0x58, 0x1B, 0, 0, 0xC0, 0x5D, 0, 0, 200, 0, 255, 0xF4, 1, 0};
+    static const uint8_t limits[21] = {
+        0xA8, 0xE4, 0xFF, 0xFF, 0x58, 0x1B, 0, 0, 0xC0, 0x5D, 0, 0, 200, 0, 255, 0xF4, 1, 0, 255, 0, 0};
     static const uint8_t version = PROTOCOL, place[5] = {0};
     restart(&c, 0);
     say(HELLO, &version, 1);
     say(CLEAR, 0, 0);
-    say(LIMITS, limits, 18);
+    say(LIMITS, limits, 21);
     say(HOME, place, 5);
     if (c.state != IDLE || !c.homed || !c.limited) {
         printf("it is not ready\n");
@@ -169,7 +172,7 @@ static void mutated(unsigned long count)
     uint8_t data[512], whole[512];
     get_ready();
     for (unsigned long k = 0; k < count; k++) {
-        unsigned n = request(whole, (uint8_t)(1 + any(13)), 1), m;
+        unsigned n = request(whole, (uint8_t)(1 + any(14)), 1), m;
         do {
             memcpy(data, whole, n);
             m = mutate(data, n, sizeof data);
@@ -178,7 +181,7 @@ static void mutated(unsigned long count)
         give((const uint8_t *)"", 1); /* a 0 */
         if (k % 50 == 0) {
             say(HEARTBEAT, 0, 0);
-            tick(&c, (int32_t)any(50), false, 0, false, 0);
+            tick(&c, (int32_t)any(50), false, 0, false, 0, 0);
         }
         if (enabled(&c) || c.duty) {
             printf("frame %lu armed it\n", k);
@@ -195,7 +198,7 @@ static void valid(unsigned long count)
     double place = 0.0, motor = 0.0;
     get_ready();
     for (unsigned long k = 0; k < count; k++) {
-        give(data, request(data, (uint8_t)(any(4) ? 1 + any(13) : HEARTBEAT), 1));
+        give(data, request(data, (uint8_t)(any(4) ? 1 + any(14) : HEARTBEAT), 1));
         for (unsigned ms = any(30); ms--;) {
             int duty = c.duty, size = abs(duty);
             double wanted = size > 15 ? 65.0 * (size - 15) * (duty > 0 ? 1 : -1) : 0.0;
@@ -205,7 +208,8 @@ static void valid(unsigned long count)
                 place = place > 0 ? 45000 : -45000;
                 motor = 0.0;
             }
-            tick(&c, (int32_t)place, any(500) == 0, (int32_t)place, any(5000) == 0, any(50) ? 0 : (uint8_t)any(8));
+            tick(&c, (int32_t)place, any(500) == 0, (int32_t)place, any(5000) == 0, any(50) ? 0 : (uint8_t)any(8),
+                 (uint16_t)any(any(20) ? 100 : 1024));
             bool on = enabled(&c);
             if (abs(c.duty) > c.max_duty || (!on && c.duty) || c.next - c.head > QUEUE) {
                 printf("request %lu: state %u, duty %d of %u, %u set points\n", k, c.state, c.duty, c.max_duty, c.next - c.head);

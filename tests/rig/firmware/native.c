@@ -5,10 +5,10 @@
 
 #define FIELDS(X) \
     X(state) X(faults) X(time) X(position) X(speed) X(duty) X(counts) X(offset) X(homed) X(limited) X(low) X(high) \
-    X(max_speed) X(heartbeat) X(max_duty) X(stall) X(wired) X(since) X(stalled) X(stall_at) X(free_travel) X(head) \
+    X(max_speed) X(heartbeat) X(max_duty) X(stall) X(wired) X(slew) X(max_current) X(since) X(stalled) X(stall_at) X(free_travel) X(head) \
     X(next) X(last) X(period) X(phase) X(target) X(rate) X(left) X(half) X(pause) X(strokes) X(index) X(index_set) \
     X(shift) X(passes) X(turn_at) X(start) X(sign) X(end_seen) X(end_at) X(filled) X(inputs) X(outside) X(edge) \
-    X(origin) X(way) X(way_at) X(proven) X(resting) X(slot)
+    X(origin) X(way) X(way_at) X(proven) X(resting) X(current) X(over) X(jumped) X(slot)
 
 #define NAME(field) #field,
 static const char *const names[] = {FIELDS(NAME) 0};

@@ -12,7 +12,7 @@ import numpy as np
 import dampyr.rig.firmware
 from dampyr.rig.firmware import control_core as c
 from dampyr.rig.firmware.protocol import Reader, SerialFrame, encode
-from dampyr.rig.firmware.twin import Twin
+from dampyr.rig.firmware.twin import Twin, source_digest
 
 SOURCES = Path(dampyr.rig.firmware.__file__).parent / "uno"
 OTHERWISE = {"free_travel": c.R_FREE, "turn_at": c.R_TURN, "end_seen": c.R_ENDS}
@@ -23,9 +23,10 @@ def compiled(folder: Path, *options: str) -> ctypes.CDLL:
     """The library; `options` for the compiler come last."""
     library = folder / "core.so"
     own = Path(__file__).with_name("native.c")
+    digest = f"-DDIGEST=0x{source_digest():08x}UL"
     files = [str(own), *(str(SOURCES / name) for name in ("core.c", "frames.c"))]
     subprocess.run(
-        ["gcc", *STRICT, "-shared", "-fPIC", f"-I{SOURCES}", *files, "-o", str(library), *options], check=True
+        ["gcc", *STRICT, "-shared", "-fPIC", f"-I{SOURCES}", digest, *files, "-o", str(library), *options], check=True
     )
     loaded = ctypes.CDLL(str(library))
     loaded.field.restype = ctypes.c_char_p
@@ -40,7 +41,15 @@ def compiled(folder: Path, *options: str) -> ctypes.CDLL:
         "bad_frames": [ctypes.c_void_p],
         "greeted": [ctypes.c_void_p],
         "set_bad_frames": [ctypes.c_void_p, ctypes.c_uint16],
-        "tick": [ctypes.c_void_p, ctypes.c_int32, ctypes.c_bool, ctypes.c_int32, ctypes.c_bool, ctypes.c_uint8],
+        "tick": [
+            ctypes.c_void_p,
+            ctypes.c_int32,
+            ctypes.c_bool,
+            ctypes.c_int32,
+            ctypes.c_bool,
+            ctypes.c_uint8,
+            ctypes.c_uint16,
+        ],
     }.items():
         getattr(loaded, name).argtypes = types
     return loaded
@@ -83,10 +92,10 @@ class Native(Twin):
 
     def tick(self, *given: Any) -> None:
         """A millisecond."""
-        counts, latched, index, glitch, inputs = given
+        counts, latched, index, glitch, inputs, *current = given
         self._load()
         index = index if latched else 0  # else of no account, and beyond 32 bits in some tests
-        self._library.tick(self._core, counts, bool(latched), index, bool(glitch), inputs)
+        self._library.tick(self._core, counts, bool(latched), index, bool(glitch), inputs, *(current or [0]))
         self._store()
 
     def _store(self) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from tests.rig.firmware.native_core import SOURCES, Native, compiled
 
 from dampyr.rig.firmware import control_core as c
-from dampyr.rig.firmware.protocol import Reader, Reply, Request, SerialFrame, State, encode
+from dampyr.rig.firmware.protocol import VERSION, Reader, Reply, Request, SerialFrame, State, encode
 from dampyr.rig.firmware.twin import Twin
 
 pytestmark = [
@@ -59,9 +59,10 @@ def requests(rng: np.random.Generator, twin: Twin) -> SerialFrame:
     n = int(rng.integers(1, 17))
     high = int(rng.choice([7000, 300, 40000]))
     values: dict[Request, tuple[int, ...]] = {
-        Request.HELLO: (2 if rng.random() < 0.95 else 3,),
+        Request.HELLO: (VERSION if rng.random() < 0.95 else 2,),
         Request.LIMITS: (
             -high, high, int(rng.choice([24000, 900])), 200, int(rng.choice([255, 90])), 300, int(rng.integers(4)),
+            int(rng.choice([255, 255, 20, 1])), int(rng.choice([0, 0, 500])),
         ),
         Request.HOME: (int(rng.integers(3)), int(rng.integers(-300, 300))),
         Request.JOG: (int(rng.integers(-700, 700)), int(rng.integers(1, 500))),
@@ -110,7 +111,7 @@ def test_every_register_is_that_of_the_model(library: object, seed: int) -> None
             latched = min(int(old), int(place)) < mark <= max(int(old), int(place))
             given = (
                 int(place), latched, mark + (3 if rng.random() < 0.05 else 0), rng.random() < 2e-4,
-                int(rng.integers(8)) if rng.random() < 1e-3 else 0,
+                int(rng.integers(8)) if rng.random() < 1e-3 else 0, 600 if duty > 200 else 100,
             )  # fmt: skip
             twin.tick(*given)
             core.tick(*given)

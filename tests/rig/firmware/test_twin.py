@@ -4,6 +4,7 @@ do to them.
 
 import shutil
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -27,7 +28,7 @@ from dampyr.rig.firmware.protocol import (
 )
 from dampyr.rig.firmware.twin import Twin
 
-LIMITS = (-7000, 7000, 24000, 100, 255, 500, 0)
+LIMITS = (-7000, 7000, 24000, 100, 255, 500, 0, 255, 0)
 RAMP = [20 * k for k in range(30)]
 
 
@@ -56,6 +57,7 @@ class Bench:
         self.counts, self.place, self.gain, self.latched, self.glitch = 0, 0.0, 65.0, False, False
         self.index, self.inputs, self.ends = 10**9, 0, (-(10**9), 10**9)
         self.dead = self.swapped = False  # the encoder
+        self.current = 0  # of the motor, steps of the converter
 
     def ask(self, kind: Request, *values: int) -> SerialFrame:
         self.number = (self.number + 1) % 256
@@ -92,7 +94,7 @@ class Bench:
             if not self.dead:
                 self.counts += (int(self.place // 1) - int(old // 1)) * (-1 if self.swapped else 1)
             index = self.index - int(self.place // 1) + self.counts
-            self.twin.tick(self.counts, latched, index, self.glitch, self.inputs)
+            self.twin.tick(self.counts, latched, index, self.glitch, self.inputs, self.current)
 
     def at(self, place: float) -> None:
         """Put the table somewhere, where it stays."""
@@ -103,7 +105,7 @@ class Bench:
 @pytest.fixture
 def idle() -> Bench:
     bench = Bench()
-    bench.ask(Request.HELLO, 2)
+    bench.ask(Request.HELLO, 3)
     bench.done(Request.CLEAR)
     return bench
 
@@ -140,7 +142,7 @@ def into(bench: Bench, state: State) -> Bench:
 
 def test_it_starts_in_fault_and_says_so() -> None:
     bench = Bench()
-    assert bench.ask(Request.HELLO, 2).values == (2, 0x0200, 1000, 64)
+    assert bench.ask(Request.HELLO, 3).values == (3, 0x0300, 1000, 64)
     status = bench.status
     assert (status.state, status.faults) == (State.FAULT, Fault.RESTARTED)
     assert (status.enabled, status.homed, status.limited) == (False, False, False)
@@ -183,10 +185,14 @@ def test_noise_is_counted_and_dropped(idle: Bench) -> None:
 @pytest.mark.parametrize(
     "limits",
     [
-        (-37001, 7000, 24000, 100, 255, 500, 0), (-7000, 37001, 24000, 100, 255, 500, 0), (10, 10, 24000, 100, 255, 500, 0),
-        (-7000, 7000, 40001, 100, 255, 500, 0), (-7000, 7000, 0, 100, 255, 500, 0), (-7000, 7000, 24000, 49, 255, 500, 0),
-        (-7000, 7000, 24000, 201, 255, 500, 0), (-7000, 7000, 24000, 100, 0, 500, 0), (-7000, 7000, 24000, 100, 255, 99, 0),
-        (-7000, 7000, 24000, 100, 255, 1001, 0),
+        (-37001, 7000, 24000, 100, 255, 500, 0, 255, 0), (-7000, 37001, 24000, 100, 255, 500, 0, 255, 0),
+        (10, 10, 24000, 100, 255, 500, 0, 255, 0),
+        (-7000, 7000, 24000, 100, 255, 500, 0, 0, 0), (-7000, 7000, 24000, 100, 255, 500, 0, 255, 1023),
+        (-7000, 7000, 40001, 100, 255, 500, 0, 255, 0), (-7000, 7000, 0, 100, 255, 500, 0, 255, 0),
+        (-7000, 7000, 24000, 49, 255, 500, 0, 255, 0),
+        (-7000, 7000, 24000, 201, 255, 500, 0, 255, 0), (-7000, 7000, 24000, 100, 0, 500, 0, 255, 0),
+        (-7000, 7000, 24000, 100, 255, 99, 0, 255, 0),
+        (-7000, 7000, 24000, 100, 255, 1001, 0, 255, 0),
     ],
 )  # fmt: skip
 def test_limits_beyond_its_own_are_refused(idle: Bench, limits: tuple[int, ...]) -> None:
@@ -273,7 +279,7 @@ def test_without_heartbeats_it_stops_by_itself(armed: Bench, state: State) -> No
 
 def test_limits_of_place_and_speed(armed: Bench) -> None:
     for place, fault in ((-7001, Fault.LOW), (7001, Fault.HIGH)):
-        armed.twin.registers[c.R_PAST : c.R_PAST + c.WINDOW] = place
+        armed.twin.registers[c.R_PAST : c.R_PAST + c.WINDOW] = armed.twin.registers[c.R_COUNTS] = place
         armed.at(place)
         armed.run(1)
         assert armed.twin.faults == fault
@@ -281,9 +287,108 @@ def test_limits_of_place_and_speed(armed: Bench) -> None:
         armed.done(Request.HOME, 0, 0)
         armed.done(Request.ARM)
     armed.run(12)
-    armed.at(armed.place + 241)  # 24100 counts/s over 10 ms
-    armed.run(1)
+    for far in (60, 60, 60, 60, 1):  # 24100 counts/s over 10 ms
+        assert armed.twin.faults == Fault(0)
+        armed.at(armed.place + far)
+        armed.run(1)
     assert armed.twin.faults == Fault.SPEED
+
+
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_count_that_leaps_farther_than_a_motor_moves_is_the_encoder_and_no_speed(armed: Bench, sign: int) -> None:
+    """5 mm of a scale that slipped were told as a table that was too fast."""
+    armed.run(12)
+    armed.at(armed.place + sign * 61)
+    armed.run(1)
+    assert armed.twin.faults == Fault.ENCODER
+    assert not armed.status.homed
+
+
+@pytest.mark.parametrize("homed", [True, False])
+def test_a_leap_of_many_speeds_is_still_the_encoder(idle: Bench, homed: bool) -> None:
+    idle.done(Request.LIMITS, *LIMITS)
+    if homed:
+        idle.done(Request.HOME, 0, 0)
+    idle.ask(Request.HEARTBEAT)
+    idle.done(Request.ARM)
+    idle.run(12)
+    idle.at(1000)
+    idle.run(1)
+    assert idle.twin.faults == Fault.ENCODER
+
+
+def test_a_leap_away_from_the_set_points_is_the_encoder_and_no_lag(armed: Bench) -> None:
+    feed(armed, RAMP)
+    armed.done(Request.FOLLOW, 100, 30)
+    armed.run(20)
+    armed.at(armed.place + 1100)
+    armed.run(1)
+    assert armed.twin.faults == Fault.ENCODER
+
+
+def limited(bench: Bench, duty: int = 255, slew: int = 255, current: int = 0) -> Bench:
+    """Armed anew, with limits of the motor."""
+    bench.done(Request.DISARM)
+    bench.done(Request.LIMITS, *LIMITS[:4], duty, 500, 0, slew, current)
+    bench.done(Request.ARM)
+    return bench
+
+
+def test_the_duty_changes_by_its_slew_and_the_brake_comes_at_once(armed: Bench) -> None:
+    """Half a millimetre away asks for 48 on top of the dead 15 and more, at once: it comes in steps, there and back."""
+    limited(armed, slew=7)
+    feed(armed, [95] * 2 + [-95] * 2)
+    armed.gain, duties = 0.0, [0]
+    armed.done(Request.FOLLOW, 30, 4)
+    for _ in range(85):
+        armed.run(1)
+        duties.append(int(armed.twin.registers[c.R_DUTY]))
+    assert max(abs(now - before) for before, now in pairwise(duties) if now != 0) == 7
+    assert (max(duties), min(duties)) == (35, -73)
+    armed.done(Request.STOP)
+    armed.run(1)
+    assert armed.status.duty == 0
+
+
+def test_the_duty_keeps_to_its_largest(armed: Bench) -> None:
+    limited(armed, duty=40)
+    feed(armed, [95] * 3)
+    armed.gain = 0.0
+    armed.done(Request.FOLLOW, 40, 3)
+    armed.run(60)
+    assert armed.status.duty == 40
+    armed.run(60)
+    assert armed.refused(Request.REVERSE, 41, 100, 0, 1) == Reason.RANGE
+
+
+def test_a_current_above_its_largest_stops_the_motor_after_20_ms(armed: Bench) -> None:
+    limited(armed, current=480)
+    armed.done(Request.JOG, 300, 500)
+    armed.current = 480
+    armed.run(50)
+    assert (armed.twin.state, armed.status.current) == (State.JOGGING, 480)
+    armed.current = 481
+    armed.run(20)
+    armed.current = 480  # a moment under it, and the time begins anew
+    armed.run(1)
+    armed.current = 481
+    armed.run(20)
+    assert armed.twin.state == State.JOGGING
+    armed.run(1)
+    assert armed.twin.faults == Fault.CURRENT
+    assert (armed.status.duty, armed.twin.enabled) == (0, False)
+
+
+def test_a_current_that_is_not_wired_is_not_looked_at(armed: Bench) -> None:
+    armed.current = 1023
+    armed.done(Request.JOG, 300, 500)
+    armed.run(100)
+    assert (armed.twin.state, armed.status.current) == (State.JOGGING, 0)
+
+
+def test_it_says_what_it_was_built_with(idle: Bench) -> None:
+    reply = idle.ask(Request.BUILD)
+    assert (reply.kind, reply.values[:2]) == (Reply.BUILD, (0, 250000))
 
 
 def test_a_stall_is_seen_in_its_time_and_not_before(armed: Bench) -> None:
@@ -434,7 +539,7 @@ def test_reversals_rise_pause_and_fall(armed: Bench) -> None:
 
 def test_what_it_asks_for_never_passes_the_limit_of_duty(armed: Bench) -> None:
     armed.done(Request.DISARM)
-    armed.done(Request.LIMITS, -7000, 7000, 24000, 100, 60, 500, 0)
+    armed.done(Request.LIMITS, -7000, 7000, 24000, 100, 60, 500, 0, 255, 0)
     armed.done(Request.ARM)
     assert armed.refused(Request.REVERSE, 61, 100, 0, 1) == Reason.RANGE
     armed.done(Request.JOG, 20000, 500)
@@ -465,7 +570,7 @@ def safe(twin: Twin) -> None:
 def test_no_bytes_harm_it(blocks: list[bytes], awake: bool) -> None:
     bench = Bench()
     if awake:
-        bench.ask(Request.HELLO, 2)
+        bench.ask(Request.HELLO, 3)
         bench.done(Request.CLEAR)
     for block in blocks:
         bench.twin.receive(block + b"\0")
@@ -482,7 +587,8 @@ def requests() -> st.SearchStrategy[tuple[Request, tuple[int, ...]]]:
         st.integers(0, 255),
     )
     bodies: dict[Request, st.SearchStrategy[tuple[int, ...]]] = {
-        Request.HELLO: st.tuples(st.just(2) | u8), Request.LIMITS: st.just(LIMITS) | st.tuples(i32, i32, u32, u16, u8, u16, u8),
+        Request.HELLO: st.tuples(st.just(3) | u8),
+        Request.LIMITS: st.just(LIMITS) | st.tuples(i32, i32, u32, u16, u8, u16, u8, u8, u16),
         Request.HOME: st.tuples(st.integers(0, 2), i32), Request.JOG: st.tuples(i32, u16), Request.FOLLOW: st.tuples(u16, u32),
         Request.REVERSE: st.tuples(u8, u16, u16, u16),
         Request.SETPOINTS: st.tuples(u32, i32) | st.tuples(st.just(0), *[st.integers(-90, 90)] * 16),
@@ -510,7 +616,7 @@ def test_no_longer_row_of_sequences_harms_it(steps: Steps, ready: bool) -> None:
 def unharmed(steps: Steps, ready: bool) -> None:
     bench = Bench()
     if ready:
-        bench.ask(Request.HELLO, 2)
+        bench.ask(Request.HELLO, 3)
         bench.done(Request.CLEAR)
         bench.done(Request.LIMITS, *LIMITS)
         bench.done(Request.HOME, 0, 0)
@@ -519,7 +625,7 @@ def unharmed(steps: Steps, ready: bool) -> None:
     for (kind, values), ms, beat in steps:
         before = bench.twin.state
         reply = bench.ask(kind, *values)
-        assert reply.kind in (Reply.ACK, Reply.NAK, Reply.HELLO, Reply.STATUS)
+        assert reply.kind in tuple(Reply)
         if before == State.FAULT and kind != Request.CLEAR:
             assert bench.twin.state == State.FAULT
         safe(bench.twin)
@@ -531,7 +637,7 @@ def unharmed(steps: Steps, ready: bool) -> None:
 
 
 def unhomed(idle: Bench, wired: int = 0, half: int = 7000) -> Bench:
-    idle.done(Request.LIMITS, -half, half, *LIMITS[2:-1], wired)
+    idle.done(Request.LIMITS, -half, half, *LIMITS[2:6], wired, *LIMITS[7:])
     idle.ask(Request.HEARTBEAT)
     idle.done(Request.ARM)
     return idle
@@ -679,7 +785,7 @@ def test_inputs_are_shown_whether_they_are_wired_or_not(armed: Bench) -> None:
 @pytest.mark.parametrize(("speed", "inputs"), [(-400, 1), (400, 2)])
 def test_an_end_switch_stops_and_lets_the_table_go_back(armed: Bench, speed: int, inputs: int) -> None:
     armed.done(Request.DISARM)
-    armed.done(Request.LIMITS, *LIMITS[:-1], 1)
+    armed.done(Request.LIMITS, *LIMITS[:6], 1, *LIMITS[7:])
     armed.done(Request.ARM)
     armed.done(Request.JOG, speed, 500)
     armed.run(100)
@@ -703,7 +809,7 @@ def test_an_end_switch_stops_and_lets_the_table_go_back(armed: Bench, speed: int
 @pytest.mark.parametrize("state", list(MOVING))
 def test_an_emergency_stop_is_a_fault_everywhere(armed: Bench, state: State) -> None:
     armed.done(Request.DISARM)
-    armed.done(Request.LIMITS, *LIMITS[:-1], 2)
+    armed.done(Request.LIMITS, *LIMITS[:6], 2, *LIMITS[7:])
     armed.done(Request.ARM)
     into(armed, state)
     armed.inputs = 4
@@ -787,8 +893,9 @@ def test_outside_it_goes_no_farther_out(idle: Bench, side: int) -> None:
     idle.ask(Request.HEARTBEAT)
     idle.done(Request.HOME, 0, side * 7300)
     idle.done(Request.ARM)
-    idle.at(idle.place + side * 100)
-    idle.run(1)
+    for far in (60, 40):
+        idle.at(idle.place + side * far)
+        idle.run(1)
     assert idle.twin.state == State.ARMED
     idle.at(idle.place + side)
     idle.run(1)
@@ -830,7 +937,7 @@ def test_a_hello_of_another_version_stops_what_moves(armed: Bench) -> None:
 def test_all_numbers_fit_into_32_bits(armed: Bench) -> None:
     """The largest set points at the shortest period."""
     armed.done(Request.DISARM)
-    armed.done(Request.LIMITS, -37000, 37000, 40000, 200, 255, 1000, 0)
+    armed.done(Request.LIMITS, -37000, 37000, 40000, 200, 255, 1000, 0, 255, 0)
     armed.done(Request.ARM)
     largest = max(37000 * 2 * 1000, (40000 + c.GAIN * (c.AWAY + 40)) * 240, 255 * 60000, 37000 * c.RATE)
     assert largest < 2**31
@@ -843,7 +950,7 @@ def test_all_numbers_fit_into_32_bits(armed: Bench) -> None:
 
 def test_speed_is_zero_until_ten_positions_are_there() -> None:
     bench = Bench()
-    bench.ask(Request.HELLO, 2)
+    bench.ask(Request.HELLO, 3)
     for k in range(12):
         bench.at(100.0 * (k + 1))
         bench.run(1, beat=False)

@@ -10,11 +10,11 @@ from tests.rig.firmware.chip import GLITCH, HANG, RESET, SLIP, Chip, build
 from tests.rig.firmware.test_twin import LIMITS
 
 from dampyr.rig.firmware.protocol import Fault, Reader, Reason, Reply, Request, SerialFrame, State, encode
-from dampyr.rig.firmware.twin import Twin
+from dampyr.rig.firmware.twin import Twin, source_digest
 
 pytestmark = pytest.mark.prove
 RAM_END, RAM = 0x08FF, 2048
-WIRED = (*LIMITS[:6], 3)
+WIRED = (*LIMITS[:6], 3, *LIMITS[7:])
 START_UP = 3  # ms
 DOCS = Path(__file__).parents[3] / "docs"
 PAGE, PROTOCOL = ((DOCS / name).read_text("utf-8") for name in ("how-to/firmware.md", "reference/protocol.md"))
@@ -46,7 +46,7 @@ def armed(make: Callable[..., Chip]) -> Chip:
 
 
 def ready(chip: Chip, limits: tuple[int, ...] = LIMITS, homed: bool = True) -> Chip:
-    chip.ask(Request.HELLO, 2)
+    chip.ask(Request.HELLO, 3)
     chip.done(Request.CLEAR)
     chip.done(Request.LIMITS, *limits)
     if homed:
@@ -65,7 +65,7 @@ def feed(chip: Chip, points: list[int]) -> None:
 def test_it_starts_in_fault_with_everything_off(make: Callable[..., Chip]) -> None:
     chip = make()
     assert (chip.pins.enabled, chip.pins.duty, chip.pins.port_d & 0x80) == (False, 0, 0x80)
-    assert chip.ask(Request.HELLO, 2).values == (2, 0x0200, 1000, 64)
+    assert chip.ask(Request.HELLO, 3).values == (3, 0x0300, 1000, 64)
     status = chip.status
     assert (status.state, status.faults, status.homed) == (State.FAULT, Fault.RESTARTED, False)
 
@@ -188,7 +188,7 @@ def test_a_program_that_hangs_is_reset_by_the_watchdog_with_everything_off(armed
     armed.moving = lambda: 0.0
     armed.ms()
     assert armed.ask(Request.HEARTBEAT).values == (Request.HEARTBEAT, Reason.NO_HELLO)
-    armed.ask(Request.HELLO, 2)
+    armed.ask(Request.HELLO, 3)
     assert armed.status.faults == Fault.RESTARTED
 
 
@@ -203,7 +203,7 @@ def test_a_reset_in_motion_leaves_everything_off(armed: Chip) -> None:
 @pytest.mark.parametrize("speed", [15000.0, 24000.0])  # counts/s: 75 and 120 mm/s
 def test_no_edge_of_the_encoder_is_lost(make: Callable[..., Chip], speed: float) -> None:
     """To and fro, while set points are followed and the line is busy."""
-    chip = ready(make(), (-37000, 37000, 40000, 200, 255, 1000, 0))
+    chip = ready(make(), (-37000, 37000, 40000, 200, 255, 1000, 0, 255, 0))
     feed(chip, [0] * 32)
     chip.done(Request.FOLLOW, 1000, 32)
     chip.moving = lambda: speed if chip.time // 30 % 2 else -speed
@@ -256,6 +256,29 @@ def test_it_talks_at_115200_baud(tmp_path: Path, make: Callable[..., Chip]) -> N
     assert "BAUD=115200" in PAGE
 
 
+@pytest.mark.parametrize("what", [16, 32], ids=["A0", "A1"])
+def test_it_reads_the_bridges_current_and_stops_above_the_largest(make: Callable[..., Chip], what: int) -> None:
+    """2.5 V at either output are half of the scale."""
+    chip = ready(make(), (*LIMITS[:8], 500))
+    assert chip.status.current == 0
+    chip.sense = what
+    chip.run(10)
+    status = chip.status
+    assert (status.state, status.current) == (State.ARMED, pytest.approx(511, abs=1))
+    chip.run(20)
+    assert (chip.status.faults, chip.pins.enabled, chip.pins.duty) == (Fault.CURRENT, False, 0)
+
+
+def test_it_says_what_it_was_built_with(tmp_path: Path, make: Callable[..., Chip]) -> None:
+    assert ready(make()).ask(Request.BUILD).values[:3] == (0, 250000, source_digest())
+    chip = Chip(build(tmp_path, "DIRECTION_PIN=1", "BAUD=115200"), baud=115200)
+    try:
+        chip.run(START_UP, beat=False)
+        assert ready(chip).ask(Request.BUILD).values[:3] == (1, 115200, source_digest())
+    finally:
+        chip.close()
+
+
 @pytest.mark.parametrize("way", [1, -1])
 def test_it_drives_a_bridge_with_one_pwm_and_a_direction(tmp_path: Path, way: int) -> None:
     """Built with DIRECTION_PIN=1: D9 is the PWM, D10 a plain output that is HIGH while the table is to retract."""
@@ -281,8 +304,18 @@ def random_request(rng: np.random.Generator, at: int) -> tuple[Request, tuple[in
     """One that is often carried out."""
     kind = Request(int(rng.choice([1, 2, 3, 3, 3, 4, 4, 5, 6, 7, 7, 8, 8, 8, 9, 9, 10, 11, 12, 13, 13])))
     values: dict[Request, tuple[int, ...]] = {
-        Request.HELLO: (2 if rng.random() < 0.95 else 1,),
-        Request.LIMITS: (-7000, int(rng.choice([7000, 40000, -8000])), 24000, 100, 255, 500, 0),
+        Request.HELLO: (3 if rng.random() < 0.95 else 1,),
+        Request.LIMITS: (
+            -7000,
+            int(rng.choice([7000, 40000, -8000])),
+            24000,
+            100,
+            255,
+            500,
+            0,
+            int(rng.choice([255, 9])),
+            0,
+        ),
         Request.HOME: (0, int(rng.integers(-50, 50))),
         Request.JOG: (int(rng.integers(-600, 600)), int(rng.integers(-50, 520)) % 65536),
         Request.SETPOINTS: (
@@ -333,7 +366,7 @@ def test_no_bytes_move_it_or_silence_it(make: Callable[..., Chip]) -> None:
     """Thousands of frames with bytes that were changed, cut and doubled: it is never armed by them, and answers afterwards."""
     rng = np.random.default_rng(1)
     chip = make()
-    chip.ask(Request.HELLO, 2)
+    chip.ask(Request.HELLO, 3)
     chip.done(Request.CLEAR)
     chip.done(Request.LIMITS, *LIMITS)
     chip.ask(Request.HEARTBEAT)
@@ -349,6 +382,8 @@ def test_no_bytes_move_it_or_silence_it(make: Callable[..., Chip]) -> None:
                 data += b"\0"
             else:
                 data[place:place] = rng.bytes(int(rng.integers(1, 100)))
+        if any(frame.kind in (Request.ARM, Request.ABORT) for frame in Reader().feed(b"\0" + bytes(data))):
+            continue  # the change left it whole, or was undone by the next
         chip.ms(bytes(data))
         for _ in range(len(data) // 20 + 2):  # the line takes 25 bytes a millisecond
             chip.ms()

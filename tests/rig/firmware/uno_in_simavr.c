@@ -3,7 +3,7 @@
    usage: uno_in_simavr ELF MARK [BAUD]      MARK: the encoder's count at which its index is; BAUD: of the host, 250000
 
    Each millisecond it reads   i16 counts to move, u8 inputs that are open, u8 what (1: both lines of the encoder change at once,
-   2: reset, 4: the main loop hangs until the next reset, 8: two counts that no motion made), u16 n, n bytes for the serial
+   2: reset, 4: the main loop hangs until the next reset, 8: two counts that no motion made, 16 and 32: A0 and A1 at 2.5 V), u16 n, n bytes for the serial
    line; and writes   u8 OCR1A, u8 OCR1B (0 where its pin has no PWM), u8 outputs of PORTB, u8 PORTD, u8 whether the chip still runs, u16 longest work since the start
    [cycles], u16 least stack pointer, u32 resets, u16 n, n bytes of the serial line. */
 #include <stdio.h>
@@ -11,6 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include <simavr/avr_adc.h>
 #include <simavr/avr_extint.h>
 #include <simavr/avr_ioport.h>
 #include <simavr/avr_uart.h>
@@ -134,6 +135,7 @@ int main(int count, char **words)
     avr_init(avr);
     avr->log = LOG_ERROR;
     firmware.frequency = 16000000;
+    firmware.vcc = firmware.avcc = firmware.aref = 5000; /* mV */
     avr_load_firmware(avr, &firmware);
     uint32_t flags = 0;
     avr_ioctl(avr, AVR_IOCTL_UART_GET_FLAGS('0'), &flags);
@@ -174,6 +176,8 @@ int main(int count, char **words)
             avr_reset(avr);
             resets++;
         }
+        for (int k = 0; k < 2; k++)
+            avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_ADC_GETIRQ, k), what >> (4 + k) & 1 ? 2500 : 0);
         if (what & 4)
             hang();
         if (what & 8) /* the encoder shows two counts more than the table has gone, here and from now on */

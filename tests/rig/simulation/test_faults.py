@@ -109,6 +109,33 @@ def test_a_drifting_cell_drifts_by_its_rate() -> None:
     assert slope == pytest.approx(100.0, rel=0.01)
 
 
+def test_a_gain_of_the_cell_changes_what_is_shown_in_proportion() -> None:
+    _, _, changed, _ = moving("cell-gain=0.9@1s")
+    _, _, plain, _ = moving("cell-gain=1@1s")
+    assert np.array_equal(changed[:850], plain[:850])
+    assert changed[1000:] == pytest.approx(0.9 * plain[1000:], abs=4e-4)
+
+
+def test_a_slow_cell_is_late_and_its_noise_small() -> None:
+    _, _, slow, _ = moving("cell-slow=20Hz@1s")
+    _, _, plain, _ = moving("cell-slow=1kHz@1s")
+    late = [float(np.mean((slow[1500:2700] - plain[1500 - k : 2700 - k]) ** 2)) for k in range(16)]
+    assert int(np.argmin(late)) == pytest.approx(8, abs=2)  # ms: 1/(2 pi 20 Hz)
+    fast, usual = (np.std(np.diff(volts[1500:2700], 2)) for volts in (slow, plain))
+    assert fast < 0.3 * usual
+
+
+@pytest.mark.parametrize(("fault", "volts"), [("supply-gain=0.8@1s", 0.8 * 0.8712), ("supply-stuck@1s", 0.8712)])
+def test_a_supply_gives_another_voltage_than_it_is_commanded(fault: str, volts: float) -> None:
+    made, _, _, _ = moving(fault)
+    assert made.truth.voltage[-1] == pytest.approx(volts, abs=1e-3)
+    made.write(0.0)
+    made.run_unattended(0.01)
+    assert made.truth.voltage[-1] == pytest.approx(volts if "stuck" in fault else 0.0, abs=1e-3)
+    made.run_unattended(0.3)  # the host is silent: the enable line cuts the coil, whatever the supply does
+    assert made.truth.voltage[-1] == 0.0
+
+
 def test_a_stalled_motor_is_a_fault() -> None:
     made, _, _, _ = moving("stalled-motor@0.9s")
     assert made.twin.faults & (Fault.STALL | Fault.FOLLOWING)
@@ -192,7 +219,7 @@ def test_a_restarted_uno_says_so_and_the_coil_dies() -> None:
     made.read(80)
     assert made.twin.faults == Fault.RESTARTED
     assert not made.twin.enabled
-    host.ask(Request.HELLO, 2)
+    host.ask(Request.HELLO, 3)
     assert not host.beat.homed
     made.read(100)
     assert 0.5 < made.coil_dead_since < 0.56
@@ -273,7 +300,7 @@ def test_an_emergency_stop_cuts_motor_and_coil_by_itself() -> None:
 
     base = RigSettings()
     made, host = rig(replace(base, wires=replace(base.wires, emergency_stop=True)), "emergency-stop@0.5s for 1s")
-    host.arm(limits=(*LIMITS[:-1], 0))  # firmware that does not look
+    host.arm(limits=(*LIMITS[:6], 0, *LIMITS[7:]))  # firmware that does not look
     made.write(2.0)
     host.done(Request.JOG, 2000, 500)
     while made.time < 0.6:

@@ -34,7 +34,7 @@ def held_at(kernel, duty):
             duty,
         )
         registers[[c.R_HALF, c.R_PAUSE, c.R_PHASE, c.R_HEARTBEAT, c.R_MAX_SPEED]] = 2, 10**9, 1, 10**9, 10**9
-        registers[[c.R_LIMITED, c.R_MAX_DUTY, c.R_STALL]] = 1, 255, 10**9
+        registers[[c.R_LIMITED, c.R_MAX_DUTY, c.R_STALL, c.R_SLEW]] = 1, 255, 10**9, 255
         registers[[c.R_HOMED, c.R_LOW, c.R_HIGH, c.R_FREE]] = 1, -(10**9), 10**9, -(10**12)
         return kernel(until, m, y, n, z, *rest)
 
@@ -235,3 +235,15 @@ def test_a_sine_of_10_mm_at_1_hz_is_followed_within_a_third_of_a_millimetre() ->
     steady = (truth.time - start > 2) & (truth.time - start < 10)
     assert np.abs(truth.position - wanted)[steady].max() < 0.35e-3
     assert made.twin.state == State.ARMED
+
+
+@pytest.mark.parametrize("duty", [255, -255, 128])
+def test_the_motors_current_is_that_of_its_load_and_of_its_start(duty: int) -> None:
+    """At rest all of the speed that the duty asks for pushes, (v0 d/r) k; without load only Table A.2's 2.4 A are left."""
+    made, _ = rig(settings(table={"friction": 0.0}, actuator={"backlash": 0.0}), specimen=NOTHING)
+    size, per_newton = (abs(duty) / 255 - 0.06) / 0.94, (13.2 - 2.4) / 4500.0
+    driven(made, 1e-3, duty)
+    began = 2.4 + per_newton * 0.078 * size * np.exp(-9e-4 / 0.025) / 2e-5
+    assert made.plant[plant.Y_BRIDGE] == pytest.approx(began, rel=2e-3)
+    driven(made, 0.3, duty)
+    assert made.plant[plant.Y_BRIDGE] == pytest.approx(2.4, abs=0.01)

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.rig.served_loop import reader_of
+from tests.rig.simulation.driver import PROMPT
 
 from dampyr import records
 from dampyr.campaigns import perform, read_journal
@@ -140,7 +141,7 @@ def test_a_request_is_answered_at_the_time_that_it_is(rig: RealTimeSimulator, wa
 
 
 def test_a_delay_of_the_board_holds_up_nobody_else(wall: Wall) -> None:
-    rig = RealTimeSimulator(RigSettings(), faults=[FaultSpec.parse("late-samples=30s@0s")])
+    rig = RealTimeSimulator(RigSettings(uno=PROMPT), faults=[FaultSpec.parse("late-samples=30s@0s")])
     slept: list[float] = []
     states: list[State] = []
 

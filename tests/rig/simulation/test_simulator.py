@@ -8,7 +8,7 @@ from tests.rig.simulation.parts import settings
 from dampyr.rig.firmware.protocol import Request, State
 from dampyr.rig.simulation import plant
 
-WIDE = (-30000, 30000, 40000, 150, 255, 1000, 0)
+WIDE = (-30000, 30000, 40000, 150, 255, 1000, 0, 255, 0)
 
 
 def test_the_same_seed_gives_the_same_bits_whatever_the_blocks() -> None:
@@ -53,7 +53,7 @@ def test_samples_come_at_their_times(rate: float) -> None:
 
 def test_home_looks_for_the_index() -> None:
     made, host = rig(position=-0.003)
-    host.ask(Request.HELLO, 2)
+    host.ask(Request.HELLO, 3)
     host.done(Request.CLEAR)
     host.done(Request.LIMITS, *WIDE)
     assert host.beat.limited

@@ -22,6 +22,7 @@ NO_CHANNEL, NO_TASK, NO_DEVICE = -200170, -200088, -200220
 RESERVED, NOT_STARTED, ONE_SAMPLE, NO_SPACE, NOT_YET = -50103, -200846, -200547, -200293, -200292
 BEYOND_LIMITS, EMPTY, TOO_SHORT, RUNNING, READ_TYPE = -200561, -200462, -200609, -200557, -200525
 FILTER_WIDTH, FILTER_NOT_SET, FILTER_DIFFERS = -200777, -200771, -200775
+CI_MEAS_TYPES = 0x2FD4  # what the counters of a device measure, as nidaqmx asks it
 CHANNEL_ATTRIBUTES = {
     pb.CHANNEL_ATTRIBUTE_CHAN_TYPE: {"ai": 10100, "ao": 10102, "ci": 10131},
     pb.CHANNEL_ATTRIBUTE_AI_MEAS_TYPE: {"ai": 10322},
@@ -129,9 +130,32 @@ class Identity(service.NiDAQmxServicer):
     def GetDeviceAttributeString(self, request: Any, context: Any) -> Any:
         with self.grpc_errors(context):
             self._check_device(request.device_name)
-            if request.attribute_raw != pb.DEVICE_ATTRIBUTE_PRODUCT_TYPE:
-                raise NotImplementedError("the simulated board gives its product type and serial number only")
-        return pb.GetDeviceAttributeStringResponse(value=PRODUCT)
+            names = {
+                pb.DEVICE_ATTRIBUTE_AI_PHYSICAL_CHANS: [f"ai{k}" for k in range(16)],
+                pb.DEVICE_ATTRIBUTE_AO_PHYSICAL_CHANS: ["ao0", "ao1"],
+                pb.DEVICE_ATTRIBUTE_CI_PHYSICAL_CHANS: ["ctr0", "ctr1"],
+                pb.DEVICE_ATTRIBUTE_DO_LINES: [],  # it has none
+                pb.DEVICE_ATTRIBUTE_TERMINALS: [f"PFI{k}" for k in range(16)],
+            }
+            named = {key: ", ".join(f"{request.device_name}/{name}" for name in value) for key, value in names.items()}
+            texts = named | {pb.DEVICE_ATTRIBUTE_PRODUCT_TYPE: PRODUCT}
+            if request.attribute_raw not in texts:
+                raise NotImplementedError("the simulated board gives its product, channels and terminals only")
+        return pb.GetDeviceAttributeStringResponse(value=texts[request.attribute_raw])
+
+    def GetDeviceAttributeInt32Array(self, request: Any, context: Any) -> Any:
+        with self.grpc_errors(context):
+            self._check_device(request.device_name)
+            if request.attribute_raw != CI_MEAS_TYPES:
+                raise NotImplementedError("of such lists, the simulated board gives what its counters measure only")
+        return pb.GetDeviceAttributeInt32ArrayResponse(value_raw=[10125, 10361])  # edges and linear encoders
+
+    def GetDeviceAttributeDouble(self, request: Any, context: Any) -> Any:
+        with self.grpc_errors(context):
+            self._check_device(request.device_name)
+            if request.attribute_raw != pb.DEVICE_ATTRIBUTE_AI_MAX_MULTI_CHAN_RATE:
+                raise NotImplementedError("of such numbers, the simulated board gives the rate of its inputs only")
+        return pb.GetDeviceAttributeDoubleResponse(value=250e3)
 
     def GetDeviceAttributeUInt32(self, request: Any, context: Any) -> Any:
         with self.grpc_errors(context):
@@ -143,8 +167,11 @@ class Identity(service.NiDAQmxServicer):
     def GetDeviceAttributeBool(self, request: Any, context: Any) -> Any:
         with self.grpc_errors(context):
             self._check_device(request.device_name)
-            if request.attribute_raw != pb.DEVICE_ATTRIBUTE_IS_SIMULATED:
-                raise NotImplementedError("of the flags, the simulated board gives only that it is simulated")
+            clocks = (pb.DEVICE_ATTRIBUTE_AO_SAMP_CLK_SUPPORTED, pb.DEVICE_ATTRIBUTE_CI_SAMP_CLK_SUPPORTED)
+            if request.attribute_raw not in (pb.DEVICE_ATTRIBUTE_IS_SIMULATED, *clocks):
+                raise NotImplementedError(
+                    "of the flags, the simulated board gives its clocks, and that it is simulated"
+                )
         return pb.GetDeviceAttributeBoolResponse(value=True)
 
     def _check_device(self, name: str) -> None:

@@ -8,10 +8,9 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 
-import tomli_w
 from tests.rig.wires import serial_wire
 from tests.rig.wires.clock import Clock
 
@@ -21,6 +20,7 @@ from dampyr.rig.connecting import _calibrated
 from dampyr.rig.instruments.arduino_uno.driver import Uno
 from dampyr.rig.instruments.arduino_uno.wire import open_wire
 from dampyr.rig.instruments.ni_daqmx.driver import NiBoard
+from dampyr.rig.settings_file import write_settings
 from dampyr.rig.simulation.event_log import EventFile
 from dampyr.rig.simulation.simulator import Simulator, parse_faults
 from dampyr.rig.specimen import specimen_of
@@ -45,8 +45,7 @@ class Process:
         with tempfile.TemporaryDirectory(prefix="dampyr-rig-") as made:
             specimen_of(rig, folder).save(Path(made) / "card.toml")
             settings = replace(rig, specimen=replace(rig.specimen, card="card.toml"))
-            path = Path(made) / "rig.toml"
-            path.write_text(tomli_w.dumps(asdict(settings)), "utf-8")
+            path = write_settings(settings, Path(made) / "rig.toml")
             command = [
                 sys.executable,
                 "-m",

@@ -16,10 +16,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from tests.rig.simulation.driver import Host, sine
+from tests.rig.simulation.driver import PROMPT, Host, sine
 from tests.rig.wires import clock, daqmx_service, serial_wire, server
 
+from dampyr.rig import RigSettings
 from dampyr.rig.firmware.protocol import Reader, Request, State
+from dampyr.rig.settings_file import write_settings
 
 grpc = pytest.importorskip("grpc", reason="the extra rig is not installed: pip install dampyr[rig]")
 nidaqmx = pytest.importorskip("nidaqmx", reason="the extra rig is not installed: pip install dampyr[rig]")
@@ -170,10 +172,11 @@ def moving(rig: Served, host: Host, blocks: int) -> tuple[np.ndarray, np.ndarray
     return volts[0], metres
 
 
-def test_the_real_clients_see_what_the_simulator_in_process_gives(serve: Start) -> None:
+def test_the_real_clients_see_what_the_simulator_in_process_gives(serve: Start, tmp_path: Path) -> None:
     from tests.rig.simulation.driver import rig as in_process
 
-    served = serve("--seed", "1")
+    write_settings(RigSettings(uno=PROMPT), tmp_path / "rig.toml")
+    served = serve("--seed", "1", "--rig", str(tmp_path / "rig.toml"))
     host = served.host()
     volts, metres = moving(served, host, 50)
     assert host.beat.state == State.FOLLOWING
@@ -319,14 +322,14 @@ def test_a_second_client_is_turned_away(serve: Start) -> None:
     other = socket.create_connection(("127.0.0.1", int(served.where["serial"].rpartition(":")[2])))
     assert other.recv(10) == b""
     other.close()
-    assert host.ask(Request.HELLO, 2).values[0] == 2
+    assert host.ask(Request.HELLO, 3).values[0] == 3
 
 
 @pytest.mark.by_hand
 def test_in_real_time_the_walls_clock_moves_it(serve: Start) -> None:
     served = serve("--real-time", process=True)
     host = served.host()
-    host.ask(Request.HELLO, 2)
+    host.ask(Request.HELLO, 3)
     before, start = host.beat.time, time.monotonic()
     time.sleep(0.5)
     after, end = host.beat.time, time.monotonic()

@@ -28,6 +28,7 @@ from dampyr.ground_motions import GroundMotion, el_centro, read
 from dampyr.hybrid.delayed_actuator import run_delayed
 from dampyr.hybrid.rig_drive import STOPPING, HybridDrive, way_back
 from dampyr.hybrid.substructure import Substructure, SubstructureRun, substructure_of
+from dampyr.input_kinds import input_arguments
 from dampyr.models import Damper, published
 from dampyr.rig import RigSettings
 from dampyr.rig.specimen import specimen_of
@@ -65,9 +66,11 @@ class Hybrid:
     adaptive: Annotated[bool, "follow the table's lag during the test"] = True
     lead_amplitude: Annotated[float, Length, "amplitude of the sine before the test"] = 0.002
     energy_limit: Annotated[float, Quantity("", low=0.001, high=1.0), "error of energy at which the test stops"] = 0.1
-    reserve: Annotated[float, Time, "time of the set points that are sent beyond the next block, for a late host"] = (
-        0.004
-    )
+    reserve: Annotated[
+        float,
+        Time,
+        "time of the set points that are sent beyond the next block: for a late host, and two requests on a line of 16 ms",
+    ] = 0.034
     rest_before: Annotated[float, Rest, "rest before the motion, recorded so that offsets can be read"] = 1.0
     period: Annotated[float, Period, "time from set point to set point"] = 0.002
 
@@ -211,10 +214,10 @@ class Hybrid:
     def _describe_range(self, rig: RigSettings) -> str:
         """Why the model cannot predict the force at this voltage."""
         damper, factor = self.damper(rig), 1.0
-        if damper.input != "V":
+        if damper.input == "A":
             factor = rig.supply.resistance
         low, high = (value * factor for value in damper.range)
-        if low * (1 - 1e-9) <= self.voltage <= high * (1 + 1e-9):
+        if not damper.needs_input or low * (1 - 1e-9) <= self.voltage <= high * (1 + 1e-9):
             return ""
         return (
             f"voltage = {self.voltage:g} V, but the model was calibrated from {low:.4g} to {high:.4g} V; "
@@ -239,7 +242,7 @@ class Hybrid:
         t, x = response.time, response.stroke[0]
         rate = response.velocity.T @ building_of(self.structure).connection(self.storey)
         value = input_of(damper, self.voltage, rig)
-        inputs: dict[str, Any] = {"voltage" if damper.input == "V" else "current": value}
+        inputs = input_arguments(damper.input, value)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DampyrWarning)  # as for the computed response
             fast = damper.force_of_motion(t, x, velocity=rate, **inputs)
@@ -277,7 +280,7 @@ def input_of(damper: Damper, voltage: float, rig: RigSettings) -> float:
 
     A voltage beyond that is refused by the plan, which needs an expected motion to say so.
     """
-    value = voltage if damper.input == "V" else voltage / rig.supply.resistance
+    value = voltage / rig.supply.resistance if damper.input == "A" else voltage
     return min(max(value, damper.range[0]), damper.range[1])
 
 
@@ -299,7 +302,7 @@ def _without_delays(damper: Damper) -> Damper:
 @lru_cache(maxsize=64)
 def _compute(step: Hybrid, damper: Damper, value: float, contents: tuple[tuple[str, str], ...]) -> Response:
     """The response of a step's building; ``contents`` tells files of one name apart."""
-    inputs: dict[str, Any] = {"voltage" if damper.input == "V" else "current": value}
+    inputs = input_arguments(damper.input, value)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)  # the response has them as findings, and the plan as remarks
         return respond(building_of(step.structure), motion_of(step), {step.storey: damper}, **inputs)

@@ -10,8 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from dampyr.campaigns.paths import GLIDE, around, driven, moves, top_speed
+from dampyr.campaigns.paths import GLIDE, around, driven, move, moves, start_of, top_speed
 from dampyr.campaigns.step import Count, Length, Peaks, Period, Place, Rest, Speed, Volts, check_ranges
+from dampyr.records.cycle_analysis.device_figures import SteadyCycles
 from dampyr.rig import Drive, RigSettings
 
 
@@ -40,6 +41,15 @@ class QuasiStatic:
         turns = [self.centre + self.amplitude, self.centre - self.amplitude] * self.cycles
         pieces = list(moves([self.centre, *turns, self.centre], self.speed))
         return driven(around(pieces, self.centre, self.rest_before), self.period, self.voltage)
+
+    @property
+    def steady_cycles(self) -> SteadyCycles | None:
+        """From the first turn on, from turn to turn and back: one fewer than ``cycles``, for the way to the first turn and that
+        from the last make up the other; None of a single cycle."""
+        top, bottom = self.centre + self.amplitude, self.centre - self.amplitude
+        begin = start_of(self.centre, self.rest_before) + move(self.centre, top, self.speed).duration
+        period = 2.0 * move(top, bottom, self.speed).duration
+        return SteadyCycles(begin, period, self.cycles - 1) if self.cycles > 1 else None
 
     def peaks(self, rig: RigSettings) -> Peaks:
         """|x0| + A and the speed, or what a stroke too short for it reaches."""

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from math import pi
 from typing import Annotated, ClassVar
 
-from dampyr.campaigns.paths import GLIDE, around, driven, swing, top_speed
+from dampyr.campaigns.paths import GLIDE, around, driven, start_of, swing, top_speed
 from dampyr.campaigns.step import (
     Count,
     Frequency,
@@ -26,6 +26,7 @@ from dampyr.campaigns.step import (
     check_ranges,
     enough_points,
 )
+from dampyr.records.cycle_analysis.device_figures import SteadyCycles
 from dampyr.rig import Drive, RigSettings
 
 
@@ -55,6 +56,12 @@ class Sine:
         """The set points of table and coil."""
         piece = swing(self.amplitude, self.frequency, self.cycles, self.taper, self.centre)
         return driven(around([piece], self.centre, self.rest_before), self.period, self.voltage)
+
+    @property
+    def steady_cycles(self) -> SteadyCycles:
+        """Those between the tapers."""
+        begin = start_of(self.centre, self.rest_before) + self.taper / self.frequency
+        return SteadyCycles(begin, 1.0 / self.frequency, self.cycles)
 
     def peaks(self, rig: RigSettings) -> Peaks:
         """|x0| + A and 2 pi f A, or the glide to the centre where that is faster."""

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.export.c_text import COMPOSED, DOUBLE, LIBM, SINGLE, Precision, function
 from dampyr.findings import OF_DAMPER, handed_on
+from dampyr.input_kinds import INPUTS, input_arguments
 from dampyr.models import Constant, Damper, Interpolation, Polynomial
-from dampyr.models.damper import INPUTS
 from dampyr.models.laws import Law
 from dampyr.source_digest import full_version
 
@@ -61,7 +61,7 @@ def write(
         f"{name}.h": c.header,
         f"{name}.c": c.source,
         f"{name}_vectors.h": _vectors(damper, name),
-        f"{name}_test.c": _test_program(name, precision),
+        f"{name}_test.c": _test_program(name, precision, damper.has_input),
         "Makefile": _makefile(c),
     }
     folder.mkdir(parents=True, exist_ok=True)
@@ -118,8 +118,13 @@ def c_source(
 
 
 def _header(damper: Damper, name: str, precision: Precision, history: int, libm: tuple[str, ...]) -> str:
-    word, real = INPUTS[damper.input], precision.real
-    late = damper.composition.has_delay
+    real, late = precision.real, damper.composition.has_delay
+    at_coil, outside, in_range, and_u, u_first, u = "", "", "", "", "", ("", "")
+    if damper.has_input:
+        at_coil = f", {damper.input} ({INPUTS[damper.input]} at the coil)"
+        outside = f" Outside its range the force is NAN (see {name}_in_range)."
+        in_range = f"int {name}_in_range({real} u);\n"
+        and_u, u_first, u = f", {real} u", f"{real} u, ", (", u0", ", u1")
     delay = (
         f"\n    {real} late_dt[{history}], late_f[{history}];\n    long late_at, late_count;\n    int late_lost;"
         if late
@@ -141,16 +146,16 @@ def _header(damper: Damper, name: str, precision: Precision, history: int, libm:
     return f"""\
 /* A damper written by dampyr {full_version()}: {damper.composition}.{origin}
  *
- * Units: s, m, m/s, {damper.input} ({word} at the coil), N. A positive force opposes a positive velocity.
+ * Units: s, m, m/s{at_coil}, N. A positive force opposes a positive velocity.
  * The damper {damper.range_words}. {"Single" if precision == SINGLE else "Double"} precision. {link}{warned}
  *
  *     {name}_state d;
- *     {real} f0 = {name}_start(&d, t0, x0, v0, u0);
- *     {real} f1 = {name}_step(&d, t1, x1, v1, u1);         for each sample in turn, t rising
- *     {real} f1 = {name}_step_by(&d, dt, x1, v1, u1);      the same with the time since the last sample, which stays
+ *     {real} f0 = {name}_start(&d, t0, x0, v0{u[0]});
+ *     {real} f1 = {name}_step(&d, t1, x1, v1{u[1]});         for each sample in turn, t rising
+ *     {real} f1 = {name}_step_by(&d, dt, x1, v1{u[1]});      the same with the time since the last sample, which stays
  *                                                        exact however long it runs
  *
- * The motion between two samples counts as straight in x. Outside its range the force is NAN (see {name}_in_range).
+ * The motion between two samples counts as straight in x.{outside}
 {look_back} */
 #ifndef {guard}
 #define {guard}
@@ -164,11 +169,10 @@ typedef struct {{
     {real} t, x, v;{delay}
 }} {name}_state;
 
-int {name}_in_range({real} u);
-{real} {name}_start({name}_state *d, {real} t, {real} x, {real} v, {real} u);
-{real} {name}_step({name}_state *d, {real} t, {real} x, {real} v, {real} u);
-{real} {name}_step_by({name}_state *d, {real} dt, {real} x, {real} v, {real} u);
-void {name}_parameters({real} u, {real} *p);
+{in_range}{real} {name}_start({name}_state *d, {real} t, {real} x, {real} v{and_u});
+{real} {name}_step({name}_state *d, {real} t, {real} x, {real} v{and_u});
+{real} {name}_step_by({name}_state *d, {real} dt, {real} x, {real} v{and_u});
+void {name}_parameters({u_first}{real} *p);
 
 #ifdef __cplusplus
 }}
@@ -190,7 +194,9 @@ def _source(damper: Damper, name: str, allow_extrapolation: bool, precision: Pre
     prefix = f"{name}_"
     formulas, whole = function_trees(damper)
     names = {tree.name for tree in (*formulas, *whole)}
-    laws = [_law(law, f"{prefix}law_{k}", key, precision) for k, (key, law) in enumerate(damper.all_laws.items())]
+    laws = []
+    if damper.has_input:
+        laws = [_law(law, f"{prefix}law_{k}", key, precision) for k, (key, law) in enumerate(damper.all_laws.items())]
     functions = [function(tree, prefix, names, precision=precision) for tree in formulas]
     functions += [function(tree, prefix, names, ARRAYS, precision) for tree in whole]
     text = "\n".join(functions)
@@ -205,7 +211,7 @@ def _source(damper: Damper, name: str, allow_extrapolation: bool, precision: Pre
                 _values(damper, prefix, precision),
                 *helpers,
                 *functions,
-                _in_range(damper, prefix, allow_extrapolation, precision),
+                *([_in_range(damper, prefix, allow_extrapolation, precision)] if damper.has_input else []),
                 *([_late(prefix, precision, history)] if damper.composition.has_delay else []),
                 _calls(damper, prefix, precision),
             ]
@@ -267,10 +273,13 @@ def _interpolation(law: Interpolation, precision: Precision) -> list[str]:
 
 
 def _values(damper: Damper, prefix: str, precision: Precision) -> str:
-    real, count = precision.real, len(damper.composition.parameters)
-    lines = [f"    p[{k}] = {prefix}law_{k}(u);" for k in range(count)]
-    order = ", ".join(damper.all_laws)
-    return "\n".join([f"/* {order} */", f"void {prefix}parameters({real} u, {real} *p)", "{", *lines, "}"])
+    real, laws = precision.real, damper.all_laws
+    head = f"/* {', '.join(laws)} */"
+    if not damper.has_input:
+        lines = [f"    p[{k}] = {precision.number(float(value))};" for k, value in enumerate(damper.values(0.0))]
+        return "\n".join([head, f"void {prefix}parameters({real} *p)", "{", *lines, "}"])
+    lines = [f"    p[{k}] = {prefix}law_{k}(u);" for k in range(len(laws))]
+    return "\n".join([head, f"void {prefix}parameters({real} u, {real} *p)", "{", *lines, "}"])
 
 
 def _in_range(damper: Damper, prefix: str, allow_extrapolation: bool, precision: Precision) -> str:
@@ -318,39 +327,43 @@ def _calls(damper: Damper, prefix: str, precision: Precision) -> str:
     empty = "    d->late_at = 0; d->late_count = 0; d->late_lost = 0;\n" if late else ""
     count = len(composition.parameters)
     past = "".join(f"    d->s[{k}] = {precision.number(v)};\n" for k, v in enumerate(composition.path0) if v)
+    declared, passed, first_u, refused, outside = "", "", "", "", ""
+    if damper.has_input:
+        declared, passed, first_u = f", {real} u", ", u", "u, "
+        refused = f"    if (!{prefix}in_range(u)) return ({real})NAN;\n"
+        outside = f"!{prefix}in_range(u) || "
     return f"""\
-{real} {prefix}start({prefix}state *d, {real} t, {real} x, {real} v, {real} u)
+{real} {prefix}start({prefix}state *d, {real} t, {real} x, {real} v{declared})
 {{
     {real} p[{count}], f;
     for (int k = 0; k < {max(composition.n_states, 1)}; k++) d->s[k] = {zero};
 {past}    d->t = t; d->x = x; d->v = v;
-{empty}    if (!{prefix}in_range(u)) return ({real})NAN;
-    {prefix}parameters(u, p);
+{empty}{refused}    {prefix}parameters({first_u}p);
     f = {prefix}force(d->s, x, v, {zero}, p);
     return {first};
 }}
 
-{real} {prefix}step_by({prefix}state *d, {real} dt, {real} x, {real} v, {real} u)
+{real} {prefix}step_by({prefix}state *d, {real} dt, {real} x, {real} v{declared})
 {{
     {real} p[{count}], f;
-    if (!{prefix}in_range(u) || !(dt > {zero})) return ({real})NAN;
-    {prefix}parameters(u, p);
+    if ({outside}!(dt > {zero})) return ({real})NAN;
+    {prefix}parameters({first_u}p);
     {prefix}advance(d->s, d->x, x, d->v, v, dt, p);
     d->t += dt; d->x = x; d->v = v;
     f = {prefix}force(d->s, x, v, {zero}, p);
     return {later};
 }}
 
-{real} {prefix}step({prefix}state *d, {real} t, {real} x, {real} v, {real} u)
+{real} {prefix}step({prefix}state *d, {real} t, {real} x, {real} v{declared})
 {{
-    {real} f = {prefix}step_by(d, t - d->t, x, v, u);
+    {real} f = {prefix}step_by(d, t - d->t, x, v{passed});
     if (f == f) d->t = t;
     return f;
 }}"""
 
 
 def replayed_path(damper: Damper, samples: int = VECTORS) -> tuple[Array, Array, Array, Array, Array]:
-    """A path ``(t, x, v, u, f)`` in s, m, m/s, V or A, and N, with an input that varies over the calibrated range.
+    """A path ``(t, x, v, u, f)`` in s, m, m/s, V or A, and N, with an input that varies over the calibrated range, 0 without.
 
     Its displacement and its velocity stay within those that the damper was calibrated on.
     """
@@ -362,12 +375,13 @@ def replayed_path(damper: Damper, samples: int = VECTORS) -> tuple[Array, Array,
     t, x, v = slower * t, amplitude * np.sin(phase), v / slower
     low, high = damper.range
     u = 0.5 * (low + high) + 0.5 * (high - low) * np.sin(2.0 * np.pi * 0.7 * t / slower)
-    inputs = {"current": u} if damper.input == "A" else {"voltage": u}
-    return t, x, v, u, damper.force(t, x, velocity=v, **inputs)  # type: ignore[arg-type]
+    return t, x, v, u, damper.force(t, x, velocity=v, **input_arguments(damper.input, u))
 
 
 def _vectors(damper: Damper, name: str) -> str:
     columns = dict(zip(("t", "x", "v", "u", "f"), replayed_path(damper), strict=True))
+    if not damper.has_input:
+        del columns["u"]
     units = {"t": "s", "x": "m", "v": "m/s", "u": damper.input, "f": "N, by dampyr"}
     arrays = [
         f"static const double {name}_{key}[{VECTORS}] = {{ /* {units[key]} */\n"
@@ -380,9 +394,9 @@ def _vectors(damper: Damper, name: str) -> str:
     )
 
 
-def _test_program(name: str, precision: Precision) -> str:
+def _test_program(name: str, precision: Precision, has_input: bool) -> str:
     real, tolerance = precision.real, TOLERANCE[precision]
-    arguments = ", ".join(f"({real}){name}_{key}[k]" for key in ("x", "v", "u"))
+    arguments = ", ".join(f"({real}){name}_{key}[k]" for key in ("x", "v", "u")[: 2 + has_input])
     return f"""\
 /* Replays {name}_vectors.h: exit status 1 where the force is off by more than {tolerance:g} of its largest. */
 #include "{name}.h"

@@ -9,8 +9,8 @@ from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError
 from dampyr.export.kinds.c import ARRAYS, WIDTH, before_use, check_exportable, check_name, function_trees
 from dampyr.export.matlab_text import SUPPORT, function, number
+from dampyr.input_kinds import INPUTS
 from dampyr.models import Constant, Damper, Interpolation, Polynomial
-from dampyr.models.damper import INPUTS
 from dampyr.models.laws import Law
 from dampyr.source_digest import full_version
 
@@ -37,10 +37,23 @@ def write(damper: Damper, folder: Path, name: str, allow_extrapolation: bool = F
 def _main(damper: Damper, name: str, allow_extrapolation: bool) -> str:
     composition, prefix = damper.composition, f"{name}_"
     low, high = damper.range
-    word, unit = INPUTS[damper.input], damper.input
     slack = 1e-9 * max(abs(low), abs(high), 1.0)
     outside = f"u < {number(low - slack)} | u > {number(high + slack)} | isnan(u)"
     bad = "~isfinite(u)" if allow_extrapolation else outside
+    given, numbers, u_of_sample = ["t", "x", "v"], "", ""
+    about, check = ".", ""
+    if damper.has_input:
+        word, unit = INPUTS[damper.input], damper.input
+        given, u_of_sample = ["t", "x", "v", "u"], "u(k)"
+        about = f"; u is the {word} [{unit}] at the coil, one number or one for each sample."
+        numbers = "\n    if isscalar(u), u = repmat(u, size(x)); end"
+        check = f"""
+    bad = find({bad}, 1);
+    if ~isempty(bad)
+        error('{name}:range', '{word} = %g {unit} at sample %d; calibrated from {low:g} to {high:g} {unit}', u(bad), bad);
+    end"""
+    arguments, sizes = ", ".join(given), ", ".join(f"numel({key})" for key in given)
+    listed = f"{', '.join(given[:-1])} and {given[-1]} have {', '.join(['%d'] * (len(given) - 1))} and %d samples"
     start = ", ".join(number(value) for value in composition.path0) or "0.0"
     warned = "".join(f"\n%   {line}" for line in wrap(before_use(damper), WIDTH))
     late = composition.delay is not None
@@ -48,27 +61,22 @@ def _main(damper: Damper, name: str, allow_extrapolation: bool) -> str:
     empty = "\n        state.late_t = []; state.late_f = [];" if late else ""
     origin = f"\n%   {notice}." if (notice := damper.origin.notice) else ""
     return f"""\
-function [f, state] = {name}(t, x, v, u, state)
+function [f, state] = {name}({arguments}, state)
 %{name.upper()}  Force of a damper along a path.
-%   f = {name}(t, x, v, u) is the force [N] at the times t [s] of a path with the displacement x [m] and the velocity
-%   v [m/s]; u is the {word} [{unit}] at the coil, one number or one for each sample. A positive force opposes a positive
+%   f = {name}({arguments}) is the force [N] at the times t [s] of a path with the displacement x [m] and the velocity
+%   v [m/s]{about} A positive force opposes a positive
 %   velocity. The path begins at rest.
-%   [f, state] = {name}(t, x, v, u, state) goes on from the state that an earlier call returned, with later samples.
+%   [f, state] = {name}({arguments}, state) goes on from the state that an earlier call returned, with later samples.
 %
 %   The model: {composition}. The damper {damper.range_words}. Written by dampyr {full_version()}.{origin}{warned}
-    if nargin < 5, state = []; end
-    if isscalar(u), u = repmat(u, size(x)); end
-    if ~isequal(numel(t), numel(x), numel(v), numel(u))
-        error('{name}:size', 't, x, v and u have %d, %d, %d and %d samples; give as many of each', ...
-            numel(t), numel(x), numel(v), numel(u));
-    end
-    bad = find({bad}, 1);
-    if ~isempty(bad)
-        error('{name}:range', '{word} = %g {unit} at sample %d; calibrated from {low:g} to {high:g} {unit}', u(bad), bad);
-    end
+    if nargin < {len(given) + 1}, state = []; end{numbers}
+    if ~isequal({sizes})
+        error('{name}:size', '{listed}; give as many of each', ...
+            {sizes});
+    end{check}
     f = zeros(size(x));
     for k = 1:numel(t)
-        p = {prefix}parameters(u(k));
+        p = {prefix}parameters({u_of_sample});
         if isempty(state)
             state = struct('s', [{start}], 't', t(k), 'x', x(k), 'v', v(k));{empty.replace("        ", "            ")}
         else
@@ -88,7 +96,8 @@ def _parameters(damper: Damper, prefix: str) -> str:
     for k, (key, law) in enumerate(damper.all_laws.items(), start=1):
         lines += [f"    % {key}", *_law(law, k, key)]
     count = len(damper.all_laws)
-    return "\n".join([f"function p = {prefix}parameters(u)", f"    p = zeros(1, {count});", *lines, "end"])
+    u = "u" if damper.has_input else ""
+    return "\n".join([f"function p = {prefix}parameters({u})", f"    p = zeros(1, {count});", *lines, "end"])
 
 
 def _law(law: Law, k: int, key: str) -> list[str]:

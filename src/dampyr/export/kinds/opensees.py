@@ -11,13 +11,19 @@ import numpy as np
 from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError
 from dampyr.export.kinds.c import WIDTH, before_use, check_name
+from dampyr.input_kinds import INPUTS
 from dampyr.models import Damper, Interpolation
-from dampyr.models.damper import INPUTS
 from dampyr.source_digest import full_version
 
 HYSTERETIC = ("dahl", "bouc_wen")
 ALLOWED = (*HYSTERETIC, "spring", "offset")
 NODES = 5  # inputs of a law without nodes of its own
+LETTERS = "ko N, n, gamma 1/m, beta 1/m, Ao 1/m, E N/m, eta N s/m"
+DEFINED = """\
+    ops.uniaxialMaterial("BoucWen", tag + 1, 0.0, m["ko"], m["n"], m["gamma"], m["beta"], m["Ao"], 0.0, 0.0, 0.0, 1e-10, 50)
+    ops.uniaxialMaterial("Elastic", tag + 2, m["E"], m["eta"])
+    ops.uniaxialMaterial("Parallel", tag, tag + 1, tag + 2)
+"""
 NUMBERS = ("ko", "n", "gamma", "beta", "Ao", "E", "eta")
 
 
@@ -34,8 +40,9 @@ def write(
     The material is a `Parallel` of a `BoucWen` with alpha = 0 and an `Elastic` with the stiffness and the damping beside it. In
     OpenSees' letters :math:`\dot z = (A_o - |z|^n (\gamma + \beta\,\mathrm{sgn}(\dot x z))) \dot x` and the force is
     :math:`k_o z`: ``Ao`` = rho, ``beta`` = rho sigma, ``gamma`` = rho (1 - sigma), ``ko`` = kw, with n = sigma = 1 of Dahl's.
-    ``inputs`` are V or A; without them the nodes of the laws, or five inputs over the calibrated range. The static offset is
-    left out. Raises :class:`InputError` for a damper of other parts: `dampyr serve` gives OpenSees these.
+    ``inputs`` are V or A; without them the nodes of the laws, or five inputs over the calibrated range. A damper without an
+    input is one material. The static offset is left out. Raises :class:`InputError` for a damper of other parts: `dampyr serve`
+    gives OpenSees these.
     """
     check_name(name)
     parts = [part.name for part in damper.composition.parts]
@@ -50,6 +57,8 @@ def write(
             f"OpenSees has materials for one {' or '.join(HYSTERETIC)}, with or without spring and offset; {why}. "
             "dampyr serve CARD --opensees PORT runs any damper in OpenSees"
         )
+    if len(inputs) and not damper.has_input:
+        raise InputError("the damper has no input, and inputs are given; leave them out")
     at = np.atleast_1d(np.asarray(inputs, dtype=float)) if len(inputs) else _nodes(damper)
     damper.check_input(at, allow_extrapolation)
     rows = [_material(damper, float(u), allow_extrapolation) for u in at]
@@ -86,17 +95,33 @@ def _head(damper: Damper, name: str) -> list[str]:
     return [
         f"{name}: a damper written by dampyr {full_version()}, {damper.composition}{left_out}.",
         *([f"{notice}."] if (notice := damper.origin.notice) else []),
-        "Units: m, N, s. One material for each input at the coil, which stays constant.",
+        "Units: m, N, s." + " One material for each input at the coil, which stays constant." * damper.has_input,
         "OpenSees integrates BoucWen by backward Euler: its error is proportional to the step. Halve it until the peaks stay.",
         *wrap(before_use(damper), WIDTH),
     ]
 
 
 def _python(damper: Damper, name: str, at: list[float], rows: list[dict[str, float]]) -> str:
-    word, unit = INPUTS[damper.input], damper.input
-    table = "\n".join(f"    {u!r}: {row!r}," for u, row in zip(at, rows, strict=True))
     first, *rest = _head(damper, name)
     text = "\n".join([first, "", *rest])
+    if not damper.has_input:
+        return f'''"""{text}
+
+    import {name}
+    {name}.define(ops, 100)  # material 100
+    ops.element("zeroLength", 5, 1, 2, "-mat", 100, "-dir", 1)
+"""
+
+# {LETTERS}
+MATERIAL = {rows[0]!r}
+
+
+def define(ops, tag):
+    """Define the material `tag`, and with it tag + 1 and tag + 2, of the damper."""
+    m = MATERIAL
+{DEFINED}'''
+    word, unit = INPUTS[damper.input], damper.input
+    table = "\n".join(f"    {u!r}: {row!r}," for u, row in zip(at, rows, strict=True))
     return f'''"""{text}
 
     import {name}
@@ -104,7 +129,7 @@ def _python(damper: Damper, name: str, at: list[float], rows: list[dict[str, flo
     ops.element("zeroLength", 5, 1, 2, "-mat", 100, "-dir", 1)
 """
 
-MATERIALS = {{  # {word} in {unit}: ko N, n, gamma 1/m, beta 1/m, Ao 1/m, E N/m, eta N s/m
+MATERIALS = {{  # {word} in {unit}: {LETTERS}
 {table}
 }}
 
@@ -114,23 +139,20 @@ def define(ops, tag, {word}):
     if {word} not in MATERIALS:
         raise ValueError(f"{word} = {{{word}}} {unit} has no material; choose from {{', '.join(map(str, MATERIALS))}} {unit}")
     m = MATERIALS[{word}]
-    ops.uniaxialMaterial("BoucWen", tag + 1, 0.0, m["ko"], m["n"], m["gamma"], m["beta"], m["Ao"], 0.0, 0.0, 0.0, 1e-10, 50)
-    ops.uniaxialMaterial("Elastic", tag + 2, m["E"], m["eta"])
-    ops.uniaxialMaterial("Parallel", tag, tag + 1, tag + 2)
-'''
+{DEFINED}'''
 
 
 def _tcl(damper: Damper, name: str, at: list[float], rows: list[dict[str, float]]) -> str:
     lines = [f"# {line}" for line in _head(damper, name)]
-    lines.append(
-        f"# The damper at the k-th input is material [expr 3*$k + ${name}_first]; set {name}_first before, or it is 1."
-    )
+    which = "at the k-th input is material [expr 3*$k + $" if damper.has_input else "is material $"
+    end = "]" * damper.has_input
+    lines.append(f"# The damper {which}{name}_first{end}; set {name}_first before, or it is 1.")
     lines.append(f"if {{![info exists {name}_first]}} {{ set {name}_first 1 }}")
     for k, (u, m) in enumerate(zip(at, rows, strict=True)):
         tag = [f"[expr ${name}_first + {3 * k + j}]" for j in range(3)]
         letters = " ".join(repr(m[key]) for key in ("ko", "n", "gamma", "beta", "Ao"))
         lines += [
-            f"# {u!r} {damper.input}",
+            *([f"# {u!r} {damper.input}"] if damper.has_input else []),
             f"uniaxialMaterial BoucWen {tag[1]} 0.0 {letters} 0.0 0.0 0.0 1e-10 50",
             f"uniaxialMaterial Elastic {tag[2]} {m['E']!r} {m['eta']!r}",
             f"uniaxialMaterial Parallel {tag[0]} {tag[1]} {tag[2]}",

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.scoring.score import prediction
+from dampyr.input_kinds import NO_INPUT
 from dampyr.models import Damper
 from dampyr.models.damper import INPUTS
 from dampyr.origin import NOT_STATED, Origin
@@ -54,6 +55,8 @@ class Conditions:
         return cls(record.input, value, steady, 0.0 if average is None else average.window)
 
     def __str__(self) -> str:
+        if self.unit == NO_INPUT:
+            return "no input"
         if self.value is None:
             return "no input known"
         return f"{self.value:.4g} {self.unit}" if self.steady else f"a varying input in {self.unit}"
@@ -117,9 +120,8 @@ def _expect_of_damper(
     if not table:
         return _expect_nothing(0, "")
     if record.input != damper.input:
-        return _expect_nothing(
-            len(table), f"the reference is over the {INPUTS[damper.input]}; {Conditions.of(record)} here"
-        )
+        over = f"is over the {INPUTS[damper.input]}" if damper.has_input else "has no input"
+        return _expect_nothing(len(table), f"the reference {over}; {Conditions.of(record)} here")
     try:
         with warnings.catch_warnings():
             if not beyond:

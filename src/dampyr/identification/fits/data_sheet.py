@@ -45,7 +45,9 @@ def contradictions(damper: Damper, sheet: str = "RD-8041-1", resistance: float =
     """
     if sheet not in SHEETS:
         raise InputError(unknown(f"data sheet {sheet!r}", sheet, list(SHEETS)))
-    broken = []
+    broken: list[str] = []
+    if not damper.has_input:  # the sheets are of dampers with a coil
+        return broken
     for promise in SHEETS[sheet]:
         value = promise.current * (resistance if damper.input == "V" else 1.0)
         low, high = damper.range

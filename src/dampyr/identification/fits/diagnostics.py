@@ -22,7 +22,7 @@ from dampyr.identification.scoring.scoring_window import loop_work
 from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Problem
 from dampyr.identification.search.variable_projection import Outcome
-from dampyr.models.damper import INPUTS
+from dampyr.input_kinds import INPUTS, at_input
 from dampyr.phrases import counted, listing
 
 
@@ -171,15 +171,14 @@ def _describe_trends(residuals: Residuals) -> list[str]:
     ]
     if not tried or messages:
         return messages
-    return [
-        f"the residual has no trend beyond chance with input, frequency or stroke ({len(tried)} rank correlations tried)"
-    ]
+    causes = "input, frequency" if residuals.unit in INPUTS else "frequency"
+    return [f"the residual has no trend beyond chance with {causes} or stroke ({len(tried)} rank correlations tried)"]
 
 
 def _describe_trend(trend: Trend, residuals: Residuals) -> str:
     unit = residuals.unit
     way = "grows" if trend.rank > 0 else "falls"
-    where = "" if trend.input_value is None else f"at {trend.input_value:g} {unit} "
+    where = "" if trend.input_value is None else at_input(trend.input_value, unit, "g", "at ") + " " * (unit in INPUTS)
     word = INPUTS.get(unit, "input") if trend.quantity == "input" else trend.quantity
     text = f"{where}the residual relative to the force {way} with {word} "
     text += f"(rank correlation {signed(trend.rank)}, p = {trend.p:.1g})"
@@ -204,8 +203,9 @@ def _describe_shifts(residuals: Residuals) -> list[str]:
     for group in residuals.groups:
         out, back = group.sides["out"].mean, group.sides["in"].mean
         if abs(out - back) > residuals.thresholds.shifted * group.rms > 0.0:
+            where = at_input(group.input_value, residuals.unit, "g", "at ")
             messages.append(
-                f"at {group.input_value:g} {residuals.unit} the residual's mean differs between the directions: "
+                f"{where}{' ' * bool(where)}the residual's mean differs between the directions: "
                 f"{_format_force(out)} when the damper is pulled, {_format_force(back)} when pushed"
             )
     return messages
@@ -232,9 +232,10 @@ def _describe_unevenness(residuals: Residuals) -> list[str]:
         return []
     shares = sorted(100 * _compute_even_share(g) for g in odd)
     span = f"{shares[0]:.0f} to {shares[-1]:.0f}" if len(shares) > 1 else f"{shares[0]:.0f}"
-    where = ", ".join(f"{g.input_value:g}" for g in odd)
+    inputs = ", ".join(f"{g.input_value:g}" for g in odd)
+    where = f"at {inputs} {residuals.unit}, " if residuals.unit in INPUTS else ""
     return [
-        f"at {where} {residuals.unit}, {span} % of the residual's variance does not change its sign with the "
+        f"{where}{span} % of the residual's variance does not change its sign with the "
         "direction: the damper "
         "(or its motion) is not the same when pulled and when pushed, and this model does not follow that"
     ]
@@ -300,13 +301,14 @@ def _note_few_records(
     """Errors that rest on the cycles of one or two records."""
     notes = []
     inputs = {round(float(np.mean(p.u)), 6) for p in problem.pieces}
-    where = f"at {'this' if len(inputs) == 1 else 'each'} {INPUTS[problem.pieces[0].unit]}"
+    unit = problem.pieces[0].unit
+    where = f" at {'this' if len(inputs) == 1 else 'each'} {INPUTS[unit]}" if unit in INPUTS else ""
     for count in sorted(set(within.values())):
         labels_of_count = [label for label in labels if within.get(label) == count]
         errors = "the errors" if len(labels_of_count) == len(labels) else f"the errors of {', '.join(labels_of_count)}"
         notes.append(
             f"{explain_no_interval(count)}: {errors} hold within these records only and give no 95 % interval; record "
-            f"{MIN_INTERVAL_RECORDS} or more {where}"
+            f"{MIN_INTERVAL_RECORDS} or more{where}"
         )
     few = min((int(uncertainty.counts[labels.index(label)]) for label in within), default=least)
     if few < least:

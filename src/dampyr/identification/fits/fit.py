@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from dampyr.argument_kinds import RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
+from dampyr.findings import Finding
 from dampyr.identification.fits.fit_options import BUDGET, FitOptions
 from dampyr.identification.fits.least_squares import check_records_and_model, fit_model
 from dampyr.identification.fits.motion_coverage import list_motions_beyond
 from dampyr.identification.fits.result import Fit
 from dampyr.identification.model_choice.leaderboard import Leaderboard, leaderboard
+from dampyr.identification.model_choice.missing_effect import list_missing_effects
 from dampyr.identification.model_choice.screening import hold_pairs
 from dampyr.identification.scoring.score import score_or_reason
 from dampyr.identification.scoring.scoring_window import list_unscorable
@@ -70,7 +75,10 @@ def fit(
     Returns
     -------
     Fit
-        also where the search did not converge: ``converged`` and ``reason`` say so.
+        also where the search did not converge: ``converged`` and ``reason`` say so. Where the model misses more than
+        ``thresholds.unexplained`` of the force (L1 ratio), ``findings`` say which effect may be missing: those of
+        `dampyr.identification.model_choice.missing_effect` are tried, which takes a second, or half a minute where the models
+        are compiled first.
 
     Raises
     ------
@@ -117,6 +125,7 @@ def fit(
         tell("identifying", 0.0)
         result = fit_model(model, fitted, chosen, lambda step, _: tell("identifying", step / (step + HALF_WAY)))
         tell("identifying", 1.0)
+    result = replace(result, remarks=(*result.remarks, *_explain_misfit(result, chosen, board is not None, tell)))
     damper = result.damper
     return replace(
         result,
@@ -126,6 +135,21 @@ def fit(
         validation_records=tuple(others),
         beyond=beyond,
     )
+
+
+def _explain_misfit(result: Fit, options: FitOptions, chosen: bool, tell: Progress) -> list[Finding]:
+    """What may be missing where a fit misses more than `FitThresholds.unexplained` of the force."""
+    limit, rough = options.thresholds.unexplained, 0.0
+    # of all that was fitted, in a hundredth of the time of the scores: a fit that is so good by it is good by them
+    for piece, rest in zip(result.problem.pieces, result.optimum.residuals, strict=True):
+        force = piece.force[piece.comparable]
+        size = float(np.mean(np.abs(force - np.mean(force))))
+        rough = max(rough, float(np.mean(np.abs(rest))) / size if size > 0.0 else math.inf)
+    if rough <= 0.3 * limit or np.mean([score.l1 for score in result.scores.values()]) <= limit:
+        return []
+    effects = list_missing_effects(result, options, chosen, lambda done: tell("looking for what is missing", done))
+    of_records = [effect for effect in effects if not np.isfinite(effect.l1)]
+    return [effect.finding for effect in of_records or effects[:1]]
 
 
 def check_records(

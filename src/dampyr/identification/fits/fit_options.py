@@ -19,7 +19,13 @@ from dampyr.units import Quantity
 
 SEARCH, CHOICE = FormGroup("Search"), FormGroup("Choice of a model")
 BUDGET = 480.0  # counted s: two cores take four minutes for it, with what compiles and the last fits five
-ADD_ONS = ("compliance", "spring", "delay", "lag")  # tried in this order: what matters most comes before work is short
+ADD_ONS = (
+    "compliance",
+    "spring",
+    "place_friction",
+    "delay",
+    "lag",
+)  # tried in this order: what matters most comes before work is short
 FINALISTS = 5  # each costs a fit and two cross-validations of all records
 
 LOSSES = Choices(
@@ -130,13 +136,19 @@ class FitOptions(Options):
     add_ons: Annotated[
         tuple[str, ...], CHOICE, Terminal("--add-on", "PART"), "Without a model: the parts that are tried in addition"
     ] = ADD_ONS
-    finalists: Annotated[int, CHOICE, Quantity("", low=1), "Without a model: how many are fitted to all records"] = (
-        FINALISTS
-    )
+    finalists: Annotated[
+        int, CHOICE, Quantity("", low=1), "Without a model: how many are fitted to all records, at most"
+    ] = FINALISTS
     nested: Annotated[
         bool,
         CHOICE,
         "Without a model: repeat the choice five times without a fifth of the records, and predict that fifth",
+    ] = False
+    yardstick: Annotated[
+        bool,
+        CHOICE,
+        "Without a model: train black boxes on the same parts of the records and say what they see that no model does "
+        "(needs dampyr[yardstick])",
     ] = False
     thresholds: FitThresholds = field(default_factory=FitThresholds)
 

@@ -11,21 +11,25 @@ from functools import lru_cache
 from threading import Lock
 from typing import Any
 
+import numpy as np
+
 from dampyr.argument_kinds import MODEL, RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.result import Fit, build_fit
-from dampyr.identification.search.fit_data import piece, weighted, with_common_levels
+from dampyr.identification.search.fit_data import piece, unknown_input, weighted, with_common_levels
 from dampyr.identification.search.initial_guess import begin, search_several_starts
 from dampyr.identification.search.parametrisation import columns, held_twins
 from dampyr.identification.search.problem import Problem, checked_nuisances
 from dampyr.identification.search.robust import iteratively_reweighted
 from dampyr.identification.search.variable_projection import search
 from dampyr.identification.search.work import Work
+from dampyr.input_kinds import NO_INPUT
 from dampyr.models import Damper, compose
 from dampyr.models.codegen.composition import Composition
 from dampyr.origin import check_one_kind
 from dampyr.records import Record
+from dampyr.records.conditioning.nominal_input import mixed_inputs
 from dampyr.records.conditioning.velocity import check_bandwidth
 
 
@@ -48,7 +52,8 @@ def fit_model(
         check_one_kind(listed)
     problem = prepared(model, listed, options)
     starts = options.starts
-    with one_thread():
+    # A step to where the force is no number, such as beyond a gas column, has no cost and is not taken.
+    with one_thread(), np.errstate(over="ignore", invalid="ignore"):
         point, agreed = (
             (begin(problem, work), 1) if starts == 1 else search_several_starts(problem, starts, options.seed, work)
         )
@@ -56,6 +61,7 @@ def fit_model(
         if options.loss != "squares":
             outcome = iteratively_reweighted(outcome, options.loss, progress, work)
         outcome = replace(outcome, work=work.spent)
+    with one_thread():
         return build_fit(outcome, tuple(listed), options, (starts, agreed))
 
 
@@ -128,6 +134,10 @@ def _check_records(records: list[Record]) -> None:
         raise InputError(f"{held[0]} is a validation record and is never fitted; leave it out, or score it")
     inputs = {r.input for r in records}
     if len(inputs) > 1:
+        if None in inputs:
+            raise InputError(unknown_input(next(r.name for r in records if r.input is None)))
+        if NO_INPUT in inputs:
+            raise InputError(f"{mixed_inputs(records)}; they are of two dampers, so fit them separately")
         text = " and ".join(sorted(str(i) for i in inputs))
         raise InputError(
             f"the records' inputs are in {text}; a damper has one input, so convert them, or fit them separately"

@@ -47,6 +47,8 @@ def list_motions_beyond(
     """The planned motions that are smaller or slower than the fitted records for more than a tenth of their time
     (``outside_time``), each with a sentence that says how much, and what to record."""
     limits = thresholds or FitThresholds()
+    if not planned:
+        return {}
     measured = [strokes for strokes in map(reversals, fitted) if strokes.stroke.size]
     if not measured:
         return {}

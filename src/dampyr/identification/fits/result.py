@@ -30,6 +30,7 @@ from dampyr.identification.search.fit_data import Piece
 from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Problem
 from dampyr.identification.search.variable_projection import Outcome
+from dampyr.input_kinds import NO_INPUT
 from dampyr.models import Damper
 from dampyr.models.damper import mapped_covariance
 from dampyr.models.prediction_error import check_level
@@ -212,6 +213,12 @@ class Fit(Shown):
         """The fitted force along each record from where its motion starts, with its own offset and initial states, N."""
         return self.optimum.forces
 
+    @property
+    def whole_forces(self) -> list[Array]:
+        """The fitted force at every sample of each record, before its motion as at its start, N."""
+        pairs = zip(self.records, self.forces, strict=True)
+        return [np.concatenate((np.full(record.n - force.size, force[0]), force)) for record, force in pairs]
+
     @cached_property
     def residuals(self) -> Residuals:
         """The analysis of the residual over all samples that were fitted: see `dampyr.identification.residuals`."""
@@ -231,8 +238,7 @@ class Fit(Shown):
         the start of the motion are scored.
         """
         scores = {}
-        for record, piece, force in zip(self.records, self.problem.pieces, self.forces, strict=True):
-            whole = np.concatenate((np.full(record.n - force.size, force[0]), force))
+        for record, piece, whole in zip(self.records, self.problem.pieces, self.whole_forces, strict=True):
             settling, window = 0.0 if too_short(record, self.settling) else self.settling, None
             if piece.average is not None:
                 times = piece.t[piece.comparable]
@@ -375,7 +381,8 @@ def _make_damper(
     """The damper that the coefficients make, or None and why they make none."""
     problem = optimum.problem
     inputs = np.concatenate([np.ravel(p.levels) for p in problem.pieces])
-    low, high = float(inputs.min()), float(inputs.max())
+    unit = problem.pieces[0].unit
+    low, high = (-math.inf, math.inf) if unit == NO_INPUT else (float(inputs.min()), float(inputs.max()))
     try:
         damper = Damper(
             parts=problem.composition.names,
@@ -383,7 +390,7 @@ def _make_damper(
                 c.name: problem.columns[k].law(theta, low, high)
                 for c, k, theta in zip(problem.columns, problem.owners, optimum.point.of(problem), strict=True)
             },
-            input=problem.pieces[0].unit,
+            input=unit,
             ranges=_measure_ranges(records, problem.pieces),
             covariance=mapped_covariance(optimum.law_matrix, uncertainty.covariance),
             bandwidth=options.bandwidth,

@@ -2,7 +2,8 @@ r"""Leaderboard of models: every model of the catalogue, bare and with add-ons, 
 
 First each model is *screened* on a few shortened records (`dampyr.identification.model_choice.screening`): bare, then with the
 add-on that lowers its error most, then with the next, as long as that lowers it by 2 % and the model is within 15 % of the
-best. Then the best few are fitted and validated on all records. The validation error is
+best. A model of more than four numbers that is more than 30 % behind the best bare one gets no add-on. Then the best few,
+within a quarter of the best, are fitted and validated on all records. The validation error is
 
 .. math:: E = \tfrac34 E_\text{record} + \tfrac14 E_\text{input}
 
@@ -56,16 +57,25 @@ from dampyr.identification.model_choice.screening import (
     screening_set,
     validation_error,
 )
+from dampyr.identification.model_choice.yardstick import (
+    Yardstick,
+    check_installed,
+    describe_what_is_left,
+    find_carriers,
+    train_yardsticks,
+)
 from dampyr.identification.scoring.score import score
 from dampyr.identification.scoring.scoring_window import list_unscorable, too_short
 from dampyr.identification.scoring.splits import split_tasks
 from dampyr.identification.scoring.validation import Fold, Validation, validation_jobs
+from dampyr.identification.search.fit_data import unknown_input
 from dampyr.identification.search.work import OUT_OF_WORK
+from dampyr.input_kinds import NO_INPUT
 from dampyr.models import available_parts, compose
 from dampyr.models.part import part
 from dampyr.origin import NOT_STATED, Origin, check_one_kind, combined
 from dampyr.phrases import counted, listing
-from dampyr.records import Record, cut
+from dampyr.records import Record, cut, with_velocity
 from dampyr.records.conditioning.velocity import check_bandwidth
 from dampyr.shown import Shown
 
@@ -75,6 +85,8 @@ SCREENING_SHARE = 0.85  # of the budget, after which no further add-on is tried
 # Of the budget for one fit of the screening: beyond it a model is too slow to be preferred anyway.
 TRIAL_SHARE = 1 / 120
 FINAL_SHARE = 1 / 16  # the same for a fit to all records
+FAR_BEHIND = 1.25  # times the lowest screening error: what is beyond it does not win on all records, and is often slow
+LEAST_FINALISTS = 2  # a winner and a runner-up
 LEAST_WORK = 5.0  # counted s that a fit to all records has however little is left
 
 
@@ -124,7 +136,8 @@ class Leaderboard(Shown):
     not be estimated), ``nested`` the mean L1 ratio of the records that a whole search without them predicts, where that was
     asked for. ``left_out`` says what was not tried or stopped, and why. ``cut`` is empty, or says that a limit in seconds ended
     the search: then the entries are the finalists that were finished, and none is chosen. ``work`` is what the trials and the
-    fits have spent, counted s (`dampyr.identification.search.work`).
+    fits have spent, counted s (`dampyr.identification.search.work`). ``yardsticks`` are the black boxes that were trained on
+    the same parts, where that was asked for, and ``what_is_left`` says in a sentence what they see that the winner does not.
     """
 
     entries: tuple[Finalist, ...]
@@ -137,6 +150,8 @@ class Leaderboard(Shown):
     cut: str = ""
     work: float = float("nan")
     origin: Origin = NOT_STATED
+    yardsticks: tuple[Yardstick, ...] = ()
+    what_is_left: str = ""
 
     @property
     def best(self) -> Finalist:
@@ -197,8 +212,9 @@ def leaderboard(
         records more than a 16th; what was stopped says so, and where it is stopped does not depend on the machine. After
         ``seconds`` no further trial or fit begins: what is cut then depends on the machine, so `cut` says it, the entries are
         the finalists that were finished, and none is chosen. ``nested`` repeats all, screening and choice, five times without
-        a fifth of the records, and scores what each choice predicts of it: an estimate without the optimism of choosing. The
-        others are of every fit.
+        a fifth of the records, and scores what each choice predicts of it: an estimate without the optimism of choosing.
+        ``yardstick`` trains black boxes on the same parts (`dampyr.identification.model_choice.yardstick`). The others are of
+        every fit.
     executor
         runs the trials, such as ``ProcessPoolExecutor(mp_context=multiprocessing.get_context("spawn"))``; None runs them one
         after the other. The result is the same to the last digit. Forked processes are refused: in trials they crashed after
@@ -212,17 +228,19 @@ def leaderboard(
     parallel.refuse_forks(executor)
     check_kinds("leaderboard", Argument("records", records, (Record,), RECORDS, several=True))
     options = options or FitOptions()
+    if options.yardstick:
+        check_installed()
     listed = [r for r in records if r.role != "validation"]
     if not options.mixed_origins:
         check_one_kind(listed)
     unknown = [r.name for r in listed if r.input is None]
     if unknown:
-        raise InputError(f"{unknown[0]}: its voltage is not known; read it with voltage= (or current=)")
+        raise InputError(unknown_input(unknown[0]))
     whole = listed
     listed, pieces = enough_records(whole, options.settling)
     list_unscorable(listed, options.settling)
     begun = time.perf_counter()
-    deadline = math.inf if options.seconds is None else time.time() + options.seconds
+    deadline = math.inf if options.seconds is None else time.monotonic() + options.seconds
     budget = BUDGET if options.budget is None else options.budget
     report = progress or (lambda what, done: None)
     bandwidth = options.bandwidth
@@ -280,10 +298,25 @@ def leaderboard(
         work=spent,
         origin=combined(r.origin for r in whole),
     )
+    if options.yardstick and not board.cut:
+        board = _measure_by_yardstick(board, listed, options, lambda done: report("training black boxes", done))
     if not options.nested or board.cut:
         return board
-    error = _estimate_nested_error(listed, replace(options, nested=False), executor, report, deadline)
+    error = _estimate_nested_error(listed, replace(options, nested=False, yardstick=False), executor, report, deadline)
     return replace(board, nested=error, seconds=time.perf_counter() - begun)
+
+
+def _measure_by_yardstick(
+    board: Leaderboard, records: Sequence[Record], options: FitOptions, progress: Callable[[float], None]
+) -> Leaderboard:
+    """The board with the black boxes on the parts that it was ranked by, with the velocity that it used."""
+    derived = [
+        r if r.velocity is not None and board.bandwidth is None else with_velocity(r, board.bandwidth) for r in records
+    ]
+    yardsticks = train_yardsticks(derived, PARTS, options.seed, options.settling, progress)
+    winner = board.winner
+    carried = {} if winner.fit is None else find_carriers(winner.fit, options.seed)
+    return replace(board, yardsticks=yardsticks, what_is_left=describe_what_is_left(winner.l1, yardsticks, carried))
 
 
 def enough_records(records: list[Record], settling: float) -> tuple[list[Record], tuple[str, ...]]:
@@ -309,18 +342,21 @@ def enough_records(records: list[Record], settling: float) -> tuple[list[Record]
 
 def _select_add_ons(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """The add-ons that these records can identify, and why others are left out."""
-    varies = any(isinstance(r.voltage if r.input == "V" else r.current, np.ndarray) for r in records)
+    varies = any(isinstance(r.input_channel, np.ndarray) for r in records)
     if "lag" in add_ons and not varies:
         remaining = tuple(a for a in add_ons if a != "lag")
+        if any(r.input == NO_INPUT for r in records):
+            return remaining, ("lag was not tried: there is no input, so nothing lags",)
         return remaining, ("lag was not tried: the input is constant in every record, so nothing lags",)
     return tuple(add_ons), ()
 
 
 def _select_finalists(screened: Sequence[Screened], count: int) -> list[str]:
-    """The best models of the screening; one more where none of them may stand in for a damper of a building."""
+    """The best models of the screening, two or more; one more where none of them may stand in for a damper of a building."""
     ranked = sorted((s.best for s in screened if np.isfinite(s.best.error)), key=lambda trial: trial.error)
     models = [trial.model for trial in ranked]
-    best = models[:count]
+    near = sum(trial.error <= FAR_BEHIND * ranked[0].error for trial in ranked)
+    best = models[: min(count, max(near, LEAST_FINALISTS))]
     suited = [model for model in models if not compose(model).not_for_buildings]
     return best + suited[:1] * (not any(model in suited for model in best))
 
@@ -412,12 +448,13 @@ def standard_error(validations: Sequence[Validation]) -> float:
     inputs = validations[0].inputs
     parts = dict.fromkeys(validations[0].scores, 0.0)
     for weight, validation in zip(weights, validations, strict=True):
-        counts = Counter(inputs[name] for name in validation.scores)
+        counts = Counter(inputs.get(name, 0.0) for name in validation.scores)
         for name, of_record in validation.scores.items():
-            parts[name] = parts.get(name, 0.0) + weight * of_record.l1 / (len(counts) * counts[inputs[name]])
+            u = inputs.get(name, 0.0)
+            parts[name] = parts.get(name, 0.0) + weight * of_record.l1 / (len(counts) * counts[u])
     groups: dict[float, list[float]] = {}
     for name, value in parts.items():
-        groups.setdefault(inputs[name], []).append(value)
+        groups.setdefault(inputs.get(name, 0.0), []).append(value)
     # contributions of n records at an input add up: n times the variance of one; the differences between inputs are no scatter
     within_inputs = [len(values) * float(np.var(values, ddof=1)) for values in groups.values() if len(values) > 1]
     if len(within_inputs) == len(groups) and within_inputs:
@@ -500,7 +537,7 @@ def _estimate_nested_error(
     values = []
     for k, task in enumerate(tasks):
         report("choosing again without a fifth of the records", k / len(tasks))
-        left = None if deadline == math.inf else deadline - time.time()
+        left = None if deadline == math.inf else deadline - time.monotonic()
         if left is not None and left <= 0:
             return float("nan")
         board = leaderboard(task.fitted, replace(options, seconds=left), executor)

@@ -52,7 +52,7 @@ def run_all(
     if executor is None:
         results: list[Any] = [None] * len(jobs)
         for k, job in enumerate(jobs):
-            if time.time() > deadline:
+            if time.monotonic() > deadline:
                 break
             results[k] = job()
             progress((k + 1) / len(jobs))
@@ -63,13 +63,13 @@ def run_all(
     waiting, heard, stop = set(futures), 0, len(futures)
     while waiting:
         _, waiting = wait(
-            waiting, timeout=min(HEARTBEAT, max(deadline - time.time(), 0.1)), return_when=FIRST_COMPLETED
+            waiting, timeout=min(HEARTBEAT, max(deadline - time.monotonic(), 0.1)), return_when=FIRST_COMPLETED
         )
         while heard < stop and futures[heard].done() and not futures[heard].cancelled():
             heard += 1
             if enough(futures[heard - 1].result()):
                 stop = heard
-        if stop < len(futures) or time.time() > deadline:
+        if stop < len(futures) or time.monotonic() > deadline:
             for future in waiting:
                 future.cancel()
         progress(1.0 - len(waiting) / len(jobs))

@@ -29,6 +29,8 @@ PAIRS = {"dahl + hyperbolic_tangent": {"hyperbolic_tangent.c": 0.0, "hyperbolic_
 BETWEEN = 0.25  # the weight of inputs left out: see `dampyr.identification.leaderboard`
 CONTENDING = 1.15  # times the lowest error: a model beyond it gets no further add-on
 WORTH = 0.02  # of the error: what an add-on must lower it by to stay
+SIMPLE = 4  # numbers of a model that gets add-ons however it does bare: with them it may be the damper
+COMPARABLE = 1.3  # times the lowest error of a bare model: one of more numbers that is beyond it gets no add-on
 NOT_BEGUN = "not tried: the work was used up"
 CUT = "not tried: the search was cut"
 STEPS = 15  # of each fit: enough to rank the models, not to converge
@@ -105,7 +107,8 @@ def screen_all(
     limit: float = math.inf,
     deadline: float = math.inf,
 ) -> tuple[list[Screened], list[str]]:
-    """Every model bare and with each of ``options.add_ons``; then, round by round, those in contention with one more.
+    """Every model bare; those that are simple or near the best with each of ``options.add_ons``; then, round by round, those in
+    contention with one more.
 
     Every bare model is tried. Of the others none counts after those that together, in their order, have spent ``limit``,
     counted s; the models that would have been gone on with, or have trials that were not done, are returned too. No trial
@@ -113,11 +116,11 @@ def screen_all(
     """
     trials: dict[str, list[Trial]] = {base: [] for base in bases}
     ends, add_ons = {base: base for base in bases}, options.add_ons
-    going, rounds, tally = list(bases), max(len(add_ons), 1), _Tally(limit, len(bases))
+    going, rounds, tally = list(bases), len(add_ons) + 1, _Tally(limit, len(bases))
     for k in range(rounds):
         if not going or tally.used_up:
             break
-        plan = {base: _extend(ends[base], add_ons, bare=k == 0) for base in going}
+        plan = {base: _extend(ends[base], add_ons) if k else [base] for base in going}
         # Each add-on with all models before the next one, so that a lack of work is the same for all.
         tried = range(max(map(len, plan.values())))
         models = [model for n in tried for planned in plan.values() for model in planned[n : n + 1]]
@@ -133,7 +136,8 @@ def screen_all(
         by_model = {m: done or Trial(m, math.inf, 0.0, why) for m, done in zip(models, results, strict=True)}
         for base, planned in plan.items():
             trials[base] += [by_model[model] for model in planned]
-        going = _select_contenders(going, trials, ends) if k + 1 < rounds else []
+        chosen = _select_contenders(going, trials, ends) if k else _select_comparable(going, trials)
+        going = chosen if k + 1 < rounds else []
     progress(1.0)
     unfinished = [base for base in bases if any(done.reason in (NOT_BEGUN, CUT) for done in trials[base])]
     return [Screened(base, tuple(trials[base])) for base in bases], [
@@ -161,11 +165,22 @@ class _Tally:
         return self.sure <= 0 and self.spent > self.limit
 
 
-def _extend(model: str, add_ons: Sequence[str], bare: bool) -> list[str]:
-    """The model with one add-on more, whichever it does not hold yet; itself too where it is still bare."""
+def _extend(model: str, add_ons: Sequence[str]) -> list[str]:
+    """The model with one add-on more, whichever it does not hold yet."""
     parts = compose(model).parts
     held = {p.name for p in parts} | {inner for p in parts for inner in p.holds}
-    return [model] * bare + [f"{model} + {a}" for a in add_ons if a not in held]
+    return [f"{model} + {a}" for a in add_ons if a not in held]
+
+
+def _select_comparable(bases: Sequence[str], trials: dict[str, list[Trial]]) -> list[str]:
+    """The models that get add-ons: the simple ones, and those that are near the best without any.
+
+    What an add-on takes away in a model of many numbers it takes away in a better one too; a simple model may be far off
+    without the one that it lacks.
+    """
+    lead = min(trials[base][0].error for base in bases)
+    simple = {base for base in bases if len(compose(base).parameters) - len(list_held(base)) <= SIMPLE}
+    return [base for base in bases if base in simple or trials[base][0].error <= COMPARABLE * lead]
 
 
 def _select_contenders(going: list[str], trials: dict[str, list[Trial]], ends: dict[str, str]) -> list[str]:

@@ -36,7 +36,7 @@ from dampyr.identification.search.fit_data import Piece
 from dampyr.identification.search.normal_equations import linearise, modelled_force
 from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Problem, SearchPoint
-from dampyr.models.damper import INPUTS
+from dampyr.input_kinds import INPUTS, NO_INPUT, at_input
 from dampyr.phrases import counted, listing
 from dampyr.records import Record
 from dampyr.shown import Shown
@@ -121,7 +121,8 @@ def _list_undetermined(fit: Fit) -> list[Inseparable]:
         count = min(fit.within_records.values())
         by = f"{counted(count, 'record')} {'determines' if count == 1 else 'determine'}"
         text = f"how records differ is not known for {listing(few, 4)}, which {by}"
-        test = f"record {MIN_RECORDS} or more at each {INPUTS[fit.problem.pieces[0].unit]}"
+        unit = fit.problem.pieces[0].unit
+        test = f"record {MIN_RECORDS} or more" + (f" at each {INPUTS[unit]}" if unit in INPUTS else "")
         brief = f"{by} {listing(few, 3)}: {test}"
         results.append(Inseparable("few records", tuple(few), text, test, brief, {"records": float(count)}))
     return results
@@ -167,7 +168,7 @@ def _describe_undetermined(fit: Fit, block: Optimum, labels: tuple[str, ...]) ->
         best, share = max(zip(candidates, shares, strict=True), key=lambda pair: pair[1])
         if share > DETERMINED:
             more = "" if beyond == 1.0 else f", {beyond:g} times the stroke of these records,"
-            at = f"{best.motion.in_words()} at {best.input:g} {block.problem.pieces[0].unit}{more}"
+            at = f"{best.motion.in_words()}{at_input(best.input, block.problem.pieces[0].unit, 'g')}{more}"
             return Inseparable("not determined", labels, text, f"{at} would", f"{text}; test {at}")
     test = "none of the motions that were tried would: fix one of them (fixed=)"
     return Inseparable("not determined", labels, text, test, f"{text}; fix one of them")
@@ -239,7 +240,7 @@ def _describe_pair(fit: Fit, pair: _Pair, candidates: list[_Candidate]) -> Insep
         return Inseparable("pair", (first, second), text, test, brief, numbers)
     candidate, after, narrower, repeated = best
     tried, u = candidate.motion, candidate.input
-    at = f"{tried.in_words()} at {u:g} {block.problem.pieces[0].unit}"
+    at = tried.in_words() + at_input(u, block.problem.pieces[0].unit, "g")
     less, by_repeat = [f"{100 * (1 - width):.0f}" for width in narrower], f"{100 * (1 - repeated):.0f} %"
     test = (
         f"{at} would: correlation {signed(after)}, intervals narrower by {less[0]} and {less[1]} % ({by_repeat} by one more "
@@ -247,7 +248,7 @@ def _describe_pair(fit: Fit, pair: _Pair, candidates: list[_Candidate]) -> Insep
     )
     brief += f"; {at} would narrow them by {less[0]} and {less[1]} %"
     numbers |= {
-        "input": u,
+        **({"input": u} if block.problem.pieces[0].unit != NO_INPUT else {}),
         "amplitude": tried.amplitude,
         "frequency": tried.frequency,
         "correlation_with_the_test": after,
@@ -405,6 +406,8 @@ def _compare_amplitude_with_frequency(fit: Fit) -> list[Inseparable]:
 def _compare_input_with_session(fit: Fit) -> list[Inseparable]:
     """Inputs that share no measurement session, directly or through others."""
     unit, kind = fit.problem.pieces[0].unit, SESSION_FINDING
+    if unit == NO_INPUT:
+        return []
     word = INPUTS[unit]
     fitted = zip(fit.records, fit.problem.pieces, strict=True)
     records = [record for record, piece in fitted if not np.ndim(piece.u)]

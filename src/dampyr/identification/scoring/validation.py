@@ -20,6 +20,7 @@ from dampyr.identification.fits.least_squares import check_records_and_model, fi
 from dampyr.identification.scoring.score import Score, score
 from dampyr.identification.scoring.scoring_window import list_unscorable
 from dampyr.identification.scoring.splits import FoldTask, Target, split_tasks
+from dampyr.input_kinds import NO_INPUT, unit_of
 from dampyr.models import Damper
 from dampyr.models.codegen.composition import Composition
 from dampyr.origin import NOT_STATED, Origin, check_one_kind, combined
@@ -48,8 +49,8 @@ class Fold(Shown):
 
 @dataclass(frozen=True, repr=False)
 class Validation(Shown):
-    """All folds of one split; ``inputs`` are those of the predicted records, by name, in ``unit``, V or A. ``not_scored`` are
-    the records that are too short for it, and why."""
+    """All folds of one split; ``inputs`` are those of the predicted records, by name, in ``unit``, V or A, none where they have
+    none. ``not_scored`` are the records that are too short for it, and why."""
 
     split: str
     folds: tuple[Fold, ...]
@@ -160,8 +161,8 @@ def validation_jobs(
     tasks = split_tasks(listed, split, options.folds, options.seed)
     if options.bandwidth is not None:
         check_bandwidth(listed, options.bandwidth)
-    inputs = {r.name: float(r.input_value or 0.0) for r in listed}
-    unit, origin = listed[0].input or "", combined(r.origin for r in listed)
+    unit, origin = unit_of(listed[0].input), combined(r.origin for r in listed)
+    inputs = {} if listed[0].input == NO_INPUT else {r.name: float(r.input_value or 0.0) for r in listed}
     jobs: list[Callable[[], Fold]] = [
         partial(_run_fold_on_one_thread, model, task, not_scored, options) for task in tasks
     ]

@@ -92,7 +92,7 @@ class Piece:
 def piece(record: Record, bandwidth: float | None) -> Piece:
     """A record as arrays: velocity as recorded or derived, weight 1 over the force's standard deviation."""
     if record.input is None:
-        raise InputError(f"{record.name}: its voltage is not known; read it with voltage= (or current=)")
+        raise InputError(unknown_input(record.name))
     if record.velocity is None or bandwidth is not None:
         record = with_velocity(record, bandwidth)
     assert record.velocity is not None
@@ -107,9 +107,7 @@ def piece(record: Record, bandwidth: float | None) -> Piece:
     spread = float(np.std(compared))
     if spread <= 1e-9 * max(1.0, float(np.max(np.abs(force)))):
         raise InputError(f"{record.name}: the force is constant at {force[0]:g} N; check the load cell's channel")
-    u = record.voltage if record.input == "V" else record.current
-    assert u is not None
-    assert record.input is not None
+    u = 0.0 if record.input_channel is None else record.input_channel
     varies = np.ndim(u) > 0 and float(np.ptp(u)) > 1e-9  # else a channel that only repeats one number, to rounding
     u_of_fit: Array | float = np.asarray(u)[window] if varies else float(np.mean(u))
     commanded = commanded_input(np.asarray(u_of_fit)) if varies else None
@@ -126,12 +124,20 @@ def piece(record: Record, bandwidth: float | None) -> Piece:
         weight=np.array([1.0 / spread]),
         spread=spread,
         cycle=_number_cycles(record)[window],
-        unit=record.input,
+        unit=str(record.input),
         temperature=math.nan if record.temperature is None else float(np.mean(record.temperature)),
         average=reach,
         smoothed_motion=average_of_motion(record),
         cut_from=record.provenance.get("piece_of", record.name),
         commanded=commanded if np.ndim(u_of_fit) else None,
+    )
+
+
+def unknown_input(name: str) -> str:
+    """What a record, or records, lack whose input nobody stated; that a damper has none is not guessed (decision 63)."""
+    return (
+        f"{name}: its voltage is not known; read it with voltage= (or current=); "
+        "a damper without an input (friction, oil, rubber) is read with no_input=True"
     )
 
 

@@ -79,15 +79,16 @@ def _make_neutral(problem: Problem) -> SearchPoint:
 def search_several_starts(problem: Problem, starts: int, seed: int, work: Work) -> tuple[SearchPoint, int]:
     """The best of several starts, and how many ended in the same optimum (in the block where fewest did).
 
-    Each independent block has its own starts: from the parts' proposals, the best first, then from random points
-    around the best by ``seed``; searched on thinned records, to 1e-4 of the cost.
+    Each independent block has its own starts: that of a single start, so that several are never worse, then the parts'
+    proposals, the best first, and random points around the best by ``seed``; searched on thinned records, to 1e-4 of the cost.
     """
     point, agreed = begin(problem, work), starts
     theta, local = point.theta.copy(), point.local.copy()
     for k, block in enumerate(independent_blocks(problem)):
         rng = np.random.default_rng([seed, k])
         thin = replace(block.problem, pieces=[thinned(piece, THINNED_SAMPLES) for piece in block.problem.pieces])
-        points = _choose_starts(thin, starts, rng, work)
+        single = SearchPoint(point.theta[block.coefficients], point.local[block.records])
+        points = [single, *_choose_starts(thin, starts - 1, rng, work)]
         ends = [levenberg_marquardt(thin, start, None, COARSE_TOLERANCE, work=work) for start in points]
         best = min(ends, key=lambda end: end.cost)
         agreed = min(agreed, sum(end.cost <= (1.0 + SAME) * best.cost + 1e-12 for end in ends))
@@ -137,7 +138,9 @@ def _choose_start(problem: Problem, members: list[int], work: Work) -> dict[str,
 def _list_proposals(problem: Problem, pieces: list[Piece]) -> list[dict[str, float]]:
     stroke = float(np.median([np.ptp(p.x) for p in pieces]))
     speed = float(np.median([np.quantile(np.abs(p.v), 0.95) for p in pieces]))
-    scale = Scale(stroke, max(speed, 1e-9), float(np.median([np.median(np.diff(p.t)) for p in pieces])))
+    force = float(np.median([np.quantile(np.abs(p.force - np.mean(p.force)), 0.95) for p in pieces]))
+    dt = float(np.median([np.median(np.diff(p.t)) for p in pieces]))
+    scale = Scale(stroke, max(speed, 1e-9), dt, force)
     lists = [
         [{f"{p.name}.{key}": value for key, value in start.items()} for start in p.starts(scale)]
         for p in problem.composition.parts

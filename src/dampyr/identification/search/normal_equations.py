@@ -76,7 +76,10 @@ def _sum_record(problem: Problem, point: SearchPoint, r: int, by_cluster: bool) 
         sums = products_along(
             problem.composition, path, values, states, force, piece.weight, plan.source, factor, gain, ends
         )
-    return np.asarray(matrix.T @ sums @ matrix)
+    with np.errstate(
+        invalid="ignore"
+    ):  # a step to where the force is no number, such as beyond a gas column: it is not taken
+        return np.asarray(matrix.T @ sums @ matrix)
 
 
 def _differentiate_by_lag(problem: Problem, point: SearchPoint, r: int) -> Array:

@@ -127,10 +127,11 @@ def columns(
     """One column per parameter.
 
     ``inputs`` are those of the records (a number, or an array where it varies during the test). ``laws`` is a kind for all
-    parameters, or one per flat name, ``"*"`` standing for those that are not named: ``"constant"``, ``"interpolation"`` (the
-    default where inputs differ) or ``"polynomial"``, with its degree as ``"polynomial:2"`` (at most 3 by default). With
-    ``+temperature``, such as ``"interpolation+temperature"``, the parameter is such a law at the lowest and the highest of
-    ``temperatures`` (of each record, degC) and straight between them. ``tied`` parameters take the law of another.
+    parameters, or one per flat name, ``"*"`` standing for those that are not named and that no part holds constant over the
+    input: ``"constant"``, ``"interpolation"`` (the default where inputs differ) or ``"polynomial"``, with its degree as
+    ``"polynomial:2"`` (at most 3 by default). With ``+temperature``, such as ``"interpolation+temperature"``, the parameter
+    is such a law at the lowest and the highest of ``temperatures`` (of each record, degC) and straight between them. ``tied``
+    parameters take the law of another.
     """
     tied = dict(tied or {})
     fixed = dict(fixed or {})
@@ -144,7 +145,7 @@ def columns(
     lag = None if composition.lag is None else composition.parameters[composition.lag]
     without_ties = []
     for name, quantity in composition.quantities.items():
-        wanted = law_of.get(name, law_of.get(OTHERS))
+        wanted = law_of.get(name, "constant" if name in composition.constant else law_of.get(OTHERS))
         if name == lag:  # the delay of the input does not depend on the input
             wanted = "constant"
         wanted, warming = _split_temperature(wanted)

@@ -6,6 +6,7 @@ The text is what the kernels compile (see `dampyr.models.codegen.kernels`); ``co
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
@@ -17,6 +18,8 @@ from dampyr.models.codegen.formula import Formula, read
 from dampyr.models.codegen.layout import SIGNATURES, Function, Layout
 from dampyr.models.part import Part, part
 from dampyr.units import Quantity
+
+OF_THE_WHOLE = ("phi", "solve", *SIGNATURES)  # the functions that are written over the parts
 
 
 @dataclass(frozen=True)
@@ -91,8 +94,15 @@ class Composition:
 
     @cached_property
     def free_at_start(self) -> tuple[int, ...]:
-        """Which states a fit finds at the start of a record: all but the rate of a stretch, which has none before it."""
-        return tuple(k for k, name in enumerate(self.states) if name != series.RATE)
+        """Which states a fit finds at the start of a record: all but those that start at rest, and the rate of a stretch, which
+        has none before it."""
+        at_rest = {f"{p.name}.{key}" for p in self.parts if p.starts_at_rest for key in p.states}
+        return tuple(k for k, name in enumerate(self.states) if name != series.RATE and name not in at_rest)
+
+    @cached_property
+    def constant(self) -> frozenset[str]:
+        """Flat names of the parameters that do not follow the input (`Part.constant`)."""
+        return frozenset(f"{p.name}.{key}" for p in self.parts for key in p.constant)
 
     @cached_property
     def n_states(self) -> int:
@@ -149,13 +159,13 @@ class Composition:
 
     def formulas(self) -> list[Formula]:
         """What the parts compute, intrinsics first, each name once."""
-        formulas: dict[str, Formula] = {}
+        formulas: list[Formula] = []
         for p in self.parts:
             for formula in (p.advance, p.force_in_series if self.in_series else p.force, p.stretch):
                 if formula is not None:
-                    formulas.update((n, read(f, n)) for n, f in formula.intrinsics().items())
-                    formulas[formula.name] = formula
-        return list(formulas.values())
+                    formulas += [*(read(f, n) for n, f in formula.intrinsics().items()), formula]
+        _refuse_two_of_one_name([*((f.name, f.source) for f in formulas), *((name, "") for name in OF_THE_WHOLE)])
+        return list({f.name: f for f in formulas}.values())
 
     def functions(self) -> list[Function]:
         """The functions of the whole: ``advance``, ``force`` and their derivatives."""
@@ -167,14 +177,14 @@ class Composition:
         return _step_block(self)[2]
 
     def source(self, site: int = 0) -> str:
-        """The Python text of this composition's functions, their names ending in ``_{site}``."""
+        """The Python text of this composition's functions, their names ending in ``_site{site}``."""
         texts = {f.name: f.source for f in self.formulas()}
         for p in self.parts:
             texts.update(parallel_parts.derivatives(p))
             texts.update(series.derivatives(p) if self.in_series else {})
         called, step_block, _ = _step_block(self)
-        whole = [f.python(f"_{site}") for f in self.functions()]
-        return "\n\n".join([*texts.values(), *whole, *called, step_block.python(f"_{site}")])
+        whole = [f.python(f"_site{site}") for f in self.functions()]
+        return "\n\n".join([*texts.values(), *whole, *called, step_block.python(f"_site{site}")])
 
 
 @lru_cache(maxsize=256)  # compositions: writing one takes as long as a fit, and processes send equal ones
@@ -207,6 +217,22 @@ def namespace_of(compositions: tuple[Composition, ...]) -> tuple[str, dict[str, 
     texts = [c.source(site) for site, c in enumerate(compositions)]
     for name, arguments in SIGNATURES.items():
         last = len(compositions) - 1
-        lines = [f"if site == {k}: return {name}_{k}({arguments})" for k in range(last)]
-        texts.append("\n    ".join([f"def {name}(site, {arguments}):", *lines, f"return {name}_{last}({arguments})"]))
-    return "\n\n".join(texts), {"__name__": __name__}
+        lines = [f"if site == {k}: return {name}_site{k}({arguments})" for k in range(last)]
+        texts.append(
+            "\n    ".join([f"def {name}(site, {arguments}):", *lines, f"return {name}_site{last}({arguments})"])
+        )
+    text = "\n\n".join(texts)
+    functions = re.findall(r"^def (\w+)(.*?)(?=^def |\Z)", text, flags=re.MULTILINE | re.DOTALL)
+    _refuse_two_of_one_name((name, rest.strip()) for name, rest in functions)
+    return text, {"__name__": __name__}
+
+
+def _refuse_two_of_one_name(functions: Iterable[tuple[str, str]]) -> None:
+    """All functions of the parts stand in one text, where a later one would take the place of an earlier one of its name."""
+    texts: dict[str, str] = {}
+    for name, text in functions:
+        if texts.setdefault(name, text) != text:
+            raise InputError(
+                f"two functions that the damper's parts call are named {name!r} and compute different things; "
+                f"give the one in the file of your part another name"
+            )

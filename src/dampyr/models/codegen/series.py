@@ -232,11 +232,13 @@ def law(layout: Layout) -> list[str]:
     """Lines for the law without a loop that ends by itself: from the force ``g0`` at the start and a guess ``g1`` they make
     ``raw``, the force at the end, its slopes ``fx`` and ``fv``, and the states e0, ...
 
-    The root lies between a guess and what the parts would give under it; Newton's method stays in that bracket, which
-    shrinks. Where it would leave, or its step is more than half of the last one, the bracket is halved.
+    The root lies between a guess and what the parts would give under it, or as far beyond that where they may rise with the
+    guess, by half of it at most; Newton's method stays in that bracket, which shrinks. Where it would leave, or its step is
+    more than half of the last one, the bracket is halved.
     """
     lines = ["q = 1.0/dt", f"z0 = {_stretch(layout, 'g0')}", "f1 = g1", *_under_guess(layout)]
-    lines += ["low, high = min(f1, phi), max(f1, phi)", "step = (high - low) + (high - low)"]
+    end = "phi + (phi - f1)" if any(slot.part.rises_in_series for slot in _inner(layout)) else "phi"
+    lines += [f"low, high = min(f1, {end}), max(f1, {end})", "step = (high - low) + (high - low)"]
     for _ in range(_rounds(layout)):
         lines += [
             "best = f1 + (phi - f1)/(1.0 - fg)",
@@ -244,7 +246,7 @@ def law(layout: Layout) -> list[str]:
             "step = abs(best - f1)",
             "f1 = best",
             *_under_guess(layout),
-            "low, high = max(low, min(f1, phi)), min(high, max(f1, phi))",
+            f"low, high = max(low, min(f1, {end})), min(high, max(f1, {end}))",
         ]
     states = [k for slot in _inner(layout) for k in slot.states.values()]
     place = layout.rate_state

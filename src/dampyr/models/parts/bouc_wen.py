@@ -8,7 +8,11 @@ sigma = 1 the model is `dahl` with a spring. With sigma >= 1/2 the element is di
 down to 0, it is not on every path, and a warning is given; at 0 and below it makes energy and is refused.
 
 The step along a monotone path is exact for every n (`dampyr.models.numerics.bouc_wen_exact`).
-The letters of equations (2.1) and (2.2) of Raminelli (2020) are converted by `from_printed` and `to_printed`.
+The letters of equations (2.1) and (2.2) of Raminelli (2020) are converted by `from_printed` and `to_printed`. Sets of them with
+:math:`\beta + \gamma \le 0` harden and are refused: z has no limit, and with n > 1 and :math:`\beta + \gamma < 0` it is
+infinite after a path of
+:math:`\frac{\pi/n}{\sin(\pi/n)}\,\frac1A \left(\frac{A}{|\beta+\gamma|}\right)^{1/n}` in one direction. Loops that pinch
+and degrade are those of `bouc_wen_baber_noori`, a sharp corner that of `bilinear`.
 
 Bouc (1971); Wen (1976); the normalised form: Ikhouane and Rodellar (2007).
 """

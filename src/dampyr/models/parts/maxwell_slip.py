@@ -8,7 +8,7 @@ The springs are equally stiff, and slip after (2i - 1)/(4 rho): midpoints of a u
 whose first loading is the parabola :math:`k_w(\rho x - \rho^2 x^2/4)` up to the path 2/rho, here in its tangents, which
 leave it by kw/64 at most. kw and rho mean what they mean in `dahl`: the friction, and its stiffness kw rho before
 anything slips. Unlike Dahl's, it remembers where it turned and closes its inner loops, which do not drift under a load
-that pulses (Masing's rules).
+that pulses (Masing's rules). One such spring by itself is that of `bilinear`.
 
 The step along a monotone piece is exact, however long.
 

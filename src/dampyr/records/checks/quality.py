@@ -27,6 +27,7 @@ RUN_AWAY_STRAIGHT = 0.9  # of the variance of the cycles' middles that a straigh
 NOISE_WINDOW = 20  # samples in which a channel's noise is looked at
 MIN_NOISY = 3  # windows in which it has to show
 NOISE_ORDER = 5  # of the differences that hold noise and none of the motion
+IN_RUNS = 0.5  # of the samples of a flat level that follow one another
 QUIETER = 1.5  # times that the noise on a level may be less than elsewhere, and
 FLATTER = 3.0  # times that more samples may stand there than such noise leaves
 SHARE_OF_FLAT = 0.005  # of the samples that move: fewer at one level change no result
@@ -278,7 +279,9 @@ def flat_levels(values: Array, moving: Any, step: float) -> list[tuple[float, ND
     for level in place[flat]:
         at = np.zeros(len(values), dtype=bool)
         at[moving] = np.abs(bins[moving] - level) <= 1.0
-        levels.append((float(level) * width, at))
+        # in runs, as a flat top is: an exact sine without noise repeats its samples in each cycle, and stands nowhere
+        if np.sum(at[1:] & at[:-1]) >= IN_RUNS * np.sum(at):
+            levels.append((float(level) * width, at))
     return levels
 
 

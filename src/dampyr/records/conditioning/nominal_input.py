@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from dampyr.errors import InputError
+from dampyr.input_kinds import INPUTS, NO_INPUT
 from dampyr.records.record import Array, Record
 
 BLOCKS = 10  # equal parts of a record whose means are compared: enough to see a drift or a step
@@ -48,25 +49,32 @@ def nominal_inputs(records: Sequence[Record], nominal_values: Iterable[float] = 
     Raises
     ------
     InputError
-        Some records have a voltage and others a current.
+        Some records have a voltage and others a current, or no input.
     """
     units = {record.input for record in records} - {None}
     if len(units) > 1:
-        named = {unit: next(r.name for r in records if r.input == unit) for unit in ("V", "A")}
-        raise InputError(
-            f"{named['V']} has a voltage and {named['A']} a current as its input; take records of one kind together"
-        )
+        raise InputError(f"{mixed_inputs(records)}; take records of one kind together")
     inputs = [record.input_channel for record in records]
     blocks = [mean for values in inputs if values is not None for mean in _block_means(np.atleast_1d(values))]
     largest = max([SMALLEST, *map(abs, nominal_values), *map(abs, blocks)])
     steady = [_is_measured(record) and is_steady(record, largest) for record in records]
-    stated = {_mean(record) for record in records if record.input and not _is_measured(record)}
+    stated = {_mean(record) for record in records if record.input_channel is not None and not _is_measured(record)}
     means = sorted({_mean(record) for record, is_constant in zip(records, steady, strict=True) if is_constant})
     nominal = _nominal(means, sorted({0.0, *map(float, nominal_values), *stated}), largest)
     return [
         _constant(record, nominal[_mean(record)]) if is_constant else record
         for record, is_constant in zip(records, steady, strict=True)
     ]
+
+
+def mixed_inputs(records: Sequence[Record]) -> str:
+    """Which records of several kinds of input have which, a record of each: "a has a voltage and b a current as its input"."""
+    names = {kind: next((r.name for r in records if r.input == kind), None) for kind in (*INPUTS, NO_INPUT, None)}
+    words: dict[str | None, str] = {NO_INPUT: "none", None: "one that is not known"}
+    words |= {unit: f"a {word}" for unit, word in INPUTS.items()}
+    (first, name), *others = [(kind, name) for kind, name in names.items() if name is not None]
+    rest = " and ".join(f"{other} {words[kind]}" for kind, other in others)
+    return f"{name} has {words[first]} and {rest} as its input"
 
 
 @dataclass(frozen=True)

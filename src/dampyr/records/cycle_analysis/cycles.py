@@ -266,7 +266,7 @@ def _threshold(x: Array) -> float:
 
 
 def _zigzag(x: Array, threshold: float) -> Indices:
-    values = x.tolist()
+    values = x.tolist()  # single numbers of an array are slow
     points: list[int] = []
     low = high = 0
     direction = 0
@@ -278,11 +278,11 @@ def _zigzag(x: Array, threshold: float) -> Indices:
             low = i
         if direction >= 0 and values[high] - value > threshold:
             if direction > 0:
-                points.append(_plateau_middle(values, high, i))
+                points.append(_plateau_middle(x, high, i))
             direction, low, high = -1, i, i
         elif direction <= 0 and value - values[low] > threshold:
             if direction < 0:
-                points.append(_plateau_middle(values, low, i))
+                points.append(_plateau_middle(x, low, i))
             direction, low, high = 1, i, i
     return np.array(points, dtype=np.int64)
 
@@ -299,11 +299,11 @@ def _extremes(x: Array) -> list[int]:
     return [0, *(moving[turns] + 1).tolist()]
 
 
-def _plateau_middle(values: list[float], first: int, end: int) -> int:
-    """The middle of the samples of ``values[first:end]`` that stand at ``values[first]``, to float noise."""
-    level = values[first]
-    noise = 1e-9 * (abs(level) + abs(level - values[end]))
-    last = max(i for i in range(first, end) if abs(values[i] - level) <= noise)
+def _plateau_middle(x: Array, first: int, end: int) -> int:
+    """The middle of the samples of ``x[first:end]`` that stand at ``x[first]``, to float noise."""
+    level = x[first]
+    noise = 1e-9 * (abs(level) + abs(level - x[end]))
+    last = first + int(np.flatnonzero(np.abs(x[first:end] - level) <= noise)[-1])
     return (first + last) // 2
 
 

@@ -127,6 +127,8 @@ def read_campaign(
 
 
 def _check_no_input(folder: Path, options: ReadOptions) -> None:
+    if options.no_input:
+        raise InputError(f"no_input was given, but {folder / TABLE} gives each file a voltage; leave no_input out")
     for name in ("voltage", "current"):
         value = getattr(options, name)
         if value is not None:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from dampyr.errors import FileError
+from dampyr.input_kinds import NO_INPUT
 from dampyr.phrases import listing
 from dampyr.records.conditioning.integrated_displacement import with_integrated_displacement
 from dampyr.records.conditioning.nominal_input import MEASURED, SOURCE
@@ -55,8 +56,9 @@ class ColumnTable:
 
     ``kinds`` says what each column holds: "number"; or s, of a "clock" since midnight, of a "stamp" and a "date" since the
     midnight before the first. Empty: all are numbers. ``stamps`` are the first row's texts of those that are not numbers, by
-    column, ``groups`` what the file says of its session and specimen, ``lines`` the line of each row in the file, ``empty`` the
-    line of the first empty cell of each column that has one, and ``notes`` what the history says of how it was read.
+    column, ``groups`` what the file says of its session, its specimen and of there being no input,
+    ``lines`` the line of each row in the file, ``empty`` the line of the first empty cell of each column that has one, and
+    ``notes`` what the history says of how it was read.
     """
 
     names: tuple[str, ...]
@@ -104,24 +106,26 @@ def record_of(path: Path, table: ColumnTable, request: ReadOptions, kind: str) -
     }
     time, stamp, notes = _time(path, table, used.get("time"), request)
     measured = {name: channels.pop(name, None) for name in ("voltage", "current")}
-    inputs: dict[str, Any] = request.input_channels(**measured)
-    if all(value is not None for value in inputs.values()):
+    groups = dict(table.groups)
+    inputs = request.input_channels(**measured, no_input=groups.pop("input", None) == NO_INPUT)
+    if inputs["voltage"] is not None and inputs["current"] is not None:
         raise FileError(
             path,
             "voltage and current are both given; a record has one input, so leave one out, such as --column voltage=- or "
             "columns={'voltage': None}",
         )
     provenance = {"file": path.name, "format": kind, "header": ", ".join(table.headers())}
-    is_measured = any(value is not None and value is measured[name] for name, value in inputs.items())
+    is_measured = any(value is not None and value is inputs[name] for name, value in measured.items())
     fields: dict[str, Any] = dict(
         time=time,
         **channels,
         voltage=_constant(inputs["voltage"]),
         current=_constant(inputs["current"]),
+        no_input=inputs["no_input"],
         name=path.stem,
         provenance=provenance | stamp | ({SOURCE: MEASURED} if is_measured else {}),
         history=("read from columns, converted to SI", *table.notes, *notes, *request.replaced(**measured)),
-        **table.groups,
+        **groups,
     )
     return Record(**fields) if "displacement" in channels else with_integrated_displacement(**fields)
 

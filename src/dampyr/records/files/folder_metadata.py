@@ -4,7 +4,8 @@
 
     validation = ["earthquake*"]   # files that no fit may use; the others are for fitting
     ignore = ["calibration*"]      # files that are not records
-    current = "*_{}A"              # the input in the files' names; or a number; or a table, see below
+    current = "*_{}A"              # the input in the files' names; or a number; or a table, see below; or, of dampers
+                                   # without an input, no_input = true in its place
     specimen = "damper 3"          # which damper was tested
     measurement_session = {"day1*" = "2026-03-01", "day2*" = "2026-03-02"}
 
@@ -56,7 +57,7 @@ from dampyr.records.record import CHANNELS
 
 NAME = "reading.toml"
 TABLE = "campaign.csv"  # names the files of a campaign (`dampyr.records.files.campaign_folder`)
-INPUTS = ("voltage", "current")
+INPUTS = ("voltage", "current", "no_input")  # of which a record has one
 TABLES = ("units", "columns")  # options that hold a value for each channel
 DECIMAL = re.compile(r"[,pPxX]")
 """What stands for the point of a number in a file's name."""
@@ -155,10 +156,10 @@ class FolderReading:
                         )
                     stated_by.setdefault(what, pattern)
                     target[key] = entry
-            if all(name in merged for name in INPUTS):
+            if len(both := [name for name in INPUTS if name in merged]) > 1:
                 raise FileError(
                     self.path,
-                    f"{stated_by['the input']!r} and {pattern!r} give {file.name} a voltage and a current; "
+                    f"{stated_by['the input']!r} and {pattern!r} give {file.name} {' and '.join(map(_named, both))}; "
                     "a record has one input, so leave one of them out",
                 )
         return merged
@@ -230,9 +231,9 @@ def _section(path: Path, table: Mapping[str, Any], patterns: tuple[str, ...], wh
                 values[name] = check(name, table[name])
             except InputError as problem:
                 raise FileError(path, f"{where}{problem}") from None
-    if all(name in values for name in INPUTS):
+    if len(both := [name for name in INPUTS if values.get(name) is not None]) > 1:
         raise FileError(
-            path, f"{where}voltage and current are both given; a record has one input, so leave one of them out"
+            path, f"{where}{' and '.join(both)} are both given; a record has one input, so leave one of them out"
         )
     return PatternSection(path, patterns, values)
 
@@ -267,6 +268,12 @@ def _by_pattern(name: str, setting: Any) -> Any:
     )
 
 
+def _no_input(name: str, setting: Any) -> Any:
+    if not isinstance(setting, bool):
+        raise InputError(f"{name} = {setting!r} is not allowed; write true where the dampers have no input")
+    return setting or None
+
+
 def _input(name: str, setting: Any) -> Any:
     if isinstance(setting, str):
         if setting.count("{}") != 1:
@@ -294,6 +301,7 @@ KEYS: Mapping[str, Callable[[str, Any], Any]] = {
     "columns": _table,
     "voltage": _input,
     "current": _input,
+    "no_input": _no_input,
     "dt": _option,
     "variable": _option,
     "header": _option,
@@ -305,6 +313,10 @@ KEYS: Mapping[str, Callable[[str, Any], Any]] = {
 }
 """The options of files, all of them or those of a section: each key with the check that gives its value, named as the
 option of `dampyr.records.ReadOptions`."""
+
+
+def _named(input_key: str) -> str:
+    return "no input" if input_key == "no_input" else f"a {input_key}"
 
 
 def _shown(value: Any) -> str:

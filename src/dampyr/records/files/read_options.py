@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from dampyr.errors import FileError, InputError
+from dampyr.input_kinds import INPUTS
 from dampyr.options import Options, Terminal
 from dampyr.records.conditioning.cut_record import check_cut
 from dampyr.records.conditioning.lowpass import as_lowpass
@@ -39,6 +40,11 @@ class ReadOptions(Options):
         Quantity("A"),
         "Current, in place of a voltage; a measured column that agrees, to 5 % or 0.05 A, gives way to it",
     ] = None
+    no_input: Annotated[
+        bool,
+        "The damper has no voltage and no current, as one of friction, oil or rubber; a measured column that is 0, to 0.05 V "
+        "or A, gives way to it",
+    ] = False
     units: Annotated[
         Mapping[str, str],
         Terminal("--unit", "CHANNEL=UNIT"),
@@ -112,6 +118,12 @@ class ReadOptions(Options):
                 raise InputError(
                     f"{argument} names {unknown[0]!r}, which is not a channel; choose from {', '.join(CHANNELS)}"
                 )
+        for name in INPUTS.values():
+            if self.no_input and (value := getattr(self, name)) is not None:
+                raise InputError(
+                    f"{name} = {value:g} {CHANNELS[name]} and no_input are both given; leave one of them out: --no-input "
+                    "or no_input=True is for a damper that has no input"
+                )
         if self.variable is not None and not self.variable.strip():
             raise InputError(f"variable = {self.variable!r} is not a name; give that of a matrix in the file")
         if self.force_sign not in (None, -1, 1):
@@ -129,12 +141,23 @@ class ReadOptions(Options):
             if (stated := getattr(self, name)) is not None:
                 raise FileError(path, f"{name} = {stated!r} was given, but {reason}; leave it out")
 
-    def input_channels(self, voltage: Any = None, current: Any = None) -> dict[str, Any]:
-        """The input of the record, from that of the call and that of the file (``voltage``, ``current``).
+    def input_channels(self, voltage: Any = None, current: Any = None, no_input: bool = False) -> dict[str, Any]:
+        """The input of the record, from that of the call and that of the file (``voltage``, ``current``, ``no_input``).
 
-        A number in the file must equal the one of the call; a measured channel must agree with it, and gives way to it.
+        A number in the file must equal the one of the call; a measured channel must agree with it, and gives way to it. No
+        input, by the call, agrees with a channel or a number that is 0 within what a measured one may be off by.
         """
-        channels: dict[str, Any] = {}
+        if self.no_input or no_input:
+            for name, stored in (("voltage", voltage), ("current", current)):
+                if stored is not None and not agrees(0.0, stored):
+                    raise InputError(_not_without(name, stored))
+                if (stated := getattr(self, name)) is not None:
+                    raise InputError(
+                        f"{name} = {stated:g} {CHANNELS[name]} was given, but the file says that the damper has no input; "
+                        f"leave {name} out of the call"
+                    )
+            return {"voltage": None, "current": None, "no_input": True}
+        channels: dict[str, Any] = {"no_input": False}
         for name, stated, stored in (("voltage", self.voltage, voltage), ("current", self.current, current)):
             if (
                 stated is not None
@@ -148,12 +171,22 @@ class ReadOptions(Options):
 
     def replaced(self, voltage: Any = None, current: Any = None) -> tuple[str, ...]:
         """What the history says of a measured input that gave way to the one of the call."""
+        if self.no_input:
+            return ("no input as stated",) if voltage is not None or current is not None else ()
         pairs = (("voltage", self.voltage, voltage), ("current", self.current, current))
         return tuple(
             f"{name} {stated:g} {CHANNELS[name]} as stated; {np.mean(stored):.4g} {CHANNELS[name]} as measured"
             for name, stated, stored in pairs
             if stated is not None and stored is not None and not np.array_equal(stated, stored)
         )
+
+
+def _not_without(name: str, stored: Any) -> str:
+    return (
+        f"no_input was given, but the file's {name} has {np.min(stored):.4g} to {np.max(stored):.4g} {CHANNELS[name]}; leave "
+        f"no_input out, or, where that is no input of the damper, leave the column out: --column {name}=- or "
+        f"columns={{{name!r}: None}}"
+    )
 
 
 def _contradiction(name: str, stated: float, stored: Any) -> str:

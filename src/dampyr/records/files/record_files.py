@@ -16,7 +16,7 @@ from dampyr.records.conditioning.integrated_displacement import INTEGRATED, is_i
 from dampyr.records.conditioning.lowpass import with_lowpass
 from dampyr.records.conditioning.smoothing import with_smoothing
 from dampyr.records.datasets import data_set_of_file
-from dampyr.records.files.folder_metadata import TABLES, FolderReading, reading_of
+from dampyr.records.files.folder_metadata import INPUTS, TABLES, FolderReading, reading_of
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import GROUPS, Record
 from dampyr.source_file import check_name, source_file
@@ -116,8 +116,8 @@ def warn_of_integrated(records: Iterable[Record]) -> None:
 
 def _merged(metadata: FolderReading, path: Path, options: ReadOptions) -> ReadOptions:
     """The caller's options, and where it sets none those of ``reading.toml``."""
-    stated = {name: value for name, value in options.as_keywords().items() if value is not None}
-    of_folder = metadata.options_of(path, has_input="voltage" in stated or "current" in stated)
+    stated = {name: value for name, value in options.as_keywords().items() if value is not None and value is not False}
+    of_folder = metadata.options_of(path, has_input=any(name in stated for name in INPUTS))
     tables = {name: {**of_folder.get(name, {}), **stated[name]} for name in TABLES}
     return ReadOptions(**{**of_folder, **stated, **tables}, thresholds=options.thresholds)
 

@@ -32,6 +32,7 @@ from dampyr.records.formats.h5 import FORMAT, PIECE, SCHEMA, Raw, fill
 from dampyr.records.record import CHANNELS, GROUPS, Array, Label, Record, Role
 
 ALL = slice(None)
+UNFINISHED = ("kind", "delay", "mass", "bandwidth")  # of a raw channel: what a file under way does not say
 SYNC_EVERY = 1.0  # s: what a power cut may take; each sync costs the disk a seek
 STRUCTURE = 2**16  # bytes of a file besides samples and texts: 20 to 40 KiB were seen
 REFUSALS = {
@@ -44,7 +45,8 @@ Refine = Callable[[dict[str, Any]], dict[str, Any]]
 
 @dataclass(frozen=True)
 class RawChannel:
-    """A raw reading and what makes SI of it: gain*raw + offset, in the finished file read ``delay`` s earlier."""
+    """A raw reading and what makes SI of it: gain*raw + offset, in the finished file read ``delay`` s earlier, and less
+    the inertia of ``mass`` [kg], of an acceleration of that ``bandwidth`` [Hz]."""
 
     unit: str
     gain: float
@@ -52,6 +54,8 @@ class RawChannel:
     calibrated_unit: str
     kind: str = "f8"
     delay: float = 0.0
+    mass: float = 0.0
+    bandwidth: float | None = None
 
 
 @dataclass(frozen=True)
@@ -207,7 +211,7 @@ class Recording:
         }
         # a channel that nothing refined is read when the raw reading is
         raw = {
-            name: _raw(self._data[f"raw/{name}"], channel if refine else replace(channel, delay=0.0))
+            name: _raw(self._data[f"raw/{name}"], channel if refine else replace(channel, delay=0.0, mass=0.0))
             for name, channel in header.raw.items()
         }
         try:
@@ -313,7 +317,11 @@ def _write(file: io.FileIO, place: int, data: bytes | memoryview) -> None:
 
 
 def _raw(values: _Column, channel: RawChannel) -> Raw:
-    return Raw(values, channel.unit, channel.gain, channel.offset, channel.calibrated_unit, channel.delay)
+    about = {
+        name: getattr(channel, name)
+        for name in ("unit", "gain", "offset", "calibrated_unit", "delay", "mass", "bandwidth")
+    }
+    return Raw(values, **about)
 
 
 Place = tuple[int, "np.dtype[Any]"]
@@ -333,7 +341,7 @@ def _create_file(path: Path, capacity: int, header: RecordingHeader) -> tuple[di
         for name, value in header.constants.items():
             file.create_dataset(f"calibrated/{name}", data=value).attrs["unit"] = CHANNELS[name]
         for name, channel in header.raw.items():
-            attributes = {key: value for key, value in vars(channel).items() if key not in ("kind", "delay")}
+            attributes = {key: value for key, value in vars(channel).items() if key not in UNFINISHED}
             _allocate_dataset(file, f"raw/{name}", capacity, channel.kind).attrs.update(attributes)
         if header.label is not None:
             label_fields = {key: value for key, value in vars(header.label).items() if value is not None}

@@ -23,6 +23,7 @@ from typing import TextIO
 import numpy as np
 
 from dampyr.errors import FileError
+from dampyr.input_kinds import NO_INPUT
 from dampyr.origin import ORIGIN_KINDS
 from dampyr.records.files.column_table import SPELLINGS, TEMPERATURES, ColumnTable, name_and_unit, record_of
 from dampyr.records.files.read_options import ReadOptions
@@ -47,8 +48,11 @@ KINDS = {
 }
 """What a cell may be besides a number."""
 KIND_NAMES = {"number": "a number", "clock": "a time of day", "date": "a date", "stamp": "a date with a time of day"}
-GROUP = re.compile(rf"[#%]\s*(?:({'|'.join(GROUPS)})\s*:\s*(\S.*)|(origin)\s*:\s*({'|'.join(ORIGIN_KINDS)}))")
-"""A comment above the numbers that states the session or the specimen, as dampyr writes it."""
+GROUP = re.compile(
+    rf"[#%]\s*(?:({'|'.join(GROUPS)})\s*:\s*(\S.*)|(origin)\s*:\s*({'|'.join(ORIGIN_KINDS)})|(input)\s*:\s*({NO_INPUT})\s*$)"
+)
+"""A comment above the numbers that states the session, the specimen, the origin, or that there is no input, as dampyr writes
+it."""
 
 
 def read(path: Path, request: ReadOptions, kind: str) -> Record:
@@ -101,9 +105,10 @@ def table_of_text(
         kinds=kinds,
         stamps={k: texts[k] for k, kind in enumerate(kinds) if kind != "number"},
         groups={
-            (match[1] or match[3]): (match[2] or match[4]).strip()
+            name: text.strip()
             for line in lines[:first]
             if (match := GROUP.fullmatch(line.strip()))
+            for name, text in [filter(None, match.groups())]
         },
         lines=rows.numbers,
         empty=empty,

@@ -4,13 +4,14 @@ Layout (schema 2)::
 
     /            format = "dampyr record", schema = 2, complete = 0 or 1, name, role, test, try, sha256 (of every dataset,
                  `dampyr.records.files.checksums`), origin (`dampyr.origin`; dampyr up to 0.2.0 wrote none);
-                 measurement_session and specimen where they are known
+                 measurement_session and specimen where they are known; input = "none" where the damper has no input
     /calibrated  time, displacement, force, ...: (n,) float64 in SI, each with the attribute unit
                  voltage or current as a number when it is constant; with the attributes uncertainty (one standard
                  uncertainty, in that unit) and uncertainty_parts (JSON) where it is stated
     /raw         one dataset per raw reading with the attributes unit, gain, offset, calibrated_unit:
                  calibrated = gain*raw + offset; empty for a test that was read from another format.
-                 With an attribute delay [s] above 0, the calibrated value is that of so much earlier.
+                 With an attribute delay [s] above 0, the calibrated value is that of so much earlier; with mass [kg]
+                 and bandwidth [Hz], mass times the derivative of /calibrated/velocity at that bandwidth is taken off it.
     /label       peak_to_peak_m, frequency_hz, table, row (as attributes), where there is a label
     /smoothed    window [s], alignment, channels (as attributes), where channels hold a moving average that is not undone
     /provenance  one attribute per entry
@@ -36,6 +37,8 @@ import numpy as np
 
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError, one_line
+from dampyr.input_kinds import NO_INPUT
+from dampyr.models.numerics.differentiation import differentiate
 from dampyr.origin import as_origin, of_board
 from dampyr.records.checks.channel_uncertainty import ChannelUncertainty
 from dampyr.records.conditioning.moving_average import Alignment, MovingAverage
@@ -62,7 +65,8 @@ RAW_ERROR = (
 
 @dataclass(frozen=True)
 class Raw:
-    """A raw reading, ``(n,)`` volts or counts; gain*values + offset is the calibrated channel, ``delay`` s later.
+    """A raw reading, ``(n,)`` volts or counts; gain*values + offset is the calibrated channel, ``delay`` s later, less the
+    force of a ``mass`` [kg] times the derivative of the velocity at a ``bandwidth`` [Hz].
 
     To be written, the values may also be what is sliced like an array, such as a dataset of another file.
     """
@@ -73,6 +77,8 @@ class Raw:
     offset: float
     calibrated_unit: str
     delay: float = 0.0
+    mass: float = 0.0
+    bandwidth: float | None = None
 
 
 class BrokenFile(FileError):
@@ -131,7 +137,10 @@ def read(path: Path, request: ReadOptions) -> Record:
         # Until 2026-11-23 a test that ended early said a delay that its displacement does not have.
         if difference and (difference := _difference_from_raw(channels, raw, delayed=False)):
             marks = (*marks, difference)
-        channels |= request.input_channels(channels.pop("voltage", None), channels.pop("current", None))
+        replaced = request.replaced(channels.get("voltage"), channels.get("current"))
+        channels |= request.input_channels(
+            channels.pop("voltage", None), channels.pop("current", None), str(root.get("input", "")) == NO_INPUT
+        )
         if not _is_complete(file) and provenance.get("complete") != "no":
             provenance["complete"] = "no"
             history = (*history, "read from a file whose recording was not completed")
@@ -142,7 +151,7 @@ def read(path: Path, request: ReadOptions) -> Record:
             label=_label(attributes.get("label")),
             smoothed=_smoothed(attributes.get("smoothed")),
             provenance=provenance,
-            history=history,
+            history=(*history, *replaced),
             marks=marks,
             uncertainty=_uncertainty(path, attributes),
             # a file of dampyr up to 0.2.0 states no origin: its board tells
@@ -187,7 +196,9 @@ def _raw(file: Any, attributes: Attributes) -> dict[str, Raw]:
             gain, offset, delay = (float(entries.get(key, 0.0)) for key in ("gain", "offset", "delay"))
             unit, calibrated_unit = str(entries["unit"]), str(entries["calibrated_unit"])
             values = file[name][: _rows(file)]
-            readings[name.removeprefix("raw/")] = Raw(values, unit, gain, offset, calibrated_unit, delay)
+            mass, bandwidth = float(entries.get("mass", 0.0)), entries.get("bandwidth")
+            width = None if bandwidth is None else float(bandwidth)
+            readings[name.removeprefix("raw/")] = Raw(values, unit, gain, offset, calibrated_unit, delay, mass, width)
     return readings
 
 
@@ -204,6 +215,10 @@ def _difference_from_raw(channels: Mapping[str, Any], raw: Mapping[str, Raw], de
             expected = to_si(expected, reading.calibrated_unit, CHANNELS[channel])
         if reading.delay and delayed:
             expected = np.interp(channels["time"] - reading.delay, channels["time"], expected)
+        if reading.mass and isinstance(channels.get("velocity"), np.ndarray):
+            expected = expected - reading.mass * differentiate(
+                channels["time"], channels["velocity"], reading.bandwidth
+            )
         apart = np.abs(values - expected)
         size = float(np.abs(values[np.isfinite(values)]).max(initial=abs(reading.gain)))
         wrong = np.isfinite(values) & ~(apart <= RAW_ERROR * size)
@@ -285,6 +300,8 @@ def fill(path: Path, n: int, pieces: Iterable[Record], raw: Mapping[str, Raw], r
         _fill_raw(file, raw, sums)
         file.attrs.update({"name": record.name, "role": record.role, "origin": record.origin.kind})
         file.attrs.update({name: getattr(record, name) for name in GROUPS if getattr(record, name) is not None})
+        if record.no_input:
+            file.attrs["input"] = NO_INPUT
         file.attrs["test"] = record.provenance.get("test", record.name)
         file.attrs["try"] = int(record.provenance.get("try", "1"))
         if record.label is not None:
@@ -330,7 +347,8 @@ def _fill_raw(file: Any, raw: Mapping[str, Raw], sums: Checksums) -> None:
             sums.add(f"raw/{name}", piece)
         if not length:
             sums.add(f"raw/{name}", channel.values[:0])
-        attributes = {k: v for k, v in vars(channel).items() if k != "values"}
+        left_out = ("values", *(() if channel.mass else ("mass", "bandwidth")))
+        attributes = {k: v for k, v in vars(channel).items() if k not in left_out}
         data.attrs.update(attributes)
 
 

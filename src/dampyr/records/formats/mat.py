@@ -20,6 +20,7 @@ import numpy as np
 
 from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError, one_line
+from dampyr.input_kinds import NO_INPUT
 from dampyr.origin import ORIGIN_KINDS
 from dampyr.records.files.column_table import ColumnTable, record_of
 from dampyr.records.files.read_options import ReadOptions
@@ -48,11 +49,13 @@ class _Stored:
         return ", ".join(self.names) or "none"
 
     def groups(self) -> dict[str, str]:
-        """The session, the specimen and the origin, where the file has them as text."""
+        """The session, the specimen, the origin and that there is no input, where the file has them as text."""
         texts = {name: self.variables.get(name) for name in GROUPS}
         stated = {name: text.strip() for name, text in texts.items() if isinstance(text, str) and text.strip()}
         origin = self.variables.get("origin")  # which a file of somebody else's may call something else
-        return stated | ({"origin": origin} if isinstance(origin, str) and origin in ORIGIN_KINDS else {})
+        stated |= {"origin": origin} if isinstance(origin, str) and origin in ORIGIN_KINDS else {}
+        without = self.variables.get("input")
+        return stated | ({"input": NO_INPUT} if isinstance(without, str) and without.strip() == NO_INPUT else {})
 
 
 def read(path: Path, request: ReadOptions) -> Record:
@@ -123,19 +126,21 @@ def _of_the_campaign(path: Path, stored: _Stored, request: ReadOptions) -> Recor
     _check_clock(path, variables, dt, n)
     raw = {name: variables[variable].ravel() for name, variable in VARIABLES.items()}
     raw["velocity"] = variables["x_F"][:, 1]
+    groups = stored.groups()
     return Record(
         time=dt * np.arange(n, dtype=np.float64),
         **{name: to_si(raw[name], request.units.get(name, unit), CHANNELS[name]) for name, unit in UNITS.items()},
-        **request.input_channels(),
+        **request.input_channels(no_input=groups.pop("input", None) == NO_INPUT),
         name=path.stem,
         provenance={"file": path.name, "format": stored.version, "velocity": "as recorded (x_F, column 2)"},
         history=("read from dist, forc and x_F: displacement mm to m, velocity mm/s to m/s",),
-        **stored.groups(),  # type: ignore[arg-type]
+        **groups,  # type: ignore[arg-type]
     )
 
 
 def write(record: Record, path: Path) -> Path:
-    """Write a record with the variables that :func:`read` takes, in mm and N; the input as ``voltage_V`` or ``current_A``.
+    """Write a record with the variables that :func:`read` takes, in mm and N; the input as ``voltage_V`` or ``current_A``,
+    and as the text ``input`` where it has none.
 
     Raises FileError for a record without a velocity, with uneven steps, or smoothed and not undone, which this format cannot
     hold.

@@ -31,25 +31,28 @@ SLOW_AHEAD = 80  # counts by which the moving set point may be ahead
 SLOW_DUTY = 64  # pushes with 800 N at most against a stop
 SPARE = 200  # counts beyond what a search needs
 REVERSED, PROVEN = 40, 100  # counts against the duty, a fault; counts with it, after which the direction is proven
+JUMP = 60  # counts in a millisecond: more than any motor makes
+OVER_TIME = 20  # ms for which the motor's current may be above the largest
 EDGE = 100  # counts that a table outside of the limits may go farther out
 
 QUEUE = protocol.QUEUE
 IDLE, ARMED, FOLLOWING, REVERSING, JOGGING, HOMING, STOPPING, FAULT = (int(state) for state in State)
 HEARTBEAT, LOW, HIGH, SPEED, STALL, LOST, UNDERRUN, ENCODER = (int(fault) for fault in Fault if fault < Fault.ABORTED)
-INDEX, END, EMERGENCY, DIRECTION = (int(fault) for fault in Fault if fault > Fault.RESTARTED)
+INDEX, END, EMERGENCY, DIRECTION, OVERCURRENT = (int(fault) for fault in Fault if fault > Fault.RESTARTED)
 LOW_END, HIGH_END, PRESSED = protocol.LOW_END, protocol.HIGH_END, protocol.PRESSED
 ENDS_WIRED, EMERGENCY_WIRED = protocol.ENDS_WIRED, protocol.EMERGENCY_WIRED
 
 # registers
 (
     R_STATE, R_FAULTS, R_TIME, R_POSITION, R_SPEED, R_DUTY, R_COUNTS, R_OFFSET, R_HOMED, R_LIMITED,
-    R_LOW, R_HIGH, R_MAX_SPEED, R_HEARTBEAT, R_MAX_DUTY, R_STALL, R_WIRED, R_SINCE, R_STALLED, R_STALL_AT, R_FREE,
+    R_LOW, R_HIGH, R_MAX_SPEED, R_HEARTBEAT, R_MAX_DUTY, R_STALL, R_WIRED, R_SLEW, R_MAX_CURRENT,
+    R_SINCE, R_STALLED, R_STALL_AT, R_FREE,
     R_HEAD, R_NEXT, R_LAST, R_PERIOD, R_PHASE, R_TARGET, R_RATE, R_LEFT, R_HALF, R_PAUSE, R_STROKES,
     R_INDEX, R_INDEX_SET, R_SHIFT, R_PASSES, R_TURN, R_START, R_SIGN, R_ENDS, R_END_AT, R_FILLED,
     R_INPUTS, R_OUTSIDE, R_EDGE, R_ORIGIN, R_WAY, R_WAY_AT, R_PROVEN,
-    R_RESTING,
-) = range(50)  # fmt: skip
-R_QUEUE = 56  # after the 50 above, with places left for more
+    R_RESTING, R_CURRENT, R_OVER, R_JUMPED,
+) = range(55)  # fmt: skip
+R_QUEUE = 56  # after the 55 above, with places left for more
 R_PAST = R_QUEUE + QUEUE
 REGISTERS = R_PAST + WINDOW
 
@@ -59,12 +62,14 @@ def quotient(a, b):
     return a // b if a >= 0 else -(-a // b)
 
 
-def tick(r, counts, latched, index, glitch, inputs=0):
+def tick(r, counts, latched, index, glitch, inputs=0, current=0):
     """One millisecond: ``counts`` of the encoder, whether the index was passed (``latched``) and at which count, whether both
-    lines changed at once (``glitch``), and which of the end switches and of the emergency stop are open (``inputs``)."""
+    lines changed at once (``glitch``), which of the end switches and of the emergency stop are open (``inputs``), and the
+    larger reading of the bridge's two current outputs (``current``)."""
     r[R_TIME] += 1
     r[R_SINCE] = min(r[R_SINCE] + 1, 1000000)
     r[R_INPUTS] = inputs
+    r[R_CURRENT] = current if r[R_MAX_CURRENT] != 0 else 0
     observe(r, counts)
     faults = 0
     if latched:
@@ -84,6 +89,7 @@ def observe(r, counts):
     old = r[slot] if r[R_FILLED] >= WINDOW else counts
     r[R_FILLED] += 1 if r[R_FILLED] < WINDOW else 0
     r[slot] = counts
+    r[R_JUMPED] = 1 if abs(counts - r[R_COUNTS]) > JUMP else 0
     r[R_COUNTS] = counts
     r[R_POSITION] = counts + r[R_OFFSET]
     r[R_SPEED] = (counts - old) * (RATE // WINDOW)
@@ -121,19 +127,21 @@ def watched(r, glitch):
     if r[R_SINCE] > r[R_HEARTBEAT]:
         faults |= HEARTBEAT
     faults |= beyond(r)
-    if abs(r[R_SPEED]) > r[R_MAX_SPEED] or (slow(r) and abs(r[R_SPEED]) > SLOW_FAULT):
+    if not r[R_JUMPED] and (abs(r[R_SPEED]) > r[R_MAX_SPEED] or (slow(r) and abs(r[R_SPEED]) > SLOW_FAULT)):
         faults |= SPEED
     if stalled(r) and r[R_STATE] != HOMING:  # where a search takes it for the end of the stroke
         faults |= STALL
+    if overcurrent(r):
+        faults |= OVERCURRENT
     if reversed_leads(r):
         faults |= DIRECTION
-    if r[R_STATE] == FOLLOWING and abs(r[R_TARGET] - r[R_POSITION]) > AWAY:
+    if not r[R_JUMPED] and r[R_STATE] == FOLLOWING and abs(r[R_TARGET] - r[R_POSITION]) > AWAY:
         faults |= LOST
     if (r[R_WIRED] & EMERGENCY_WIRED) != 0 and (r[R_INPUTS] & PRESSED) != 0:
         faults |= EMERGENCY
     if both_ends(r) or (r[R_STATE] != HOMING and (at_end(r, r[R_DUTY]) or at_end(r, r[R_SPEED]))):
         faults |= END
-    if glitch:
+    if glitch or r[R_JUMPED]:
         faults |= ENCODER
     return faults
 
@@ -171,6 +179,12 @@ def stalled(r):
     if not r[R_RESTING]:
         r[R_FREE] += max(0, abs(r[R_DUTY]) - lost) * FULL_SPEED // (255 - DEAD_DUTY)
     return r[R_STALLED] >= r[R_STALL] or r[R_FREE] > FREE_TRAVEL * RATE
+
+
+def overcurrent(r):
+    """Whether the motor's current has been above the largest for too long; 0 is not above 0 where it is not wired."""
+    r[R_OVER] = r[R_OVER] + 1 if r[R_CURRENT] > r[R_MAX_CURRENT] else 0
+    return r[R_OVER] > OVER_TIME
 
 
 def reversed_leads(r):
@@ -219,6 +233,7 @@ def rest(r):
 
 def act(r):
     """The duty of this moment."""
+    before = r[R_DUTY]
     state = r[R_STATE]
     if state == FOLLOWING:
         follow(r)
@@ -238,6 +253,8 @@ def act(r):
         if r[R_SPEED] * r[R_DUTY] > 0 and abs(r[R_SPEED]) > SLOW_BRAKE:
             r[R_DUTY] = 0
     r[R_DUTY] = max(-largest, min(r[R_DUTY], largest))
+    if r[R_DUTY] != 0:  # the brake comes at once
+        r[R_DUTY] = max(before - r[R_SLEW], min(r[R_DUTY], before + r[R_SLEW]))
 
 
 def follow(r):

@@ -1,4 +1,4 @@
-"""The frames between host and Uno, version 2 (docs/reference/protocol.md): COBS, CRC-16/CCITT-FALSE, little-endian bodies."""
+"""The frames between host and Uno, version 3 (docs/reference/protocol.md): COBS, CRC-16/CCITT-FALSE, little-endian bodies."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import struct
 from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 
-VERSION = 2  # of the frames; both ends must speak the same
+VERSION = 3  # of the frames; both ends must speak the same
 MAX_BODY = 70  # bytes: the longest body is that of 16 set points (5 + 4 * 16), with one to spare
 MAX_POINTS = 16  # in one frame: 0.16 s of motion where they are 10 ms apart
 QUEUE = 64  # set points that the Uno holds
@@ -28,6 +28,7 @@ class Request(IntEnum):
     STOP = 0x0B
     ABORT = 0x0C
     CLEAR = 0x0D
+    BUILD = 0x0E
 
 
 class Reply(IntEnum):
@@ -37,6 +38,7 @@ class Reply(IntEnum):
     ACK = 0x82
     NAK = 0x83
     STATUS = 0x84
+    BUILD = 0x85
 
 
 class State(IntEnum):
@@ -69,6 +71,7 @@ class Fault(IntFlag):
     END = 2048
     EMERGENCY = 4096
     DIRECTION = 8192
+    CURRENT = 16384
 
 
 class Reason(IntEnum):
@@ -96,7 +99,7 @@ ENDS_WIRED, EMERGENCY_WIRED = 1, 2  # which inputs LIMITS say are wired
 
 BODIES: dict[Request | Reply, struct.Struct] = {
     Request.HELLO: struct.Struct("<B"),
-    Request.LIMITS: struct.Struct("<iiIHBHB"),
+    Request.LIMITS: struct.Struct("<iiIHBHBBH"),
     Request.HEARTBEAT: struct.Struct("<"),
     Request.ARM: struct.Struct("<"),
     Request.DISARM: struct.Struct("<"),
@@ -107,10 +110,12 @@ BODIES: dict[Request | Reply, struct.Struct] = {
     Request.STOP: struct.Struct("<"),
     Request.ABORT: struct.Struct("<"),
     Request.CLEAR: struct.Struct("<"),
+    Request.BUILD: struct.Struct("<"),
     Reply.HELLO: struct.Struct("<BHHB"),
     Reply.ACK: struct.Struct("<BB"),
     Reply.NAK: struct.Struct("<BB"),
-    Reply.STATUS: struct.Struct("<IBHiihBBIHhH"),
+    Reply.STATUS: struct.Struct("<IBHiihBBIHhHH"),
+    Reply.BUILD: struct.Struct("<BIIB"),
 }
 """The body of each type; SETPOINTS has one of its own."""
 
@@ -129,7 +134,8 @@ class Status:
     """What the Uno says of itself: time [ms], state, faults, position [counts], speed [counts/s], duty (-255..255).
 
     ``outside`` of the limits, where it was armed; ``inputs`` that are open; ``proven``: it has moved as its duty says;
-    ``index_shift`` counts by which the index was away from its place at the last of ``index_passes``.
+    ``index_shift`` counts by which the index was away from its place at the last of ``index_passes``; ``current`` of the motor
+    [steps of the Uno's converter], 0 where LIMITS say that its sense is not wired.
     """
 
     time: int
@@ -149,17 +155,18 @@ class Status:
     outside: bool = False
     inputs: int = 0
     proven: bool = False
+    current: int = 0
 
 
 def status_of(frame: SerialFrame) -> Status:
     """The status in a STATUS reply."""
-    time, state, faults, position, speed, duty, flags, free, nxt, bad, shift, passes = frame.values
+    time, state, faults, position, speed, duty, flags, free, nxt, bad, shift, passes, current = frame.values
     enabled, homed, limited = bool(flags & ENABLED), bool(flags & HOMED), bool(flags & LIMITED)
     moving = (time, State(state), Fault(faults), position, speed, duty)
     return Status(
         *moving, enabled, homed, limited, free, nxt, bad,
         index_shift=shift, index_passes=passes, outside=bool(flags & OUTSIDE), inputs=flags >> INPUTS_AT & 7,
-        proven=bool(flags & PROVEN),
+        proven=bool(flags & PROVEN), current=current,
     )  # fmt: skip
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +31,11 @@ from dampyr.rig.firmware.protocol import (
     encode,
 )
 
-FIRMWARE = (2, 0)  # major, minor
+FIRMWARE = (3, 0)  # major, minor
 FARTHEST, FASTEST = 37000, 40000  # counts, counts/s: the firmware's own limits
+FULL_SCALE = 1023  # of the Uno's converter
+SHIPPED_FUSE = 0xFD  # the extended fuse of an Uno as it is sold: a brown-out below 2.7 V
+SOURCES = ("core.c", "core.h", "frames.c", "frames.h", "main.c")
 RESTING = tuple(State)
 ALLOWED: dict[Request, tuple[State, ...]] = {
     Request.LIMITS: (State.IDLE,),
@@ -45,6 +50,13 @@ ALLOWED: dict[Request, tuple[State, ...]] = {
 WITHOUT_HELLO = (Request.HELLO, Request.STOP, Request.ABORT, Request.DISARM)
 
 
+def source_digest() -> int:
+    """The first four bytes of the SHA-256 of the firmware's sources, as its Makefile takes them."""
+    folder = Path(__file__).parent / "uno"
+    data = b"".join((folder / name).read_bytes() for name in SOURCES)
+    return int.from_bytes(hashlib.sha256(data).digest()[:4], "big")
+
+
 class Twin:
     """The Uno: `receive` takes the host's bytes, `tick` is to be run every millisecond.
 
@@ -54,6 +66,7 @@ class Twin:
     def __init__(self, on_heartbeat: Callable[[], None] = lambda: None) -> None:
         self.registers: NDArray[np.int64] = np.zeros(c.REGISTERS, dtype=np.int64)
         self.on_heartbeat = on_heartbeat
+        self.build = (0, 250000, source_digest(), SHIPPED_FUSE)  # direction pin, baud, digest, extended fuse
         self.restart()
 
     def restart(self) -> None:
@@ -87,9 +100,9 @@ class Twin:
         """Free places in the queue."""
         return c.QUEUE - int(self.registers[c.R_NEXT] - self.registers[c.R_HEAD])
 
-    def tick(self, counts: int, latched: bool, index: int, glitch: bool, inputs: int = 0) -> None:
+    def tick(self, counts: int, latched: bool, index: int, glitch: bool, inputs: int = 0, current: int = 0) -> None:
         """One millisecond; see `dampyr.rig.firmware.control_core.tick`."""
-        c.tick(self.registers, counts, latched, index, glitch, inputs)
+        c.tick(self.registers, counts, latched, index, glitch, inputs, current)
 
     def receive(self, data: bytes) -> bytes:
         """Bytes from the host -> the replies to what is whole with them."""
@@ -115,6 +128,8 @@ class Twin:
             return SerialFrame(Reply.HELLO, frame.number, (VERSION, FIRMWARE[0] << 8 | FIRMWARE[1], c.RATE, c.QUEUE))
         if kind == Request.HEARTBEAT:
             return SerialFrame(Reply.STATUS, frame.number, self._status())
+        if kind == Request.BUILD:
+            return SerialFrame(Reply.BUILD, frame.number, self.build)
         return SerialFrame(Reply.ACK, frame.number, (kind, self.free))
 
     def _refused(self, kind: Request, values: tuple[int, ...]) -> Reason | None:
@@ -130,9 +145,10 @@ class Twin:
         return check(*values)
 
     def _check_limits(
-        self, low: int, high: int, speed: int, beat: int, duty: int, stall: int, wired: int
+        self, low: int, high: int, speed: int, beat: int, duty: int, stall: int, wired: int, slew: int, current: int
     ) -> Reason | None:
         fine = wired <= ENDS_WIRED | EMERGENCY_WIRED and -FARTHEST <= low < high <= FARTHEST and 1 <= speed <= FASTEST
+        fine = fine and slew >= 1 and current < FULL_SCALE
         return None if fine and 50 <= beat <= 200 and duty >= 1 and 100 <= stall <= 1000 else Reason.RANGE
 
     def _check_arm(self) -> Reason | None:
@@ -196,7 +212,7 @@ class Twin:
             self._abort()
 
     def _limits(self, *values: int) -> None:
-        self.registers[c.R_LOW : c.R_WIRED + 1] = values
+        self.registers[c.R_LOW : c.R_MAX_CURRENT + 1] = values
         self.registers[c.R_LIMITED] = 1
 
     def _heartbeat(self) -> None:
@@ -206,7 +222,8 @@ class Twin:
     def _arm(self) -> None:
         r = self.registers
         c.empty(r)
-        r[[c.R_STATE, c.R_STALLED, c.R_FREE, c.R_DUTY, c.R_WAY, c.R_OUTSIDE]] = State.ARMED, 0, 0, 0, 0, 0
+        r[[c.R_STALLED, c.R_FREE, c.R_OVER, c.R_DUTY, c.R_WAY, c.R_OUTSIDE]] = 0
+        r[c.R_STATE] = State.ARMED
         if r[c.R_HOMED] and not r[c.R_LOW] <= r[c.R_POSITION] <= r[c.R_HIGH]:
             r[c.R_OUTSIDE] = -1 if r[c.R_POSITION] < r[c.R_LOW] else 1
             r[c.R_EDGE] = r[c.R_POSITION] + r[c.R_OUTSIDE] * c.EDGE
@@ -265,6 +282,9 @@ class Twin:
     def _abort(self) -> None:
         c.fail(self.registers, int(Fault.ABORTED))
 
+    def _build(self) -> None:
+        """Nothing: its reply says what the program was built with."""
+
     def _clear(self) -> None:
         self.registers[[c.R_STATE, c.R_FAULTS]] = State.IDLE, 0
 
@@ -274,5 +294,5 @@ class Twin:
         flags |= OUTSIDE * bool(r[c.R_OUTSIDE]) | int(r[c.R_INPUTS]) << INPUTS_AT | PROVEN * bool(r[c.R_PROVEN])
         shown = (r[c.R_TIME] & 0xFFFFFFFF, r[c.R_STATE], r[c.R_FAULTS], r[c.R_POSITION], r[c.R_SPEED], r[c.R_DUTY])
         shift = max(-32768, min(int(r[c.R_SHIFT]), 32767))
-        rest = (flags, self.free, r[c.R_NEXT], self.reader.bad & 0xFFFF, shift, r[c.R_PASSES] & 0xFFFF)
+        rest = (flags, self.free, r[c.R_NEXT], self.reader.bad & 0xFFFF, shift, r[c.R_PASSES] & 0xFFFF, r[c.R_CURRENT])
         return tuple(int(value) for value in (*shown, *rest))

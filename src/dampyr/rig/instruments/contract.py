@@ -25,7 +25,8 @@ INDEX, HERE = 1, 0  # how to home
 class AcquisitionBoard(Protocol):
     """An acquisition: the rig's analogue inputs and the encoder's position on one sample clock.
 
-    That of a real instrument has ``origin()``, too, which gives "measured" (`stated_origin`).
+    That of a real instrument has ``origin()``, too, which gives "measured" (`stated_origin`). Where ``wires.shunt`` names a
+    relay, it has ``shunt(on)``, which switches it at once, whatever is being read.
     """
 
     def start(self, rate: float, ahead: Array) -> None:
@@ -80,13 +81,31 @@ class CoilSupply(Protocol):
 
 
 @dataclass(frozen=True)
+class Program:
+    """What the firmware of an Uno was built with: the kind of bridge, the line's speed, the digest of its sources.
+
+    ``up_to_date``: whether these are the sources of this dampyr. ``extended_fuse``: the chip's, with its brown-out level.
+    """
+
+    direction_pin: bool
+    baud: int
+    digest: str
+    up_to_date: bool
+    extended_fuse: int
+
+
+@dataclass(frozen=True)
 class Hello:
-    """The identity that a drive reports: version of the protocol, firmware, control rate [Hz], set points in its queue."""
+    """The identity that a drive reports: version of the protocol, firmware, control rate [Hz], set points in its queue.
+
+    ``program``: of an Uno, what its firmware was built with; None of a drive that does not say.
+    """
 
     version: int
     firmware: str
     rate: int
     queue: int
+    program: Program | None = None
 
 
 class TableDrive(Protocol):
@@ -118,7 +137,7 @@ class TableDrive(Protocol):
         """Move at ``speed`` counts/s for a while, at most 500 ms."""
 
     def points(self, first: int, positions: list[int]) -> int:
-        """Send up to 16 set points [counts], numbered from ``first``; how many places are free then."""
+        """Send set points [counts], numbered from ``first``; how many places are free then."""
 
     def follow(self, period_ms: int, n: int) -> None:
         """Follow the set points."""

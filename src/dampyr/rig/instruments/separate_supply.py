@@ -8,6 +8,7 @@ import numpy as np
 
 from dampyr.origin import OriginKind
 from dampyr.rig.instruments.contract import AcquisitionBoard, Array, CoilSupply, Counts, stated_origin
+from dampyr.rig.shunt import switch_shunt
 
 
 class SeparatelySupplied:
@@ -69,6 +70,10 @@ class SeparatelySupplied:
             self.acquisition.close()
         finally:
             self.supply.close()
+
+    def shunt(self, on: bool) -> None:
+        """Switch the relay of the acquisition that puts a shunt across the load cell's bridge."""
+        switch_shunt(self.acquisition, on)
 
     def command_delay(self) -> float:
         """s by which a change of the command may be late."""

@@ -26,6 +26,7 @@ KINDS: dict[str, Kind] = {
     "lost-bytes": Kind("each byte of the serial wire, both ways, is lost with this probability", 0.1, "", 1.0, False),
     "unplugged-serial": Kind("nothing passes the serial wire"),
     "restarted-uno": Kind("the Uno restarts (power, watchdog)"),
+    "uno-clock": Kind("the Uno's clock is slower by so much more; faster where it is negative", 3e3, "ppm", 9e5),
     "stuck-encoder": Kind("neither the Uno nor the board sees the encoder's pulses"),
     "stuck-encoder-uno": Kind("the Uno sees none of the encoder's pulses"),
     "stuck-encoder-board": Kind("the board sees none of the encoder's pulses"),
@@ -40,7 +41,13 @@ KINDS: dict[str, Kind] = {
         "a shunt across the load cell's bridge is switched in: before its filter the force is more by this", 200.0, "N", 5e3
     ),
     "cell-clip": Kind("the load cell's amplifier saturates: its signal ends at this force, either way", 250.0, "N", 1e5, False),
+    "cell-gain": Kind("the gain of the load cell's chain changes: it shows this share of the force", 0.9, "", 10.0, False),
+    "cell-slow": Kind(
+        "the load cell's amplifier grows slow: its bandwidth, and its noise's, falls to this", 20.0, "Hz", 1e5, False
+    ),
     "dead-supply": Kind("the supply gives no voltage, whatever it is commanded"),
+    "supply-stuck": Kind("the supply's voltage stands where it is, whatever it is commanded; its enable line cuts it still"),
+    "supply-gain": Kind("the supply gives this share of what it is commanded", 0.8, "", 10.0, False),
     "open-coil": Kind("the coil's wire is broken: no current flows"),
     "stalled-motor": Kind("the motor does not turn"),
     "hot-specimen": Kind("the specimen, with its coil, is suddenly warmer by this difference", 60.0, "K"),

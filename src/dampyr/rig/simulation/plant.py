@@ -7,7 +7,9 @@ The bridge drives the motor and its screw as a source of velocity that lags and 
 with :math:`v_0` the free speed, r the droop, d the duty beyond the dead band and F the load. A load against the motion slows
 it to standstill at most, and one along it does not hasten it: the screw locks itself. Without duty the motor is shorted and
 stops, :math:`T_b \dot v_m = -v_m - (v_f + r |F|) \,\mathrm{sgn}\, v_m`, with :math:`v_f` the speed that the dead band's duty
-would give. The table follows the screw with its backlash (a play operator), has friction in its guides, and moves the specimen.
+would give. The motor's current is
+:math:`i_0 + (v_0 d - v_m) k/r`, that of its load once it has settled, with the currents of Table A.2. The table follows the
+screw with its backlash (a play operator), has friction in its guides, and moves the specimen.
 The coil is :math:`L \dot i = u - R(T) i`; the specimen's input is the current, or the voltage R i that would
 drive it when cool. The specimen takes up the work done on it and :math:`i^2 R`, and cools to the room.
 
@@ -34,18 +36,23 @@ COPPER_AT = 20.0  # degC at which the coil has its resistance
 # the state of the plant
 (
     Y_SCREW, Y_MOTOR, Y_X, Y_V, Y_FORCE, Y_CURRENT, Y_COIL, Y_TEMPERATURE, Y_CELL, Y_COMMAND, Y_INPUT,
-    Y_REST, Y_WORK, Y_RUBBED, Y_TAKEN, Y_HEATED, Y_COOLED,
-) = range(17)  # fmt: skip
-PLANT = Y_COOLED + 1
+    Y_REST, Y_WORK, Y_RUBBED, Y_TAKEN, Y_HEATED, Y_COOLED, Y_TICK, Y_BRIDGE,
+) = range(19)  # fmt: skip
+PLANT = Y_BRIDGE + 1
 # counters: steps made; counts of the Uno and of the board less those of the encoder; the last count; the index; samples;
 # whether the specimen's laws are held; how often the board saw the index
 N_STEP, N_UNO, N_NI, N_SHOWN, N_PASSED, N_TAKEN, N_HELD, N_LATCHED = range(8)
 N_LATCH = 8  # the board's counts at the last passes of the index, the k-th at k % LATCHES
 LATCHES = 64
 NUMBERS = N_LATCH + LATCHES
-# active faults; the shunt across the load cell's bridge as the force [N] that it simulates
-Z_STALLED, Z_UNO, Z_NI, Z_GLITCH, Z_SWAPPED, Z_PRESSED, Z_DEAD, Z_OPEN, Z_SHUNT = range(9)
-FLAGS = Z_SHUNT + 1
+# active faults; the shunt across the load cell's bridge as the force [N] that it simulates, the bandwidth [rad/s] of a slow
+# cell, the share of its voltage that the supply lacks, the volts at which it stands, ppm by which the Uno's clock is slower,
+# the speed [m/s] at which a hand turns the screw, and which end switch a finger opens (-1 the lower one, 1 the upper one)
+(
+    Z_STALLED, Z_UNO, Z_NI, Z_GLITCH, Z_SWAPPED, Z_PRESSED, Z_DEAD, Z_OPEN, Z_SHUNT, Z_SLOW, Z_LACKS, Z_STUCK, Z_STANDS,
+    Z_CLOCK, Z_TURNED, Z_FINGER,
+) = range(16)  # fmt: skip
+FLAGS = Z_FINGER + 1
 STOP_STIFFNESS = 1e7  # N/m of the stops at the ends of the damper's stroke: steel on steel
 TRUTH = (
     "time", "position", "speed", "force", "voltage", "current", "temperature", "enable", "state", "faults", "duty", "held",
@@ -84,6 +91,13 @@ class Constants(NamedTuple):
     switch: float
     ends_wired: bool
     emergency_wired: bool
+    clock_ppm: float
+    clock_warming: float
+    warming_time: float
+    no_load_current: float
+    per_newton: float
+    step: float
+    mass: float
 
 
 def _unbound(*_: Any) -> Any:
@@ -114,13 +128,28 @@ def run(until, m, y, n, z, s, p, table, static, past, r, start, period, readings
         n[N_STEP] += 1
         update_counts(m, y, n, z, x)
         take_samples(m, y, n, x, cell, start, period, readings, counts)
-        if n[N_STEP] % m.per_tick == 0:
+        if n[N_STEP] > y[Y_TICK] - 1e-6:  # a millisecond of the Uno's is over
             inputs = open_inputs(m, y, z)
-            tick(r, n[N_SHOWN] + n[N_UNO], n[N_PASSED] != 0, m.mark + n[N_UNO], z[Z_GLITCH] != 0, inputs)
+            tick(
+                r,
+                n[N_SHOWN] + n[N_UNO],
+                n[N_PASSED] != 0,
+                m.mark + n[N_UNO],
+                z[Z_GLITCH] != 0,
+                inputs,
+                min(1023, int(y[Y_BRIDGE] / m.step)),
+            )
             n[N_PASSED] = 0
+            y[Y_TICK] += m.per_tick * (1.0 + 1e-6 * clock_ppm(m, n, z))
+        if n[N_STEP] % m.per_tick == 0:
             write_truth(m, y, n, r, truth[rows])
             rows += 1
     return rows
+
+
+def clock_ppm(m, n, z):
+    """ppm by which the Uno's clock is slower than the board's, which is the plant's: more as the Uno warms."""
+    return m.clock_ppm + z[Z_CLOCK] + m.clock_warming * (1.0 - exp(-n[N_STEP] * m.dt / m.warming_time))
 
 
 def drive_motor(m, y, z, r):
@@ -130,8 +159,11 @@ def drive_motor(m, y, z, r):
     if y[Y_V] != 0.0:
         load += m.friction if y[Y_V] > 0.0 else -m.friction
     size = max(0.0, abs(duty) - m.dead_band) / (1.0 - m.dead_band)
+    y[Y_BRIDGE] = 0.0  # the bridge shows what its high side carries, and none is on where the motor is shorted
     if size > 0.0:
         way = 1.0 if duty > 0.0 else -1.0
+        push = max(0.0, load * way) if m.droop == 0.0 else max(0.0, m.free_speed * size - v * way) / m.droop
+        y[Y_BRIDGE] = m.no_load_current + m.per_newton * push
         target = way * max(0.0, m.free_speed * size - m.droop * max(0.0, load * way))
         v = target + (v - target) * exp(-m.dt / m.lag)
     elif v != 0.0:
@@ -140,6 +172,8 @@ def drive_motor(m, y, z, r):
         v = way * max(0.0, -drag + (abs(v) + drag) * exp(-m.dt / (BRAKING * m.lag)))
     if z[Z_STALLED] != 0.0:
         v = 0.0
+    if z[Z_TURNED] != 0.0:
+        v = z[Z_TURNED]
     y[Y_MOTOR] = v
 
 
@@ -151,9 +185,9 @@ def emergency(m, z):
 def open_inputs(m, y, z):
     """Which inputs of the Uno are open: a switch that is pressed, and those that are not wired."""
     inputs = 0
-    if not m.ends_wired or y[Y_X] <= -m.switch:
+    if not m.ends_wired or y[Y_X] <= -m.switch or z[Z_FINGER] < 0.0:
         inputs |= LOW_END
-    if not m.ends_wired or y[Y_X] >= m.switch:
+    if not m.ends_wired or y[Y_X] >= m.switch or z[Z_FINGER] > 0.0:
         inputs |= HIGH_END
     if not m.emergency_wired or z[Z_PRESSED] != 0.0:
         inputs |= PRESSED
@@ -163,7 +197,8 @@ def open_inputs(m, y, z):
 def update_coil(m, y, z, r):
     """The coil's current after a step at its voltage, and the heat in it."""
     enabled = (control_enabled(r[R_STATE]) or not m.cut) and not emergency(m, z)
-    y[Y_COIL] = m.gain * y[Y_COMMAND] if enabled and z[Z_DEAD] == 0.0 else 0.0
+    supply = z[Z_STANDS] if z[Z_STUCK] != 0.0 else (1.0 - z[Z_LACKS]) * m.gain * y[Y_COMMAND]
+    y[Y_COIL] = supply if enabled and z[Z_DEAD] == 0.0 else 0.0
     R = m.resistance * (1.0 + COPPER * (y[Y_TEMPERATURE] - COPPER_AT))
     end = y[Y_COIL] / R if z[Z_OPEN] == 0.0 else 0.0
     old = y[Y_CURRENT]
@@ -196,7 +231,7 @@ def move_table(m, y, n, z, s, p, table, static, past, before):
     f1 += STOP_STIFFNESS * (max(0.0, x1 - m.end) + min(0.0, x1 + m.end))
     y[Y_X], y[Y_V], y[Y_FORCE] = x1, v1, delay_force(m, n, p, past, f1)
     y[Y_REST] = rest
-    update_energy(m, y, z, x1 - x0, f0, rest)
+    update_energy(m, y, z, x1 - x0, f0, rest, m.mass * (v1 - v0) / m.dt)
     return x0
 
 
@@ -223,8 +258,8 @@ def delay_force(m, n, p, past, f):
     return late + (early - late) * (back - whole)
 
 
-def update_energy(m, y, z, dx, f0, rest):
-    """Work, temperature, and the load cell's filter after a step."""
+def update_energy(m, y, z, dx, f0, rest, inertia):
+    """Work, temperature, and the load cell's filter after a step; the cell feels the ``inertia`` [N] of what hangs at it."""
     work = 0.5 * (f0 + y[Y_FORCE]) * dx
     cooled = m.cooling * (y[Y_TEMPERATURE] - m.ambient_temperature) * m.dt
     y[Y_RUBBED] += m.friction * abs(dx)
@@ -232,8 +267,9 @@ def update_energy(m, y, z, dx, f0, rest):
     y[Y_WORK] += work + m.friction * abs(dx)
     y[Y_COOLED] += cooled
     y[Y_TEMPERATURE] += (work - rest * dx - cooled) / m.heat_capacity
-    mean = 0.5 * (f0 + y[Y_FORCE]) + z[Z_SHUNT]
-    y[Y_CELL] = mean + (y[Y_CELL] - mean) * exp(-m.bandwidth * m.dt)
+    mean = 0.5 * (f0 + y[Y_FORCE]) + z[Z_SHUNT] + inertia
+    bandwidth = z[Z_SLOW] if z[Z_SLOW] != 0.0 else m.bandwidth
+    y[Y_CELL] = mean + (y[Y_CELL] - mean) * exp(-bandwidth * m.dt)
 
 
 def update_counts(m, y, n, z, x0):

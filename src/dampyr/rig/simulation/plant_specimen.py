@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.input_kinds import input_arguments
 from dampyr.models import Constant, Damper
 from dampyr.models.laws import Law
 
@@ -58,6 +59,6 @@ def input_lag(damper: Damper) -> float:
 
 def force_at_rest(damper: Damper, position: float) -> float:
     """The force in N where the table is at rest at ``position`` m with the lowest calibrated input and no memory."""
-    voltage, current = (damper.range[0], None) if damper.input == "V" else (None, damper.range[0])
     path, still = [position, position], [0.0, 0.0]  # the velocity is given: two samples have no derivative
-    return float(damper.force([0.0, 1.0], path, voltage=voltage, current=current, velocity=still)[0])
+    lowest = input_arguments(damper.input, damper.range[0])
+    return float(damper.force([0.0, 1.0], path, velocity=still, **lowest)[0])

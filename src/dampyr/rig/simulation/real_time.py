@@ -79,11 +79,6 @@ class RealTimeSimulator(Simulator):
             finally:
                 self._depth -= 1
 
-    def serial(self, data: bytes) -> bytes:
-        """As `Simulator.serial`."""
-        with self.at_one_time():
-            return super().serial(data)
-
     def start(self, rate: float) -> None:
         """As `Simulator.start`."""
         with self.at_one_time():
@@ -137,6 +132,11 @@ class RealTimeSimulator(Simulator):
     def _defer(self, seconds: float) -> None:
         """Delay a reading by so much once its lock is released, so that other requests do not wait."""
         self._delay = seconds
+
+    def _let_pass(self, seconds: float) -> None:
+        """As `Simulator._let_pass`, on the wall clock; requests of other threads come between."""
+        if seconds:
+            time.sleep(seconds)
 
     def _sleep(self, seconds: float) -> None:
         """A delay of the board's: the host waits for it, and not the rig for the host."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.models import Damper
 from dampyr.models.codegen.kernels import bind
+from dampyr.rig.calibration import shunt_force
 from dampyr.rig.firmware.control_core import R_DUTY
 from dampyr.rig.firmware.twin import Twin
 from dampyr.rig.settings import RigSettings
@@ -47,6 +48,7 @@ START_UP = 5e-3  # s until the firmware's binary listens
 OF_THE_MODEL = {
     "stuck-encoder", "stuck-encoder-uno", "glitching-encoder", "swapped-encoder", "slipped-encoder", "restarted-uno",
 }  # fmt: skip
+CELL_FAULTS = ("broken-cell", "drifting-cell", "inverted-cell", "cell-clip", "cell-gain", "cell-slow")
 BUFFER = 10.0  # s of samples that the board buffers: what the driver asks NI-DAQmx for
 
 
@@ -59,6 +61,17 @@ class SampledTask:
     taken: int = 0
     volts: Array | None = None
     counts: NDArray[np.int64] | None = None
+
+
+@dataclass(frozen=True)
+class Hand:
+    """What a person does at the table: turns its screw at ``speed`` [m/s], pulls at the load cell with ``force`` [N], opens an
+    end switch (-1 the lower one, 1 the upper one), presses the emergency stop."""
+
+    speed: float = 0.0
+    force: float = 0.0
+    switch: int = 0
+    pressed: bool = False
 
 
 class Simulator:
@@ -99,14 +112,20 @@ class Simulator:
             specimen_of(settings) if specimen is None else specimen, settings.specimen.free_play
         )
         self.constants = constants_of(settings, self.specimen, step)
-        self.noise_rng, self.loss_rng, self.wander_rng = (np.random.default_rng([seed, k]) for k in range(3))
+        self.noise_rng, self.loss_rng, self.wander_rng, self.line_rng = (
+            np.random.default_rng([seed, k]) for k in range(4)
+        )
         self.twin: Twin | ChipFirmware = Twin(self._on_heartbeat)
+        self.twin.build = (int(settings.wires.direction_pin), settings.wires.baud, *self.twin.build[2:])
         self.truth_log = TruthLog(on_event)
         self._task: SampledTask | None = None
         self._index_taken = 0
         self.timed: TimedCommand | None = None
         self._commanded = 0.0
         self._wander = settings.load_cell.wander * float(self.wander_rng.standard_normal())
+        self._relay = 0.0  # N, what the shunt of the rig simulates while its relay is on
+        self._hand = Hand()
+        self._slow_noise = 0.0  # N, the last of the noise that a slow amplifier has let through
         self._started_faults: set[FaultSpec] = set()
         self._stuck_temperature = settings.specimen.room
         self.heartbeat_interval = HEARTBEAT_INTERVAL
@@ -128,6 +147,7 @@ class Simulator:
         )
         self.plant[[plant.Y_SCREW, plant.Y_X]] = position
         self.plant[plant.Y_TEMPERATURE] = m.ambient_temperature
+        self.plant[plant.Y_TICK] = m.per_tick * (1.0 + 1e-6 * m.clock_ppm)
         self.counters[plant.N_SHOWN] = np.floor(position / m.pulse)
         self.counters[plant.N_NI] = -self.counters[plant.N_SHOWN]
         self.counters[plant.N_UNO] = -self.counters[plant.N_SHOWN]
@@ -168,16 +188,27 @@ class Simulator:
         yield
 
     def serial(self, data: bytes) -> bytes:
-        """Bytes from the host -> the bytes of the Uno's reply."""
-        self._apply_faults()
-        if self._active_fault("unplugged-serial"):
-            return b""
-        if isinstance(self.twin, Twin):
-            reply = self.twin.receive(self._transmit(data))
-        else:
-            reply = self.twin.exchange(self._transmit(data), lambda: self.advance_to(self.time + 1e-3))
-        self.truth_log.record_state(self.time, self.twin)
-        return self._transmit(reply)
+        """Bytes from the host -> the bytes of the Uno's reply; both take their time on the line, uneven."""
+        line = self.settings.uno
+        latency = float(self.line_rng.uniform(line.shortest_latency, line.longest_latency))
+        there = latency * float(self.line_rng.uniform())
+        self._let_pass(there)
+        with self.at_one_time():
+            self._apply_faults()
+            if self._active_fault("unplugged-serial"):
+                return b""
+            if isinstance(self.twin, Twin):
+                reply = self.twin.receive(self._transmit(data))
+            else:
+                reply = self.twin.exchange(self._transmit(data), lambda: self.advance_to(self.time + 1e-3))
+            self.truth_log.record_state(self.time, self.twin)
+            reply = self._transmit(reply)
+        self._let_pass(latency - there)
+        return reply
+
+    def _let_pass(self, seconds: float) -> None:
+        """Let so much time pass while a request is on the line."""
+        self.advance_to(self.time + seconds)
 
     def start(self, rate: float) -> None:
         """Start the sampled task: the inputs and the counter on one clock of ``rate`` Hz, first sample one period from now."""
@@ -254,6 +285,26 @@ class Simulator:
         self._commanded = volts
         self.plant[plant.Y_COMMAND] = command_of(self.settings, volts)
 
+    def switch_shunt(self, on: bool) -> None:
+        """The relay that puts a shunt across the load cell's bridge, where one is wired.
+
+        Its step is that of the volts which the rig's settings promise: what `load_cell.scale` really is shows in it.
+        """
+        cell = self.settings.load_cell
+        self._relay = shunt_force(cell, cell.shunt) if on and self.settings.wires.shunt else 0.0
+        self._set_shunt()
+
+    def _set_shunt(self) -> None:
+        fault = self._active_fault("shunted-cell")
+        self.fault_flags[plant.Z_SHUNT] = self._relay + self._hand.force + (0.0 if fault is None else fault.size)
+
+    def lay_hand_on(self, hand: Hand) -> None:
+        """From now on a person does this at the table; ``Hand()``: nothing any more."""
+        self._hand = hand
+        self.fault_flags[[plant.Z_TURNED, plant.Z_FINGER]] = hand.speed, hand.switch
+        self.fault_flags[plant.Z_PRESSED] = hand.pressed or self._active_fault("emergency-stop") is not None
+        self._set_shunt()
+
     def write_later(self, volts: float, latency: float) -> None:
         """The command voltage, ``latency`` s from now: of a supply that is slow; it takes the place of the one before."""
         self.timed = TimedCommand(self.time, 1.0 / latency, np.array([volts]))
@@ -308,11 +359,11 @@ class Simulator:
 
     def _advance_with_chip(self, firmware: ChipFirmware, until: int) -> None:
         """Steps to the end of the chip's millisecond at most; the model, which is compiled with the plant, does not count."""
-        per_tick = self.constants.per_tick
-        end = min(until, (int(self.counters[plant.N_STEP]) // per_tick + 1) * per_tick)
+        due = self.plant[plant.Y_TICK]
+        end = min(until, int(np.ceil(due - 1e-6)))
         firmware.show()
         self._advance(end)
-        if end % per_tick == 0:
+        if self.plant[plant.Y_TICK] != due:
             inputs = plant.open_inputs(self.constants, self.plant, self.fault_flags)
             firmware.tick(int(self.counters[plant.N_SHOWN] + self.counters[plant.N_UNO]), inputs)
 
@@ -356,7 +407,7 @@ class Simulator:
 
     def _cell_faults(self) -> tuple[FaultSpec | None, ...]:
         """The active faults of the load cell, as `_volts` takes them."""
-        return tuple(map(self._active_fault, ("broken-cell", "drifting-cell", "inverted-cell", "cell-clip")))
+        return tuple(map(self._active_fault, CELL_FAULTS))
 
     def _volts(
         self,
@@ -366,16 +417,21 @@ class Simulator:
         drifting: FaultSpec | None,
         inverted: FaultSpec | None,
         clipped: FaultSpec | None,
+        gain: FaultSpec | None,
+        slow: FaultSpec | None,
     ) -> Array:
         """The analogue inputs (channels, n) of samples with these filtered forces [N], coil voltages and currents."""
         forces, settings = readings[0], self.settings
-        noisy = forces + self.settings.load_cell.noise * self.noise_rng.standard_normal(forces.size)
+        noise = self.settings.load_cell.noise * self.noise_rng.standard_normal(forces.size)
+        noisy = forces + (noise if slow is None else self._slowed(noise, slow.size, task.period))
         noisy += self._wander_samples(forces.size, task.period)
         if drifting is not None:
             time = task.start + (task.taken + 1 + np.arange(forces.size)) * task.period
             noisy += drifting.size * (time - drifting.at)
         if inverted is not None:
             noisy = -noisy
+        if gain is not None:
+            noisy = gain.size * noisy
         if clipped is not None:  # what saturates is the last stage: its ends have none of the cell's noise
             noisy = np.clip(noisy, -clipped.size, clipped.size)
         volts = volts_of_force(self.settings, noisy)
@@ -395,6 +451,15 @@ class Simulator:
         if self._active_fault("thermocouple-stuck") is not None:
             return self._stuck_temperature
         return float(self.plant[plant.Y_TEMPERATURE])
+
+    def _slowed(self, noise: Array, bandwidth: float, period: float) -> Array:
+        """What an amplifier of ``bandwidth`` Hz lets through of the noise at its input."""
+        from scipy.signal import lfilter
+
+        decay = np.exp(-2.0 * np.pi * bandwidth * period)
+        rows, _ = lfilter([1.0 - decay], [1.0, -decay], noise, zi=[decay * self._slow_noise])
+        self._slow_noise = float(rows[-1]) if noise.size else self._slow_noise
+        return np.asarray(rows)
 
     def _wander_samples(self, n: int, period: float) -> Array:
         """Slow errors of the load cell: an Ornstein-Uhlenbeck process, stationary from the start."""
@@ -436,13 +501,20 @@ class Simulator:
         self.fault_flags[plant.Z_NI] = self._active_fault("stuck-encoder", "stuck-encoder-board") is not None
         self.fault_flags[plant.Z_GLITCH] = self._active_fault("glitching-encoder") is not None
         self.fault_flags[plant.Z_SWAPPED] = self._active_fault("swapped-encoder") is not None
-        self.fault_flags[plant.Z_PRESSED] = self._active_fault("emergency-stop") is not None
+        self.fault_flags[plant.Z_PRESSED] = self._hand.pressed or self._active_fault("emergency-stop") is not None
         self.fault_flags[plant.Z_DEAD] = self._active_fault("dead-supply") is not None
         self.fault_flags[plant.Z_OPEN] = self._active_fault("open-coil") is not None
-        shunted = self._active_fault("shunted-cell")
-        self.fault_flags[plant.Z_SHUNT] = 0.0 if shunted is None else shunted.size
+        slower = self._active_fault("uno-clock")
+        self.fault_flags[plant.Z_CLOCK] = 0.0 if slower is None else slower.size
+        self._set_shunt()
+        slow, supply = self._active_fault("cell-slow"), self._active_fault("supply-gain")
+        self.fault_flags[plant.Z_SLOW] = 0.0 if slow is None else 2.0 * np.pi * slow.size
+        self.fault_flags[plant.Z_LACKS] = 0.0 if supply is None else 1.0 - supply.size
+        self.fault_flags[plant.Z_STUCK] = self._active_fault("supply-stuck") is not None
         for fault in self.faults:
             if fault not in self._started_faults and fault.at <= self.time + 1e-9:
+                if fault.kind == "supply-stuck":
+                    self.fault_flags[plant.Z_STANDS] = self.constants.gain * self.plant[plant.Y_COMMAND]
                 if fault.kind == "thermocouple-stuck":
                     self._stuck_temperature = float(self.plant[plant.Y_TEMPERATURE])
                 self._started_faults.add(fault)

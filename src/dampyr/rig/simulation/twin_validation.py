@@ -152,7 +152,7 @@ def _arm(settings: RigSettings, ask: Callable[..., None], position: int) -> None
     half, fastest = round(0.5 * settings.encoder.range / count), round(settings.limits.speed / count)
     ask(Request.HELLO, VERSION)
     ask(Request.CLEAR)
-    ask(Request.LIMITS, -half, half, fastest, 200, 255, 1000, 0)
+    ask(Request.LIMITS, -half, half, fastest, 200, 255, 1000, 0, 255, 0)
     ask(Request.HOME, 0, position)
     ask(Request.HEARTBEAT)
     ask(Request.ARM)

@@ -6,6 +6,7 @@ import numpy as np
 
 from dampyr.campaigns.recorded_campaign import RecordedCampaign
 from dampyr.findings import as_dicts
+from dampyr.input_kinds import NO_INPUT, unit_of
 from dampyr.phrases import counted
 from dampyr.show.descriptions import Description, describe
 from dampyr.show.table import Cell, Table
@@ -40,10 +41,11 @@ def record_table(campaign: RecordedCampaign) -> Table:
         ]
         for record in campaign.records
     ]  # fmt: skip
-    unit = campaign.records[0].input or "" if campaign.records else ""
-    return Table(
+    kinds = {record.input for record in campaign.records}
+    table = Table(
         ("record", "input", "peak to peak", "lowest force", "highest force", "duration"),
         rows,
-        ("", unit, "mm", "N", "N", "s"),
+        ("", unit_of(campaign.records[0].input if campaign.records else None), "mm", "N", "N", "s"),
         digits=4,
     )
+    return table.without("input") if kinds == {NO_INPUT} else table

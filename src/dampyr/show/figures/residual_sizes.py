@@ -20,19 +20,20 @@ STROKE = Axis("stroke", "mm", 1e3)
 
 def residual_sizes(
     groups: Mapping[str, tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike]],
-    axis: Axis = VOLTAGE,
+    axis: Axis | None = VOLTAGE,
     title: str = "",
     colours: Mapping[str, str] | None = None,
 ) -> Figure:
     """``groups`` name -> (inputs V or A, strokes m peak to peak, frequencies Hz, rms residual over the force's spread).
 
-    ``colours`` name -> colour are those of the page.
+    ``colours`` name -> colour are those of the page. Without an ``axis`` there is no input, and no panel of it.
     """
-    with style.panels(2.7, 1, 3, title, sharey=True) as (fig, axes):
+    across_axes = (axis, STROKE, FREQUENCY) if axis else (STROKE, FREQUENCY)
+    with style.panels(2.7, 1, len(across_axes), title, sharey=True) as (fig, axes):
         for look, (name, (*across, size)) in zip(looks(groups, colours), groups.items(), strict=True):
-            for panel, x, values in zip(axes[0], (axis, STROKE, FREQUENCY), across, strict=True):
+            for panel, x, values in zip(axes[0], across_axes, across[-len(across_axes) :], strict=True):
                 panel.plot(x.of(values), SIZE.of(size), ls="", ms=4.5, alpha=0.85, label=name, **look)
-        for panel, x in zip(axes[0], (axis, STROKE, FREQUENCY), strict=True):
+        for panel, x in zip(axes[0], across_axes, strict=True):
             panel.set_xlabel(x.label)
             panel.margins(x=0.12)
         axes[0, 0].set_ylim(0.0, 1.08 * axes[0, 0].dataLim.ymax or None)

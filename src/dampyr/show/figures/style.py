@@ -23,6 +23,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dampyr.errors import InputError
+from dampyr.input_kinds import INPUTS
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.show.figures.symbols import label_as_mathtext
 from dampyr.units import for_people
@@ -123,6 +125,13 @@ FORCE = Axis("force", "N")
 VOLTAGE = Axis("voltage", "V")
 CURRENT = Axis("current", "A")
 ACCELERATION = Axis("acceleration", "m/s²")
+
+
+def input_axis(kind: str) -> Axis:
+    """The axis of a damper's input; :class:`~dampyr.errors.InputError` where it has none, so that nothing is drawn over it."""
+    if kind not in INPUTS:
+        raise InputError("there is no input, so nothing can be drawn over it; the numbers stand in the tables")
+    return VOLTAGE if kind == "V" else CURRENT
 
 
 @contextmanager

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from dampyr.findings import as_dicts
 from dampyr.identification.acceptance_tests.accept import Accepted
 from dampyr.identification.acceptance_tests.acceptance import BEYOND, Acceptance, JudgedLevel
+from dampyr.input_kinds import NO_INPUT
 from dampyr.phrases import counted, sentence
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures.acceptance import band_used
@@ -64,7 +65,7 @@ def _figure(accepted: Accepted) -> Figure | None:
 
 def judgement_table(results: Sequence[Acceptance]) -> Table:
     """How each record came out: its cycles, strokes and points, and how far the worst of these is off."""
-    return Table(
+    table = Table(
         ("record", "input", "verdict", "run", "judged", "stroke", "judged to", "outside", "worst off by"),
         [
             [
@@ -88,6 +89,12 @@ def judgement_table(results: Sequence[Acceptance]) -> Table:
         ],
         digits=4,
     )
+    return _without_input(table, results)
+
+
+def _without_input(table: Table, results: Sequence[Acceptance]) -> Table:
+    """The table, without the column of the input where no record has one."""
+    return table.without("input") if results and all(result.input == NO_INPUT for result in results) else table
 
 
 def worst_table(results: Sequence[Acceptance]) -> Table:
@@ -163,7 +170,7 @@ def _mean_text(deviation: float | None, scatter: float | None) -> str | None:
 
 def relevelled_table(results: Sequence[Acceptance]) -> Table:
     """How each record came out with the level of its first cycles taken out of the later ones."""
-    return Table(
+    table = Table(
         ("record", "input", "level", "verdict", "judged", "judged", "judged to", "outside", "worst off by"),
         [
             [
@@ -184,6 +191,7 @@ def relevelled_table(results: Sequence[Acceptance]) -> Table:
         notes=["Level: measured over expected in the first cycles, which is taken out of the later ones."],
         digits=4,
     )
+    return _without_input(table, results)
 
 
 def unjudged_table(results: Sequence[Acceptance]) -> Table:

@@ -10,6 +10,7 @@ import numpy as np
 
 from dampyr.identification.acceptance_tests.acceptance import UNITS, Acceptance, AcceptancePoint
 from dampyr.identification.acceptance_tests.reference_cycles import SAME, groups
+from dampyr.input_kinds import ALL_RECORDS, NO_INPUT
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
 from dampyr.show.figures.acceptance import band_used, peak_velocity_band
@@ -25,7 +26,7 @@ def describe_acceptance(acceptance: Acceptance) -> Description:
     a = acceptance
     rows = [
         ("verdict", a.verdict),
-        ("input", input_words(a)),
+        *([("input", input_words(a))] if a.input != NO_INPUT else []),
         ("band", f"{a.tolerance} of the reference"),
         ("cycles", f"{a.run:g} run, {a.cut} whole, {a.judged_cycles} judged at {len(a.levels)} level(s)"),
         ("stroke", f"{1e3 * a.stroke_m:.4g} mm at most, judged to {1e3 * a.judged_stroke_m:.4g} mm"),
@@ -89,7 +90,9 @@ def _columns(acceptance: Acceptance) -> DataFrameColumns:
 
 
 def input_words(acceptance: Acceptance) -> str:
-    """Such as ``1.98 V``."""
+    """Such as ``1.98 V``; ``all records`` where there is none."""
+    if acceptance.input == NO_INPUT:
+        return ALL_RECORDS
     return "input not known" if acceptance.input_value is None else f"{acceptance.input_value:.5g} {acceptance.input}"
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from dampyr.identification.model_choice.leaderboard import Finalist, Leaderboard
+from dampyr.input_kinds import NO_INPUT
 from dampyr.phrases import counted, listing, percent, sentence
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures.leaderboard import leaderboard_figure
@@ -28,8 +30,8 @@ def describe_entry(entry: Finalist) -> Description:
         [
             (
                 "error",
-                f"{percent(entry.error)} ± {percent(entry.standard_error)}, L1 {percent(entry.l1)}, "
-                f"of unseen inputs {percent(entry.unseen_input)}",
+                f"{percent(entry.error)} ± {percent(entry.standard_error)}, L1 {percent(entry.l1)}"
+                + (f", of unseen inputs {percent(entry.unseen_input)}" if _has_input([entry]) else ""),
             ),
             ("NRMSE", f"{percent(entry.nrmse)}, pointwise {percent(entry.pointwise)}, energy {percent(entry.energy)}"),
             ("fit", f"{counted(entry.parameters, 'parameter')}, {entry.seconds:.3g} s; {entry.reason}"),
@@ -81,7 +83,17 @@ def finalists(board: Leaderboard) -> Table:
          "yes" if e.converged else "no"]
         for k, e in enumerate(board.entries, start=1)
     ]  # fmt: skip
-    return Table(
+    for box in board.yardsticks:
+        errors = (100 * box.l1, None, 100 * box.unseen_input, None, None, None)
+        rows.append(["", f"black box: {box.name}", 100 * box.error, None, box.numbers, "", *errors, box.seconds, ""])
+    has_input = _has_input(board.entries)
+    whole_inputs = (
+        "3/4 of L1 over records left out (five random parts), and 1/4 of L1 over whole inputs left out where there are three "
+        "or more, every input counting the same"
+        if has_input
+        else "L1 over records left out (five random parts)"
+    )
+    table = Table(
         ("", "model", "error", "±", "parameters", "building", "L1", "relevelled", "unseen input", "NRMSE", "pointwise",
          "energy", "fit", "converged"),
         rows,
@@ -90,13 +102,18 @@ def finalists(board: Leaderboard) -> Table:
         + ("; the search was cut." if board.cut else ": the finalists, validated on all records."),
         notes=(
             "Every score is of a prediction: nothing here was scored on what it was fitted on.",
-            "error: 3/4 of L1 over records left out (five random parts), and 1/4 of L1 over whole inputs left out where there "
-            "are three or more, every input counting the same; ±: one standard error.",
+            f"error: {whole_inputs}; ±: one standard error.",
             "relevelled: L1 over records left out, with the level (a factor on the whole force) that each one's first cycles "
             "have; building: whether the model may stand in for a damper of a building.",
+            *["Black boxes were trained on the same parts: a yardstick, of which no card is made."] * bool(board.yardsticks),
         ),
         digits=3,
     )  # fmt: skip
+    return table if has_input else table.without("unseen input")
+
+
+def _has_input(entries: Sequence[Finalist]) -> bool:
+    return not any(record.input == NO_INPUT for entry in entries if entry.fit for record in entry.fit.records)
 
 
 def screened(board: Leaderboard) -> Table:
@@ -134,6 +151,8 @@ def _numbers(board: Leaderboard) -> dict[str, Any]:
         "work": board.work,
         "optimism": board.optimism,
         "nested": board.nested,
+        "yardsticks": board.yardsticks,
+        "what_is_left": board.what_is_left,
         "bandwidth_hz": board.bandwidth,
         "left_out": board.left_out,
         "seconds": board.seconds,
@@ -195,6 +214,7 @@ def choice_in_words(board: Leaderboard) -> list[str]:
         words.append(
             f"the whole search, repeated without a fifth of the records each time, predicts it to {percent(board.nested)}"
         )
+    words += [board.what_is_left] if board.what_is_left else []
     return [*words, f"the velocity is {velocity_in_words(board)}; {work}"]
 
 

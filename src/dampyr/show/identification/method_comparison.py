@@ -7,6 +7,7 @@ from typing import Any
 from dampyr.findings import as_dicts
 from dampyr.identification.limit_cycle_methods.method_comparison import METHODS, MethodComparison, MethodResult
 from dampyr.identification.scoring.score import Score
+from dampyr.input_kinds import NO_INPUT, unit_of
 from dampyr.phrases import counted, percent
 from dampyr.show.descriptions import Description, describe
 from dampyr.show.table import Cell, Table
@@ -57,14 +58,16 @@ def comparison_table(comparison: MethodComparison) -> Table:
     head = [*UNITS, "L1", *(f"{name}, least squares" for name in (*UNITS, "L1"))]
     units = [*(unit for unit, _ in shown.values()), "%"]
     reasons = [f"{r.record}: {r.score}." for r in comparison.results if isinstance(r.score, str)]
-    return Table(
+    kind = comparison.records[0].input
+    table = Table(
         ("record", "input", *head),
         rows,
-        ("", comparison.records[0].input or "", *units, *units),
+        ("", unit_of(kind), *units, *units),
         caption=f"Viscous Dahl model by the method {comparison.method}, beside least squares.",
         notes=reasons,
         digits=4,
     )
+    return table.without("input") if kind == NO_INPUT else table
 
 
 def _mean(comparison: MethodComparison, name: str) -> str:

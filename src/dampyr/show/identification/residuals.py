@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.identification.fits.residuals import ResidualGroup, Residuals, Trace
+from dampyr.input_kinds import ALL_RECORDS, INPUTS, group_name, unit_of
 from dampyr.phrases import counted, extent, percent
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
@@ -62,14 +63,15 @@ def describe_residuals(residuals: Residuals) -> Description:
 
 
 def _table(residuals: Residuals) -> Table:
-    return Table(
+    table = Table(
         ("record", "input", "rms", "relative", "noise", "correlation time", "misfit"),
         [
             [r.name, r.input_value, r.rms, 100 * r.relative, r.noise, r.correlation_time, r.misfit]
             for r in residuals.records
         ],
-        ("", residuals.unit, "N", "%", "N", "s", ""),
+        ("", unit_of(residuals.unit), "N", "%", "N", "s", ""),
     )
+    return table if residuals.unit in INPUTS else table.without("input")
 
 
 def _columns(residuals: Residuals) -> DataFrameColumns:
@@ -79,6 +81,8 @@ def _columns(residuals: Residuals) -> DataFrameColumns:
         "rms": "rms_N", "relative": "relative", "noise": "noise_N", "correlation_time": "correlation_time_s",
         "effective": "effective_samples", "repeats": "repeats", "misfit": "misfit",
     }  # fmt: skip
+    if residuals.unit not in INPUTS:
+        del names["input_value"]
     columns = {head: [getattr(record, name) for record in residuals.records] for name, head in names.items()}
     return DataFrameColumns(columns, [record.name for record in residuals.records], "record")
 
@@ -86,8 +90,8 @@ def _columns(residuals: Residuals) -> DataFrameColumns:
 def groups_of_a_figure(residuals: Residuals) -> dict[str, ResidualGroup]:
     """The groups by their input while a figure can show that many, else all records as one."""
     if len(residuals.groups) > MAX_PANELS:
-        return {"all records": residuals.whole}
-    return {f"{group.input_value:.5g} {residuals.unit}": group for group in residuals.groups}
+        return {ALL_RECORDS: residuals.whole}
+    return {group_name(group.input_value, residuals.unit): group for group in residuals.groups}
 
 
 def velocity_bands(residuals: Residuals) -> dict[str, dict[str, tuple[Array, Array, Array, Array]]]:
@@ -106,7 +110,7 @@ def sizes_by_input(residuals: Residuals) -> dict[str, tuple[Array, Array, Array,
         input_value, stroke, frequency, relative = np.array(
             [(r.input_value, r.stroke, r.frequency, r.relative) for r in members]
         ).T
-        shown[f"{group.input_value:.5g} {residuals.unit}"] = input_value, stroke, frequency, relative
+        shown[group_name(group.input_value, residuals.unit)] = input_value, stroke, frequency, relative
     return shown
 
 
@@ -127,7 +131,7 @@ class ResidualPlots(Plots):
 
     def sizes(self) -> Any:
         """The residual's rms over the force's spread, over input, stroke and frequency; one point a record."""
-        axis = style.VOLTAGE if self.result.unit == "V" else style.CURRENT
+        axis = style.input_axis(self.result.unit) if self.result.unit in INPUTS else None
         return style.in_pyplot(residual_sizes, sizes_by_input(self.result), axis, origin=self.result.origin)
 
 

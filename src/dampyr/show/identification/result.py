@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.findings import as_dicts
 from dampyr.identification.fits.result import Fit
+from dampyr.input_kinds import INPUTS, NO_INPUT, unit_of
 from dampyr.phrases import counted, extent, listing, percent, rounded
 from dampyr.records import Record
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
@@ -61,9 +62,10 @@ def describe_fit(fit: Fit) -> Description:
 def _rows(fit: Fit) -> list[tuple[str, str]]:
     scores = [score.l1 for score in fit.scores.values()]
     samples = sum(piece.t.size for piece in fit.problem.pieces)
-    inputs = f"at {listing([f'{u:.4g}' for u in fit.residuals.inputs])} {fit.residuals.unit}"
+    unit = fit.residuals.unit
+    inputs = f", at {listing([f'{u:.4g}' for u in fit.residuals.inputs])} {unit}" if unit in INPUTS else ""
     rows = [
-        ("records", f"{len(fit.records)}, {samples} samples, {inputs}"),
+        ("records", f"{len(fit.records)}, {samples} samples{inputs}"),
         ("search", ("" if fit.converged else "did not converge: ") + fit.reason),
         ("L1", f"{percent(float(np.mean(scores)))} on average, {percent(max(scores))} at worst, of the fitted records"),
     ]
@@ -110,13 +112,15 @@ def fits_by_record(fits: Sequence[Fit]) -> Table:
         values = [value * factor for value, (_, factor) in zip(fit.parameters.values(), shown, strict=True)]
         state = "yes" if fit.converged else fit.reason
         rows.append([record.name, record.input_value, *values, 100 * fit.scores[record.name].l1, state])
-    return Table(
+    kind = fits[0].records[0].input
+    table = Table(
         ("record", "input", *names, "L1", "converged"),
         rows,
-        ("", fits[0].records[0].input or "", *(unit for unit, _ in shown), "%", ""),
+        ("", unit_of(kind), *(unit for unit, _ in shown), "%", ""),
         caption=f"{fits[0].problem.composition}, each of {counted(len(fits), 'record')} by itself.",
         digits=4,
     )
+    return table.without("input") if kind == NO_INPUT else table
 
 
 def _by_input(fit: Fit, cells: Mapping[str, str], caption: str) -> Table:
@@ -125,7 +129,8 @@ def _by_input(fit: Fit, cells: Mapping[str, str], caption: str) -> Table:
     free = [column for column in fit.problem.columns if column.size]
     knots = sorted({u for column in free if len(column.knots) > 1 for u in column.knots})
     everywhere = not knots or any(len(column.knots) == 1 for column in free)
-    heads = ["parameter", "unit", *["all inputs"] * everywhere, *(f"{u:g} {unit}" for u in knots)]
+    at_all_inputs = ["all inputs" if unit in INPUTS else "value"] * everywhere
+    heads = ["parameter", "unit", *at_all_inputs, *(f"{u:g} {unit}" for u in knots)]
     rows: list[list[Any]] = []
     for column in free:
         shown, _ = for_people(column.quantity.unit)
@@ -264,8 +269,8 @@ class FitPlots(Plots):
         fit, damper = self.result, self.result.damper
         if damper is None:
             raise InputError(f"this fit made no damper, so there are no laws to draw: {fit.reason}")
+        axis = style.input_axis(damper.input)
         panels = law_panels(fit.optimum, fit.intervals(), damper)
-        axis = style.VOLTAGE if damper.input == "V" else style.CURRENT
         return style.in_pyplot(parameters_against_input, panels, damper.range, axis, origin=fit.origin)
 
 

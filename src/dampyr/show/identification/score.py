@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from dampyr.identification.scoring.score import Score
+from dampyr.input_kinds import ALL_RECORDS, NO_INPUT
 from dampyr.phrases import percent
 from dampyr.records import Record
 from dampyr.show.descriptions import Description, describe
@@ -49,8 +50,10 @@ def group_by_input(records: Iterable[Record], values: Mapping[str, float]) -> di
 
 
 def input_words(record: Record) -> str:
-    """Such as ``1.98 V``; the mean where the input varies."""
-    if record.input_value is None:
+    """Such as ``1.98 V``; the mean where the input varies, and ``all records`` where there is none."""
+    if record.input == NO_INPUT:
+        return ALL_RECORDS
+    if record.input_value is None or record.input_channel is None:
         return "input not known"
-    varies = np.ptp(record.voltage if record.voltage is not None else record.current) > 1e-9  # type: ignore[arg-type]
+    varies = np.ptp(record.input_channel) > 1e-9
     return f"{record.input_value:.5g} {record.input}" + (" (mean)" if varies else "")

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Mapping
 
 from dampyr.identification.scoring.score import Score
+from dampyr.input_kinds import NO_INPUT, unit_of
 from dampyr.records import Record
 from dampyr.show.table import Cell, Table
 
@@ -24,11 +25,13 @@ def scores_by_input(records: Iterable[Record], scores: Mapping[str, Score], capt
         relevelled = [100 * score.relevelled_l1 for score in groups[u] if math.isfinite(score.relevelled_l1)]
         mean = sum(relevelled) / len(relevelled) if relevelled else None
         rows.append([u, len(l1), sum(l1) / len(l1), max(l1), mean])
-    return Table(
+    kind = next((record.input for record in scored if record.input), None)
+    table = Table(
         ("input", "records", "mean L1", "worst L1", "relevelled"),
         rows,
-        (next((record.input for record in scored if record.input), ""), "", "%", "%", "%"),
+        (unit_of(kind), "", "%", "%", "%"),
         caption=f"{caption}.",
         notes=[f"{RELEVELLED}."],
         digits=3,
     )
+    return table.without("input") if kind == NO_INPUT else table

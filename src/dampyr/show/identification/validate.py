@@ -69,7 +69,7 @@ def validated_scores(validated: Validated) -> Table:
     """The errors of the prediction of each record, and whether the damper was fitted on it."""
     table, fitted_on = score_table(validated.scores), validated.fitted_on
     of_record = {record.name: (record.input_value, FITTED[fitted_on[record.name]]) for record in validated.records}
-    return replace(
+    shown = replace(
         table,
         columns=("record", "input", "fitted on", *table.columns[1:]),
         rows=[(row[0], *of_record[str(row[0])], *row[1:]) for row in table.rows],
@@ -81,6 +81,7 @@ def validated_scores(validated: Validated) -> Table:
             *table.notes,
         ],
     )
+    return shown if validated.damper.has_input else shown.without("input")
 
 
 def levels_and_bands(validated: Validated) -> Table:
@@ -162,7 +163,7 @@ def _numbers(validated: Validated) -> dict[str, Any]:
         "origin": validated.origin.as_dict(),
         "findings": as_dicts(validated.findings),
         "scores": scores,
-        "by_input": validated.by_input,
+        **({"by_input": validated.by_input} if validated.damper.has_input else {}),
         "bands": bands,
     }
     return dict(plain(answer | more))
@@ -170,7 +171,9 @@ def _numbers(validated: Validated) -> dict[str, Any]:
 
 def _columns(validated: Validated) -> DataFrameColumns:
     """The score of each record: ratios, and the offset in N."""
-    columns = {f"input_{validated.damper.input}": [record.input_value for record in validated.records]}
+    columns: dict[str, Any] = {}
+    if validated.damper.has_input:
+        columns = {f"input_{validated.damper.input}": [record.input_value for record in validated.records]}
     return DataFrameColumns(columns | score_columns(validated.scores), list(validated.scores), "record")
 
 

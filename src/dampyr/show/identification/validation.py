@@ -10,6 +10,7 @@ import numpy as np
 
 from dampyr.identification.scoring.score import Score
 from dampyr.identification.scoring.validation import Fold, Validation
+from dampyr.input_kinds import ALL_RECORDS
 from dampyr.phrases import counted, listing, percent
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures.scores import scores
@@ -40,12 +41,15 @@ def describe_validation(validation: Validation) -> Description:
     rows = [
         (
             "error",
-            f"{percent(validation.error)}, the mean L1 ratio of predicted records, every input counting the same",
+            f"{percent(validation.error)}, the mean L1 ratio of predicted records"
+            + ", every input counting the same" * bool(validation.inputs),
         ),
         ("records", f"{len(validation.scores)} predicted in {counted(len(validation.folds), 'part')}"),
         ("relevelled", f"{percent(validation.relevelled)} with the level of each record's first cycles"),
-        ("by input", listing([f"{percent(e)} at {u:.4g} {validation.unit}".rstrip() for u, e in by_input])),
     ]
+    if validation.inputs:
+        by_words = [f"{percent(e)} at {u:.4g} {validation.unit}".rstrip() for u, e in by_input]
+        rows.append(("by input", listing(by_words)))
     if validation.not_scored:
         rows.append(("not scored", listing([f"{name}: {why}" for name, why in validation.not_scored.items()], 1)))
     if validation.failed:
@@ -64,7 +68,7 @@ def _l1_by_input(validation: Validation) -> dict[str, list[float]]:
     groups: dict[str, list[float]] = {}
     for u in validation.by_input:
         l1_of_input = [score.l1 for name, score in validation.scores.items() if validation.inputs.get(name, 0.0) == u]
-        groups[f"{u:.4g} {validation.unit}".rstrip()] = l1_of_input
+        groups[f"{u:.4g} {validation.unit}".rstrip() if validation.inputs else ALL_RECORDS] = l1_of_input
     return groups
 
 
@@ -85,10 +89,9 @@ def _numbers(validation: Validation) -> dict[str, Any]:
 def _columns(validation: Validation) -> DataFrameColumns:
     """The score of each predicted record: ratios, the offset in N, and which part it was in."""
     part = {name: k for k, fold in enumerate(validation.folds, 1) for name in fold.scores}
-    columns = {
-        "part": list(part.values()),
-        f"input_{validation.unit}".rstrip("_"): [validation.inputs.get(name) for name in part],
-    }
+    columns: dict[str, Any] = {"part": list(part.values())}
+    if validation.inputs:
+        columns[f"input_{validation.unit}".rstrip("_")] = [validation.inputs.get(name) for name in part]
     return DataFrameColumns(columns | score_columns(validation.scores), list(part), "record")
 
 

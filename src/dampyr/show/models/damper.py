@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.models.damper import INPUTS, RANGES, Damper
+from dampyr.input_kinds import INPUTS, input_arguments, input_text
+from dampyr.models.damper import RANGES, Damper
 from dampyr.models.prediction_error import session_words
 from dampyr.phrases import extent, listing
 from dampyr.show.descriptions import Description, describe
@@ -33,12 +34,12 @@ SETTLE = 3  # cycles before the one that is drawn, so that the unknown past is f
 @describe.register
 def describe_damper(damper: Damper) -> Description:
     """The calibrated ranges, the extents of the parameters and what is stated of their errors; its loops on a sine."""
-    quantities, low_high = damper.composition.quantities, extent(damper.range, damper.input)
-    rows = [
-        (INPUTS[damper.input], f"calibrated at {low_high}")
-        if damper.needs_input
-        else ("input", "none: holds at every input")
-    ]
+    quantities = damper.composition.quantities
+    rows = [] if damper.has_input else [("input", "none")]
+    if damper.needs_input:
+        rows = [(INPUTS[damper.input], f"calibrated at {extent(damper.range, damper.input)}")]
+    elif damper.has_input:
+        rows = [("input", "none: holds at every input")]
     for name, law in list(damper.all_laws.items())[:SHOWN]:
         unit, factor = for_people(quantities[name].unit)
         rows.append((name, extent(law.extremes(), unit, factor) + ("" if law.kind == "constant" else f", {law.kind}")))
@@ -71,7 +72,7 @@ def _parameters(damper: Damper) -> Table:
     units = [for_people(damper.composition.quantities[name].unit) for name in damper.laws]
     values = damper.at_mean_temperature.values(inputs).T * np.array([factor for _, factor in units])[:, None]
     return Table(
-        ("parameter", "unit", *(f"{u:.4g} {damper.input}" for u in inputs)),
+        ("parameter", "unit", *(input_text(u, damper.input) or "value" for u in inputs)),
         [[name, unit or "1", *row.tolist()] for name, (unit, _), row in zip(damper.laws, units, values, strict=True)],
     )
 
@@ -103,7 +104,7 @@ class DamperPlots(Plots):
             values = np.asarray(law(inputs), dtype=float)
             curve, point = ((inputs, values), None) if low < high else (None, (inputs[:1], values[:1]))
             panels.append(LawPanel(style.Axis(name, unit or "1", factor), curve=curve, points=point))
-        axis = style.VOLTAGE if damper.input == "V" else style.CURRENT
+        axis = style.input_axis(damper.input)
         span = (low, high) if low < high else None
         return style.in_pyplot(parameters_against_input, panels, span, axis, origin=damper.origin)
 
@@ -127,8 +128,8 @@ class DamperPlots(Plots):
         last = slice(SETTLE * PER_CYCLE, None)
         forces = {}
         for u in levels:
-            voltage, current = (u, None) if damper.input == "V" else (None, u)
-            forces[f"{u:.4g} {damper.input}"] = damper.force(t, x, voltage, current, velocity=v)[last]
+            name = input_text(u, damper.input) or "damper"
+            forces[name] = damper.force(t, x, **input_arguments(damper.input, u), velocity=v)[last]
         return x[last], v[last], None, forces
 
 

@@ -10,6 +10,7 @@ from dampyr.findings import Finding, besides
 from dampyr.identification import Fit, identifiability
 from dampyr.identification.fits.diagnostics import findings
 from dampyr.identification.scoring.validation import Validation
+from dampyr.input_kinds import INPUTS
 from dampyr.phrases import counted, rounded, sentence
 from dampyr.show.figures.loops import loops
 from dampyr.show.figures.loops_by_input import RecordLoop, loops_by_input
@@ -55,7 +56,7 @@ def html(fit: Fit, sections: Sequence[Section] = (), *, call: str = "") -> str:
             Section("Errors and laws of the parameters", [*error_tables(fit), *law_blocks(fit)]),
             Section("Correlation of the parameters", correlation_blocks(fit)),
             *([levels] if (levels := levels_section(fit)) is not None else []),
-            identifiability_section(identifiability(fit)),
+            identifiability_section(identifiability(fit), fit.residuals.unit in INPUTS),
             range_section(fit),
             *([measured] if (measured := uncertainty_section(fit.records)) is not None else []),
             Section("Goodness of fit", score_blocks(fit)),
@@ -114,12 +115,13 @@ def _search_and_findings(fit: Fit, checks: Sequence[Validation], others: Sequenc
     rows: list[list[Cell]] = [
         ["model", str(fit.problem.composition)],
         ["the search", fit.reason],
-        ["input", inputs],
         [
             "fits its records",
             f"L1 {rounded(mean, 2)} % on average, {rounded(100 * l1[worst], 2)} % in {worst}",
         ],
     ]
+    if fit.residuals.unit in INPUTS:
+        rows.insert(2, ["input", inputs])
     for validation in checks:
         predicted = f"{len(validation.scores)} records, split by {validation.split}"
         summary = f"L1 {100 * mean_l1(validation):.2g} % on average, {predicted}"

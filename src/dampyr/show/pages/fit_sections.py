@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.identification import Fit
+from dampyr.input_kinds import INPUTS
 from dampyr.show.figures.correlation import MARKED, correlation, strong_pairs
 from dampyr.show.figures.laws import parameters_against_input
 from dampyr.show.figures.scores import scores as scores_by_input
-from dampyr.show.figures.style import CURRENT, VOLTAGE
+from dampyr.show.figures.style import input_axis
 from dampyr.show.identification.law_panels import law_panels
 from dampyr.show.identification.result import error_table, parameter_table, session_table
 from dampyr.show.identification.score import group_by_input
@@ -94,7 +95,7 @@ def law_figures(fit: Fit, damper: Damper) -> list[Figure]:
     No figure is so high that it would fill a printed page by itself.
     """
     panels = law_panels(fit.optimum, fit.intervals(), damper)
-    axis = VOLTAGE if damper.input == "V" else CURRENT
+    axis = input_axis(damper.input)
     count = -(-len(panels) // PANELS)
     size = -(-len(panels) // count)
     size += size % 2 if count > 1 else 0  # an even number fills the rows of two
@@ -110,7 +111,9 @@ def score_blocks(fit: Fit) -> list[Block]:
         return [Text("This record was fitted: the score describes the fit and is no prediction."), table]
     return [
         Text("These records were fitted: the scores describe the fit and are not predictions."),
-        FigureBlock(scores_by_input(groups), "L1 ratio of each record, by input."),
+        FigureBlock(
+            scores_by_input(groups), f"L1 ratio of each record{', by input' * (fit.residuals.unit in INPUTS)}."
+        ),
         table,
     ]
 

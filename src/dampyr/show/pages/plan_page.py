@@ -78,7 +78,7 @@ def largest_amplitude(rig: RigSettings, frequency: np.ndarray, force: float) -> 
     """The amplitude [m] of the largest sine at each frequency [Hz] against a constant braking force [N]."""
     omega = 2 * np.pi * frequency
     # the motor slows down under load, and reaches less the faster it is to reverse (a first-order lag)
-    speed = rig.actuator.free_speed - rig.actuator.droop * (force + rig.table.friction)
+    speed = rig.actuator.top_speed - rig.actuator.droop * (force + rig.table.friction)
     lagging = np.hypot(1.0, omega * rig.actuator.lag)
     max_amplitude = np.minimum(np.maximum(speed, 0.0) / lagging, rig.limits.speed) / omega
     return np.asarray(np.minimum(max_amplitude, rig.travel - STROKE_MARGIN))

@@ -9,6 +9,7 @@ import numpy as np
 from dampyr.identification import Fit
 from dampyr.identification.fits.fit_options import SPLITS
 from dampyr.identification.scoring.validation import Validation
+from dampyr.input_kinds import INPUTS
 from dampyr.show.figures.scores import scores
 from dampyr.show.identification.fit_predictions import mean_l1
 from dampyr.show.identification.score import group_by_input
@@ -40,7 +41,10 @@ def _split(fit: Fit, validation: Validation) -> list[Block]:
     predicted = group_by_input(fit.records, {name: score.l1 for name, score in record_scores.items()})
     references = {"mean of the fit that has seen them": means} if means else None
     return [
-        FigureBlock(scores(predicted, references), f"{what}. L1 ratio of each predicted record, by input."),
+        FigureBlock(
+            scores(predicted, references),
+            f"{what}. L1 ratio of each predicted record{', by input' * (fit.residuals.unit in INPUTS)}.",
+        ),
         Table(
             (
                 "record",

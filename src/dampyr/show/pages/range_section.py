@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dampyr.identification import Fit
+from dampyr.input_kinds import INPUTS, group_name
 from dampyr.models import Damper
 from dampyr.show.figures.calibration_range import calibrated
 from dampyr.show.figures.style import case_colours
@@ -24,7 +25,7 @@ def range_section(fit: Fit) -> Section:
     groups = {}
     for group in residuals.groups:
         members = [r for r in residuals.records if r.name in group.records]
-        name = f"{group.input_value:.5g} {residuals.unit}"
+        name = group_name(group.input_value, residuals.unit)
         groups[name] = ([r.frequency for r in members], [0.5 * r.stroke for r in members])
     blocks: list[Block] = []
     if fit.damper is None:
@@ -48,10 +49,9 @@ def range_section(fit: Fit) -> Section:
 
 def range_table(damper: Damper) -> Table:
     """The ranges of the card, in the units people read."""
-    low, high = damper.range
-    rows: list[list[Cell]] = [
-        ["voltage" if damper.input == "V" else "current", low, high, damper.input, "refused unless allowed by name"]
-    ]
+    rows: list[list[Cell]] = []
+    if damper.has_input:
+        rows = [[INPUTS[damper.input], *damper.range, damper.input, "refused unless allowed by name"]]
     for name, (low, high) in damper.ranges.items():
         words, unit, factor = SHOWN.get(name, (name, "SI", 1.0))
         rows.append([words, low * factor, high * factor, unit, "no warning" if name == "frequency" else "one warning"])

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dampyr.identification.fits.diagnostics import findings
 from dampyr.identification.fits.residuals import SIDES, Residuals
+from dampyr.input_kinds import INPUTS, unit_of
 from dampyr.phrases import sentence
 from dampyr.show.figures.autocorrelation import memory
 from dampyr.show.figures.residual_sizes import residual_sizes
 from dampyr.show.figures.residual_velocity import residual_velocity
-from dampyr.show.figures.style import CURRENT, VOLTAGE, case_colours
+from dampyr.show.figures.style import case_colours, input_axis
 from dampyr.show.identification.residuals import groups_of_a_figure, sizes_by_input, velocity_bands
 from dampyr.show.pages.blocks import FigureBlock, Section, Text
 from dampyr.show.table import Cell, Table
@@ -45,7 +46,11 @@ def residual_section(residuals: Residuals) -> Section:
                 "cycle is an error of the model.",
             ),
             FigureBlock(
-                residual_sizes(by_input, VOLTAGE if residuals.unit == "V" else CURRENT, colours=case_colours(by_input)),
+                residual_sizes(
+                    by_input,
+                    input_axis(residuals.unit) if residuals.unit in INPUTS else None,
+                    colours=case_colours(by_input),
+                ),
                 "The residual's rms over the standard deviation of the force, one point per record; stroke is peak to peak.",
             ),
             _size_table(residuals),
@@ -76,11 +81,12 @@ def _size_table(residuals: Residuals) -> Table:
          round(r.effective), 100 * r.repeats, r.misfit]
         for r in residuals.records
     ]  # fmt: skip
-    return Table(
+    table = Table(
         ("record", "input", "stroke", "freq.", "rms", "rel.", "noise", "τ", "n eff.", "repeats", "misfit"),
         rows,
-        ("", residuals.unit, "mm", "Hz", "N", "%", "N", "s", "", "%", ""),
+        ("", unit_of(residuals.unit), "mm", "Hz", "N", "%", "N", "s", "", "%", ""),
         caption="The residual of each record. Rel.: rms over the force's spread. τ: correlation time. n eff.: effective "
         "sample size. Repeats: the share of its variance that repeats after one cycle.",
         digits=3,
     )
+    return table if residuals.unit in INPUTS else table.without("input")

@@ -12,7 +12,7 @@ from dampyr.show.figures.building import building_response
 from dampyr.show.figures.control_comparison import controlled
 from dampyr.show.figures.ground_motion import ground_motion
 from dampyr.show.figures.loops import loops
-from dampyr.show.figures.style import CURRENT, VOLTAGE, Axis, case_colours
+from dampyr.show.figures.style import Axis, case_colours, input_axis
 from dampyr.show.pages.blocks import FigureBlock, Section, Text, to_look_at
 from dampyr.show.pages.html_page import page
 from dampyr.show.structures.response import errors_in_words
@@ -95,7 +95,7 @@ def _control(cases: Mapping[str, Response], colours: Mapping[str, str]) -> list[
         controlled_cases = {name: r for name, r in with_damper.items() if r.laws[r.sites.index(site)]}
         if controlled_cases:
             first = next(iter(controlled_cases.values()))
-            axis = VOLTAGE if first.input_units[first.sites.index(site)] == "V" else CURRENT
+            axis = input_axis(first.input_units[first.sites.index(site)])
             strokes = {name: r.stroke[r.sites.index(site)] for name, r in with_damper.items()}
             inputs = {name: r.input[r.sites.index(site)] for name, r in controlled_cases.items()}
             blocks.append(

@@ -14,12 +14,15 @@ PAGES = {
     "Fit": "fit_page",
     "Validated": "validate_page",
     "Accepted": "acceptance_page",
+    "JudgedSpecimens": "judgement_page",
     "Response": "response_page",
     "Responses": "response_page",
     "EnsembleResult": "ensemble_page",
     "GroundMotion": "motion_page",
     "Plan": "plan_page",
     "HybridResult": "hybrid_page",
+    "SpecimenHistories": "specimens_page",
+    "ProtocolResult": "protocol_page",
 }
 """The class of a result, and the module of its page, which is loaded when such a page is first written."""
 
@@ -30,8 +33,9 @@ def write_page(result: Any, path: str | Path, **choices: Any) -> Path:
     Parameters
     ----------
     result
-        A fit, what `dampyr.identification.validate` or `accept` gives, a response or several, an ensemble, a ground motion, a
-        plan or a hybrid test; or the text of a page that `dampyr.show.page` makes.
+        A fit, what `dampyr.identification.validate` or `accept` or `dampyr.campaigns.judge` or `judge_protocol` gives, a
+        response or several, an ensemble, a ground motion, a plan, a hybrid test or the histories of
+        `dampyr.records.specimens`; or the text of a page that `dampyr.show.page` makes.
     path
         The file to write; its folder is made where it is not there.
     choices

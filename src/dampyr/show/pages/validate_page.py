@@ -15,6 +15,7 @@ from dampyr.identification import Score
 from dampyr.identification.fits.residuals import motion
 from dampyr.identification.scoring.score import prediction
 from dampyr.identification.scoring.validate import Validated
+from dampyr.input_kinds import INPUTS
 from dampyr.models import Damper
 from dampyr.origin import combined
 from dampyr.records import Record, with_velocity
@@ -113,7 +114,8 @@ def _scores(result: Validated) -> list[Block]:
         groups |= {f"{name}, {words}": values for name, values in group_by_input(records, l1).items()}
     return [
         FigureBlock(
-            scores_figure(groups), "L1 ratio of each record, by input and by whether the card was fitted on it."
+            scores_figure(groups),
+            f"L1 ratio of each record, {'by input and ' * result.damper.has_input}by whether the card was fitted on it.",
         ),
         table,
         *([by_input(result)] if len(result.by_input) > 1 else []),
@@ -147,11 +149,11 @@ def _outside(damper: Damper, records: Sequence[Record]) -> list[Block]:
 def beyond(damper: Damper, record: Record) -> list[list[Cell]]:
     """What of a record lies outside the damper's range: quantity, what it reaches, from, to, unit; a row for each."""
     rows: list[list[Cell]] = []
-    u = record.voltage if record.input == "V" else record.current
+    u = record.input_channel
     low, high = damper.range
     for value in sorted({float(np.min(u)), float(np.max(u))}) if u is not None else []:
         if not low - 1e-9 <= value <= high + 1e-9:
-            rows.append(["voltage" if damper.input == "V" else "current", value, low, high, damper.input])
+            rows.append([INPUTS[damper.input], value, low, high, damper.input])
     reached = {
         "displacement": 0.5 * float(np.ptp(record.displacement)),
         "velocity": float(np.max(np.abs(_velocity(damper, record)))),

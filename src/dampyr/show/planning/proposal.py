@@ -64,7 +64,10 @@ def envelope_figure(proposal: Proposal) -> Figure:
         chosen.setdefault(test.candidate.kind.replace("_", " "), []).append(
             (test.candidate.frequency, test.candidate.amplitude)
         )
-    limits = {f"{u:.4g} V": amplitudes for u, amplitudes in proposal.envelope.limits.items()}
+    has_input = all(candidate.has_input for candidate in proposal.envelope.candidates)
+    limits = {
+        f"{u:.4g} V" if has_input else "largest sine": amplitudes for u, amplitudes in proposal.envelope.limits.items()
+    }
     return planned_tests(proposal.envelope.frequencies, limits, candidates, chosen)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from dampyr.data_frames import column_name
 from dampyr.errors import InputError
+from dampyr.input_kinds import INPUTS
 from dampyr.phrases import extent
 from dampyr.records.record import CHANNELS, GROUPS, Record
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
@@ -37,9 +38,8 @@ def describe_record(record: Record) -> Description:
     if record.velocity is not None:
         rows.append(("velocity", extent(record.velocity, "mm/s", 1e3)))
     rows.append(("force", extent(record.force, "N")))
-    if record.input is not None:
-        name = "voltage" if record.input == "V" else "current"
-        rows.append((name, extent(getattr(record, name), record.input)))
+    if record.input in INPUTS:
+        rows.append((INPUTS[record.input], extent(record.input_channel, record.input)))
     if record.temperature is not None:
         rows.append(("temperature", extent(record.temperature, "°C")))
     if record.role != "fit":

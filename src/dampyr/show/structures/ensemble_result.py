@@ -64,6 +64,8 @@ def describe_ensemble(result: EnsembleResult) -> Description:
 def cases_in_words(dataset: Any) -> str:
     """What the cases are made of, such as ``2 damper cases, 1 input, 20 motions, 8 scales``."""
     nouns = {"damper": "damper case", "input": "input", "motion": "motion", "scale": "scale"}
+    if not dataset.input.attrs.get("units"):
+        del nouns["input"]
     return ", ".join(counted(dataset.sizes[dimension], noun) for dimension, noun in nouns.items())
 
 
@@ -105,10 +107,10 @@ def trust(dataset: Any) -> list[str]:
         f"{attributes['judged']} of {attributes['cases']} cases, the hardest and others at random."
     )
     bound = f"{100 * BOUNDS[attributes['accuracy']]:.2g} %"
+    at_high = " at a high input" if dataset.input.attrs.get("units") else ""
     fast = (
         f"The accuracy is “fast”: about 0.1 % of the peak in strong motion, at most {bound} of {FLOOR}; smaller ones have no "
-        "bound. Accelerations are less sharp, a few per cent at a high input, rarely ten. Accuracy “strict” takes 0.4 of the "
-        "step."
+        f"bound. Accelerations are less sharp, a few per cent{at_high}, rarely ten. Accuracy “strict” takes 0.4 of the step."
     )
     strict = f"The accuracy is “strict”: at most {bound} of {FLOOR}; smaller ones have no bound. Accelerations are less sharp."
     lost = [] if attributes["unbounded"] else ["No case grew without bound."]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.findings import as_dicts
 from dampyr.ground_motions.cutting import end_in_words
+from dampyr.input_kinds import NO_INPUT
 from dampyr.phrases import extent, listing
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
@@ -61,7 +62,8 @@ def describe_response(response: Response) -> Description:
         ("end", end_in_words(r.after)),
     ]
     dampers = list(zip(r.sites, r.inputs, r.laws, r.input_units))
-    rows += [("damper", f"{site}, {law or f'{value:g} {unit}'}") for site, value, law, unit in dampers[:FEW]]
+    for site, value, law, unit in dampers[:FEW]:
+        rows.append(("damper", site if unit == NO_INPUT else f"{site}, {law or f'{value:g} {unit}'}"))
     if len(dampers) > FEW:
         rows.append(("", f"and {len(dampers) - FEW} more dampers"))
     rows += [
@@ -104,7 +106,7 @@ def errors_in_words(responses: Iterable[Response]) -> str:
             words.append(f"{100 * value:.2g} % of {name.replace('_', ' ')}")
     laws = [r for r in judged if any(r.laws)]
     if laws:
-        units = "/".join(sorted({unit for r in laws for unit in r.input_units}))
+        units = "/".join(sorted({unit for r in laws for unit in r.input_units if unit != NO_INPUT}))
         words.append(f"{max(r.error_estimates['mean_input'] for r in laws):.2g} {units} of a mean input")
     return f"{', '.join(words)} at most, by halving the step"
 
@@ -139,8 +141,7 @@ def _numbers(response: Response) -> dict[str, Any]:
         "damper_origin": r.origin.as_dict(),
         "findings": as_dicts(r.findings),
         "sites": list(r.sites),
-        "laws": list(r.laws),
-        "mean_input": r.mean_input.tolist(),
+        **({"laws": list(r.laws), "mean_input": r.mean_input.tolist()} if r.has_input or not r.sites else {}),
         "scheme": r.scheme,
         "step_s": r.step,
         "error_estimate": r.error_estimate,
@@ -174,8 +175,8 @@ class ResponsePlots(Plots):
         ``displacement``, ``velocity``, ``acceleration``, ``drift``, ``force``, ``stroke`` or ``input``.
         """
         r = self.result
-        if quantity not in AXES or not len(getattr(r, quantity)):
-            histories = [name for name in AXES if len(getattr(r, name))]
+        if quantity not in AXES or not len(getattr(r, quantity)) or (quantity == "input" and not r.has_input):
+            histories = [name for name in AXES if len(getattr(r, name)) and (name != "input" or r.has_input)]
             raise InputError(f"this response has no history of {quantity!r}; choose from {', '.join(histories)}")
         if quantity in ("force", "stroke", "input"):
             names = list(r.sites)

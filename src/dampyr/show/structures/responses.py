@@ -6,8 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from dampyr.errors import InputError
 from dampyr.ground_motions.cutting import end_in_words
+from dampyr.input_kinds import NO_INPUT
 from dampyr.phrases import sentence
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
@@ -82,18 +85,25 @@ def case_table(responses: Responses) -> Table:
             max(r.peak_acceleration),
             r.peak_base_shear,
             max(r.peak_force, default=None),
-            float(r.mean_input.mean()) if r.mean_input.size else None,
+            _mean_input(r),
             r.scheme,
         ]
         for name, r in responses.cases.items()
     ]
-    unit = next((r.input_units[0] for r in responses.cases.values() if r.input_units), "")
-    return Table(
+    units = [kind for r in responses.cases.values() for kind in r.input_units]
+    table = Table(
         ("case", *columns, "drift", "acceleration", "base shear", "damper force", "mean input", "scheme"),
         rows,
-        ("", *("mm" for _ in columns), "mm", "m/s²", "N", "N", unit, ""),
+        ("", *("mm" for _ in columns), "mm", "m/s²", "N", "N", next((u for u in units if u != NO_INPUT), ""), ""),
         caption=f"{responses.title}: peaks." if responses.building else "Peaks.",
     )
+    return table.without("mean input") if units and all(kind == NO_INPUT for kind in units) else table
+
+
+def _mean_input(response: Response) -> float | None:
+    """The mean over time and over the dampers that have an input; None without any."""
+    means = [mean for mean, kind in zip(response.mean_input, response.input_units, strict=True) if kind != NO_INPUT]
+    return float(np.mean(means)) if means else None
 
 
 def energy_table(responses: Responses) -> Table:

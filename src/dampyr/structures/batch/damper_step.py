@@ -59,7 +59,7 @@ def _in_series(
 
 def _body(composition: Composition, name: str) -> list[ast.stmt]:
     tree = ast.parse(composition.source())
-    function = next(f for f in tree.body if isinstance(f, ast.FunctionDef) and f.name == f"{name}_0")
+    function = next(f for f in tree.body if isinstance(f, ast.FunctionDef) and f.name == f"{name}_site0")
     return function.body
 
 

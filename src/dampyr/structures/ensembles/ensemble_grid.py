@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import InputError
 from dampyr.findings import OF_DAMPER, Finding, handed_on
 from dampyr.ground_motions import GroundMotion, followed_by_rest
+from dampyr.input_kinds import NO_INPUT
 from dampyr.options import takes
 from dampyr.structures.batch.assemble import QUANTITIES
 from dampyr.structures.batch.gpu import missing
@@ -27,6 +28,7 @@ from dampyr.structures.building_options import EnsembleOptions
 from dampyr.structures.control_laws import gains, is_control_law, parts, spelled
 from dampyr.structures.sites import (
     Site,
+    any_has_input,
     drawn_placements,
     input_of,
     installed,
@@ -50,11 +52,11 @@ AXES = ("building", "damper", "input", "motion", "scale")
 
 @dataclass(frozen=True, eq=False)
 class Cases:
-    """Checked cases of an ensemble; ``kind`` says whether inputs are a "voltage" or a "current"."""
+    """Checked cases of an ensemble; ``kind`` says whether inputs are a "voltage" or a "current", or that there are "none"."""
 
     buildings: tuple[Building, ...]
     placements: tuple[Mapping[Any, Any], ...]
-    inputs: tuple[Any, ...]  # each a number, a control law, or None
+    inputs: tuple[Any, ...]  # each a number, a control law, or None without dampers or without an input
     motions: tuple[GroundMotion, ...]
     scales: Array
     kind: str = "voltage"
@@ -167,6 +169,7 @@ def cases(
     chosen = EnsembleOptions.of("ensemble", options, keywords)
     kind, inputs = input_of(voltage, current)
     placements = [placement(entry) for entry in _list(dampers)]
+    kind, inputs = _of_passive_dampers(placements, kind, inputs)
     if (draws := chosen.draws) is not None:
         drawn = (drawn_placements(placed, draws, chosen.seed) if placed else [placed] for placed in placements)
         placements = [placed for several in drawn for placed in several]
@@ -186,6 +189,24 @@ def cases(
     )
     _check(grid)
     return grid
+
+
+def _of_passive_dampers(placements: Sequence[Mapping[Any, Any]], kind: str, inputs: Any) -> tuple[str, Any]:
+    """The kind and the inputs: none where no damper has an input. Some placements with one and some without are refused."""
+    with_input = {any_has_input(placed) for placed in placements if placed}
+    if with_input != {False}:
+        if len(with_input) == 2:
+            raise InputError(
+                "some of the dampers have an input and others none, and every damper is to run at every input; run the two "
+                "kinds in ensembles of their own"
+            )
+        return kind, inputs
+    given = inputs is not None and not (isinstance(inputs, list | tuple) and all(value is None for value in inputs))
+    if given and any(map(is_control_law, inputs if isinstance(inputs, list | tuple) else [inputs])):
+        raise InputError(f"a control law sets the input of a damper, and these have none; leave {kind}= out")
+    if given:
+        raise InputError(f"{kind}= is given, but the dampers have no input; leave it out")
+    return NO_INPUT, None
 
 
 def _check(grid: Cases) -> None:

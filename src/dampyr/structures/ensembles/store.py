@@ -17,6 +17,7 @@ from dampyr.errors import FileError, InputError
 from dampyr.findings import Finding
 from dampyr.ground_motions import GroundMotion
 from dampyr.ground_motions.intensity_measures import sa
+from dampyr.input_kinds import NO_INPUT
 from dampyr.origin import NOT_STATED, Origin, combined
 from dampyr.records.files.self_contained import check_contained
 from dampyr.structures.control_laws import describe_law, is_control_law
@@ -40,9 +41,9 @@ DIAGNOSTICS = (
     *TRUNCATION,
     *("calibrated", "beyond", "beyond_times"),
 )
-BARE = "no damper"
+BARE, WITH_DAMPER = "no damper", "with damper"  # the second where the damper has no input that names its case
 SA_DAMPING = 0.05  # ratio to critical, that of published spectra
-UNIT_OF = {"voltage": "V", "current": "A"}
+UNIT_OF = {"voltage": "V", "current": "A", NO_INPUT: ""}
 ALONG = {
     "displacement": "floor",
     "drift": "storey",

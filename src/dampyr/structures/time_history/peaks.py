@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
-from dampyr.structures.ensembles.store import ALONG, BARE
+from dampyr.structures.ensembles.store import ALONG, BARE, WITH_DAMPER
 
 Array = NDArray[np.float64]
 DIMS = ("building", "damper", "input")
@@ -87,7 +87,7 @@ def _name(dataset: Any, by: Sequence[str], b: list[int], d: Any, u: Any) -> str:
         parts.append(str(dataset.damper_name.values[d[0]]))
     if "input" in by and (name := str(dataset.input_name.values[u[0]])):
         parts.append(name)
-    return ", ".join(parts) or "all cases"
+    return ", ".join(parts) or ("all cases" if dataset.input.attrs.get("units") else WITH_DAMPER)
 
 
 def _check_pooled_intensities(strength: Array, by: Sequence[str]) -> None:

@@ -21,15 +21,17 @@ from dampyr.argument_kinds import BUILDING, MOTION, Argument, check_kinds
 from dampyr.errors import FindingWarning, InputError
 from dampyr.findings import OF_DAMPER, handed_on
 from dampyr.ground_motions import GroundMotion, followed_by_rest
+from dampyr.input_kinds import NO_INPUT
 from dampyr.options import takes
 from dampyr.origin import combined
 from dampyr.structures.building import Building, Condensed
 from dampyr.structures.building_options import RespondOptions
 from dampyr.structures.control_laws import describe_law
 from dampyr.structures.ensembles.ensemble import ensemble
-from dampyr.structures.ensembles.store import BARE
+from dampyr.structures.ensembles.store import BARE, WITH_DAMPER
 from dampyr.structures.sites import (
     Site,
+    any_has_input,
     connections,
     describe_place,
     drawn_placements,
@@ -143,8 +145,8 @@ def respond(
     voltage, current
         the input of the dampers, V or A: a number, which is constant, or a control law
         (:func:`~dampyr.structures.control_laws.control_law`); one for all dampers, or a mapping from place to one. A list or a
-        tuple of these are several inputs, each a case of its own. An array is neither, and is refused: what changes an input
-        over time is a control law.
+        tuple of these are several inputs, each a case of its own; a damper without an input has one case, [None]. An array is
+        neither, and is refused: what changes an input over time is a control law.
     options
         the further arguments as one object; those that are given by name take their places.
     progress
@@ -203,7 +205,7 @@ def _responses(
     """The case without dampers, then one for each input; an input that is given twice is one case."""
     if bool(placed) is not bool(inputs):
         raise InputError(
-            "no input and no control law is given; give one or more"
+            f"no input and no control law is given; give one or more{'' if any_has_input(placed) else ': [None] is no input'}"
             if placed
             else f"{kind} = {inputs!r} is of dampers, and none are given; give dampers=, or leave the inputs out"
         )
@@ -234,19 +236,25 @@ def _responses(
         tell(f"{options.draws} drawn dampers", len(inputs) / (len(inputs) + 1))
         peaks = _peak_intervals(building, motion, placed, kind, list(inputs_by_name.values()), options)
         intervals = dict(zip(inputs_by_name, peaks, strict=True))
-    unit = next((unit for response in cases.values() for unit in response.input_units), "")
+    units = (unit for response in cases.values() for unit in response.input_units)
+    unit = next((unit for unit in units if unit != NO_INPUT), "")
     return Responses(building.name, motion.name, unit, cases, intervals, options.draws or 0)
 
 
 def case_name(response: Response) -> str:
-    """The input of a case in words; where dampers have different ones, that of each."""
-    inputs = [
-        law or f"{value:g} {unit}"
-        for law, value, unit in zip(response.laws, response.inputs, response.input_units, strict=True)
-    ]
-    if len(set(inputs)) == 1:
-        return inputs[0]
-    return "; ".join(f"{site}: {text}" for site, text in zip(response.sites, inputs, strict=True))
+    """The input of a case in words; where dampers have different ones, that of each that has one."""
+    inputs = {
+        site: law or f"{value:g} {unit}"
+        for site, law, value, unit in zip(
+            response.sites, response.laws, response.inputs, response.input_units, strict=True
+        )
+        if unit != NO_INPUT
+    }
+    if not inputs:
+        return WITH_DAMPER
+    if len(set(inputs.values())) == 1:
+        return next(iter(inputs.values()))
+    return "; ".join(f"{site}: {text}" for site, text in inputs.items())
 
 
 def _peak_intervals(
@@ -361,7 +369,7 @@ def _response(
         energy=energy,
         storeys=tuple(site.storey for site in sites),
         sites=tuple(building.place_label(site.place) for site in sites),
-        inputs=tuple(site.input_value for site in sites),
+        inputs=tuple(None if site.damper.input == NO_INPUT else site.input_value for site in sites),
         laws=tuple(describe_law(site.law, site.damper.input) if site.law else "" for site in sites),
         input=np.ascontiguousarray(out.input.T),
         mean_input=out.mean_input.copy(),

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.findings import Finding, worst_first
+from dampyr.input_kinds import NO_INPUT, unit_of
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.shown import Shown
 
@@ -33,6 +34,9 @@ _UNITS = {
     "peak_force": ("damper", "N"),
     "mean_input": ("damper", ""),
 }  # name -> dims, unit
+
+
+OF_INPUTS = ("damper_law", "damper_input_unit")  # coordinates that say what sets the dampers' inputs
 
 
 class Output(NamedTuple):
@@ -225,7 +229,7 @@ class Response(Shown):
     peak_force: Array  # (N,) N
     energy: Energy
     storeys: tuple[int, ...]  # (N,) where the sites are; 0 for one that joins other floors than a storey does
-    inputs: tuple[float | None, ...]  # (N,) V or A; None where a law sets it
+    inputs: tuple[float | None, ...]  # (N,) V or A; None where a law sets it, and where there is none
     floors: tuple[str, ...]
     scheme: str  # "linear" (no damper), "exact path" or "general"
     step: float  # s
@@ -239,7 +243,7 @@ class Response(Shown):
     title: str = ""
     sites: tuple[str, ...] = ()  # (N,) where the sites are, such as "storey 1" and "0-2"
     laws: tuple[str, ...] = ()  # (N,) what sets the inputs, in words; empty where they are constant
-    input_units: tuple[str, ...] = ()  # (N,) "V" or "A"
+    input_units: tuple[str, ...] = ()  # (N,) "V", "A" or "none"
     mean_input: Array = field(default_factory=lambda: np.zeros(0))  # (N,) V or A at the coil, the mean over time
     after: float = 0.0  # s of rest after the record, at the end of the arrays
     # The same change of every quantity: "displacement", "drift", "acceleration", "base_shear", "force" (of the peaks, relative)
@@ -252,6 +256,11 @@ class Response(Shown):
     truncation: Truncation | None = None  # what a reduced structure leaves out; None where nothing is left out
 
     @property
+    def has_input(self) -> bool:
+        """Whether a damper has an input, a voltage or a current."""
+        return any(kind != NO_INPUT for kind in self.input_units)
+
+    @property
     def findings(self) -> tuple[Finding, ...]:
         """What is wrong or in doubt in the dampers and in the response, the worst first."""
         return worst_first(self.of_dampers, (Finding("doubt", sentence) for sentence in self.doubts))
@@ -262,7 +271,7 @@ class Response(Shown):
         import xarray
 
         data = {k: (dims.split(), np.asarray(getattr(self, k)), {"units": unit}) for k, (dims, unit) in _UNITS.items()}
-        units = set(self.input_units)
+        units = set(self.input_units) - {NO_INPUT}
         unit = units.pop() if len(units) == 1 else "V or A"
         data["input"][2]["units"] = data["mean_input"][2]["units"] = unit
         for part in ("input", "kinetic", "strain", "viscous", "damper", "residual"):
@@ -276,8 +285,11 @@ class Response(Shown):
             "damper_site": ("damper", np.array(self.sites, dtype=str)),
             "damper_storey": ("damper", np.array(self.storeys, dtype=int)),
             "damper_law": ("damper", np.array(self.laws, dtype=str)),
-            "damper_input_unit": ("damper", np.array(self.input_units, dtype=str)),
+            "damper_input_unit": ("damper", np.array([unit_of(kind) for kind in self.input_units], dtype=str)),
         }
+        if count and not self.has_input:
+            data = {name: entry for name, entry in data.items() if name not in ("input", "mean_input")}
+            coordinates = {name: entry for name, entry in coordinates.items() if name not in OF_INPUTS}
         return xarray.Dataset(data, coords=coordinates, attrs=self._attributes())
 
     def truncation_as_dict(self) -> dict[str, Any]:

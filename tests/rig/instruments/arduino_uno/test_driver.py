@@ -8,12 +8,14 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import product
 
 import pytest
 
-from dampyr.errors import DampyrWarning, RigFault
+from dampyr.errors import DampyrWarning, InputError, RigFault
 from dampyr.rig import Rig, RigSettings
-from dampyr.rig.firmware.protocol import VERSION, Fault, Reply, Request, SerialFrame, State, Status, encode
+from dampyr.rig.firmware import control_core as c
+from dampyr.rig.firmware.protocol import QUEUE, VERSION, Fault, Reply, Request, SerialFrame, State, Status, encode
 from dampyr.rig.firmware.twin import Twin
 from dampyr.rig.instruments.arduino_uno import wire as wires
 from dampyr.rig.instruments.arduino_uno.driver import Uno
@@ -210,6 +212,70 @@ def test_firmware_of_another_version_is_said_by_name() -> None:
     with pytest.raises(RigFault, match=rf"version {VERSION + 1} of the protocol and this dampyr {VERSION}; flash it"):
         Uno(InProcess(other)).hello()
     assert Request.HELLO == 1  # of every version: HELLO is how the two find out
+
+
+# set points in several frames
+
+
+class LosingLine(InProcess):
+    """A line to a firmware that loses these frames of the host's and these replies, counted from 0 over all that is sent; with
+    ``late`` a reply that is not lost comes with those to the next thing sent."""
+
+    def __init__(self, twin: Twin, frames: set[int], replies: set[int], late: bool) -> None:
+        self.twin, self.frames, self.replies, self.late = twin, frames, replies, late
+        self.sent, self.sizes, self.kept = 0, [], b""
+        super().__init__(self.pass_on)
+
+    def pass_on(self, data: bytes) -> bytes:
+        frames = [frame + b"\0" for frame in data.split(b"\0") if frame]
+        self.sizes.append(len(frames))
+        came, self.kept = (self.kept, b"") if self.late else (b"", b"")
+        for frame in frames:
+            reply = b"" if self.sent in self.frames else self.twin.receive(frame)
+            reply = b"" if self.sent in self.replies else reply
+            self.kept, came = (self.kept + reply, came) if self.late else (b"", came + reply)
+            self.sent += 1
+        return came
+
+
+def armed_twin() -> tuple[Twin, Uno]:
+    twin = Twin()
+    uno = Uno(InProcess(twin.receive), wait=0.0)
+    uno.hello()
+    uno.clear()
+    uno.configure(RigSettings())
+    uno.home(0, 0)
+    uno.heartbeat()
+    uno.arm()
+    return twin, uno
+
+
+LOST = [set(), {0}, {1}, {2}, {0, 1}, {0, 2}, {1, 2}, {0, 1, 2}, {0, 3}, {2, 3}, {0, 3, 6}]
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_set_points_in_several_frames_arrive_whatever_is_lost(late: bool) -> None:
+    points = [10 * k for k in range(40)]
+    for frames, replies in product(LOST, repeat=2):
+        twin, uno = armed_twin()
+        uno._wire, uno.tries = LosingLine(twin, frames, replies, late), 12
+        case = f"frames {frames} and replies {replies} are lost"
+        assert uno.points(0, points) == QUEUE - 40, case
+        assert list(twin.registers[c.R_QUEUE : c.R_QUEUE + 40]) == points, case
+        assert twin.registers[c.R_NEXT] == 40, case
+        assert uno._wire.sizes[0] == 3, case  # together: 16, 16 and 8
+        if not (frames or replies or late):
+            assert uno._wire.sizes == [3]
+
+
+def test_set_points_that_do_not_fit_are_refused_with_the_reason() -> None:
+    twin, uno = armed_twin()
+    with pytest.raises(RigFault, match="refused SETPOINTS: its queue is full"):
+        uno.points(0, [0] * 70)
+    with pytest.raises(RigFault, match="refused SETPOINTS: set points are missing"):
+        uno.points(int(twin.registers[c.R_NEXT]) + 1, [0] * 20)
+    with pytest.raises(InputError, match="send at least one set point"):
+        uno.points(0, [])
 
 
 # a cause before its consequences

@@ -341,7 +341,7 @@ def test_doctor_and_run_without_the_driver_say_so(tmp_path: Path) -> None:
     words = "install it from ni.com/downloads"
     findings = {each.what: each for each in diagnose(path)}
     assert words in str(findings["board"].repair)
-    assert "protocol 2" in findings["Uno"].observed
+    assert "protocol 3" in findings["Uno"].observed
     step = 'kind = "sine"\namplitude = "4 mm"\nfrequency = "1 Hz"\nvoltage = "0 V"\ncycles = 2\n'
     (tmp_path / "one.toml").write_text(f'name = "one"\noperator = "me"\n[[step]]\n{step}')
     command = ["run", str(tmp_path / "one.toml"), "--rig", str(path), "--out", str(tmp_path / "out")]

@@ -165,7 +165,7 @@ const chance = (value) => (value === null ? null : { key: value, show: value < 1
 
 const percent = (value) => (value === null || value === undefined ? null : 100 * value);
 
-const inputOf = (record) => (record.input === null ? "" : `${number(record.input_value, 5)} ${record.input}`);
+const inputOf = (record) => (record.input_value === null ? "" : `${number(record.input_value, 5)} ${record.input}`);
 
 function asBand(band) {
   const speeds = band.speed.map((value) => 1e3 * value);

@@ -155,10 +155,10 @@ function peaks(r) {
   const floors = r.floors.length > WIDE ? [`largest of ${r.floors.length} floors`] : r.floors.map((name) => `floor\u00a0${name}`);
   const moved = (response) => (r.floors.length > WIDE ? [Math.max(...response.peak_displacement)] : response.peak_displacement);
   const rows = r.cases.map((response) => [response.name, ...moved(response).map((v) => 1e3 * v), 1e3 * Math.max(...response.peak_drift), Math.max(...response.peak_acceleration), response.peak_base_shear,
-    response.peak_force.length ? Math.max(...response.peak_force) : null, response.mean_input.length ? response.mean_input[0] : null, -100 * (1 - response.peak_displacement.at(-1) / r.cases[0].peak_displacement.at(-1)) || null]);
+    response.peak_force.length ? Math.max(...response.peak_force) : null, ...(r.unit ? [response.mean_input.length ? response.mean_input[0] : null] : []), -100 * (1 - response.peak_displacement.at(-1) / r.cases[0].peak_displacement.at(-1)) || null]);
   return table({ caption: `Peaks inside the step; displacements relative to the ground, accelerations absolute; the response ${r.end ?? "ends with the record"}`, rows,
     columns: [{ name: "case" }, ...floors.map((name) => ({ name, unit: "mm" })), { name: "largest drift", unit: "mm" }, { name: "largest acceleration", unit: "m/s²" }, { name: "base shear", unit: "N" },
-      { name: "damper force", unit: "N" }, { name: "mean input", unit: r.unit }, { name: "top floor, change", unit: "%", digits: 3 }] });
+      { name: "damper force", unit: "N" }, ...(r.unit ? [{ name: "mean input", unit: r.unit }] : []), { name: "top floor, change", unit: "%", digits: 3 }] });
 }
 
 function energyTable(r) {
@@ -185,14 +185,19 @@ function asking(choices) {
   const damper = choice(choices.dampers.map((damper) => [damper.name, damper.title]), { onchange: () => describeRange() });
   const storey = text("1");
   const inputs = text("0 1.98");
+  const cases = field("Inputs", inputs, "one case each");
+  const controls = h("div", { class: "row", role: "group", "aria-label": "Control laws" });
+  const passive = () => choices.dampers.find(({ name }) => name === damper.value)?.unit === ""; // no input, so one case and no law
   const range = h("p", { class: "soft" });
   const laws = choices.laws.map((name) => [name, tick(name.replaceAll("_", " "))]);
+  controls.append(...laws.map(([, box]) => box));
   const shared = optionsForm(choices.shared_options);
   const settings = optionsForm(choices.response_options);
   const manySettings = optionsForm(choices.ensemble_options);
   const describeRange = () => {
     const chosen = choices.dampers.find(({ name }) => name === damper.value);
-    range.textContent = chosen ? `Calibrated from ${number(chosen.low)} to ${number(chosen.high)} ${chosen.unit}.` : "";
+    cases.hidden = controls.hidden = passive();
+    range.textContent = !chosen ? "" : passive() ? "It has no input." : `Calibrated from ${number(chosen.low)} to ${number(chosen.high)} ${chosen.unit}.`;
     if (chosen) inputs.value = [chosen.low, number((chosen.low + chosen.high) / 2, 3), number(chosen.high)].join(" ");
   };
   describeRange();
@@ -201,8 +206,8 @@ function asking(choices) {
   const element = h("div", {},
     h("fieldset", {}, h("legend", {}, "Building"), field("Structure", building), own),
     h("fieldset", {}, h("legend", {}, "Ground motion"), field("Motion", motion), h("div", { class: "fields" }, field("Peak, g", pga), seeded, united)),
-    h("fieldset", {}, h("legend", {}, "Damper"), field("Card or published damper", damper), range, h("div", { class: "fields" }, field("Storey", storey), field("Inputs", inputs, "one case each")),
-      h("div", { class: "row", role: "group", "aria-label": "Control laws" }, laws.map(([, box]) => box)),
+    h("fieldset", {}, h("legend", {}, "Damper"), field("Card or published damper", damper), range, h("div", { class: "fields" }, field("Storey", storey), cases),
+      controls,
       h("details", {}, h("summary", {}, "Options of all cases"), shared.element)));
   const many = h("div", {}, h("div", { class: "fields" }, field("Synthetic motions", count), field("Scales", scales)), manySettings.element);
 
@@ -214,7 +219,7 @@ function asking(choices) {
       building: building.value.startsWith("named:") ? named(building.value.slice(6)) : building.value === "shear" ? { kind: "shear", masses: several("Masses", masses), stiffnesses: several("Stiffnesses", stiffnesses), damping: single("Damping", damping) / 100 } : {},
       motion: chosen,
       ...shared.values(),
-      damper: { name: damper.value, storey: single("Storey", storey), inputs: several("Inputs", inputs), laws: laws.filter(([, box]) => box.firstChild.checked).map(([name]) => name) },
+      damper: { name: damper.value, storey: single("Storey", storey), inputs: passive() ? [] : several("Inputs", inputs), laws: passive() ? [] : laws.filter(([, box]) => box.firstChild.checked).map(([name]) => name) },
     };
   };
   const ensemble = () => {

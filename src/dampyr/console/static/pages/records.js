@@ -291,7 +291,7 @@ const namesOf = (loaded) => loaded.map((record) => (loaded.some((other) => other
 const nameOf = (record) => ({ key: record.key, show: h("span", { class: "named", title: record.key }, short(record.key), flags(record)) });
 
 export function inputOf(about) {
-  if (!about?.input) return null;
+  if (!about?.input_range) return null;
   const [low, high] = about.input_range;
   return { key: low, show: low === high ? `${number(low, 5)} ${about.input}` : `${number(low, 3)} to ${number(high, 3)} ${about.input}` };
 }

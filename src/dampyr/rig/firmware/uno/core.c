@@ -23,9 +23,14 @@
 #define SPARE 200         /* counts beyond what a search needs */
 #define REVERSED 40
 #define PROVEN 100
+#define JUMP 60            /* counts in a millisecond: more than any motor makes */
+#define OVER_TIME 20      /* ms for which the motor's current may be above the largest */
+#define FULL_SCALE 1023   /* of the converter */
 #define EDGE 100          /* counts that a table outside of the limits may go farther out */
 #define FARTHEST 37000L   /* counts */
 #define FASTEST 40000L    /* counts/s */
+
+uint8_t extended_fuse = 0xFD; /* that of an Uno as it is sold */
 
 static int32_t size_of(int32_t value) { return value < 0 ? -value : value; }
 
@@ -77,6 +82,7 @@ void restart(struct core *c, int32_t counts)
 static void observe(struct core *c, int32_t counts)
 {
     c->slot = c->slot + 1 < WINDOW ? c->slot + 1 : 0;
+    c->jumped = size_of(counts - c->counts) > JUMP;
     int32_t old = c->filled >= WINDOW ? c->past[c->slot] : counts;
     if (c->filled < WINDOW)
         c->filled++;
@@ -158,6 +164,16 @@ static bool is_stalled(struct core *c)
     return stands(c);
 }
 
+/* Whether the motor's current has been above the largest for too long. */
+static bool has_overcurrent(struct core *c)
+{
+    if (c->current <= c->max_current) /* 0 of 0 where it is not wired */
+        c->over = 0;
+    else if (c->over < UINT16_MAX)
+        c->over++;
+    return c->over > OVER_TIME;
+}
+
 /* Whether the table goes against the duty, until it has gone with it once: leads of motor or encoder are swapped. */
 static bool goes_backwards(struct core *c)
 {
@@ -180,19 +196,21 @@ static uint16_t faults_now(struct core *c, bool glitch)
     int32_t speed = size_of(c->speed);
     if (c->since > c->heartbeat)
         faults |= FAULT_HEARTBEAT;
-    if (speed > c->max_speed || (is_slow(c) && speed > SLOW_FAULT))
+    if (!c->jumped && (speed > c->max_speed || (is_slow(c) && speed > SLOW_FAULT)))
         faults |= FAULT_SPEED;
     if (is_stalled(c) && c->state != HOMING) /* where a search takes it for the end of the stroke */
         faults |= FAULT_STALL;
+    if (has_overcurrent(c))
+        faults |= FAULT_CURRENT;
     if (goes_backwards(c))
         faults |= FAULT_DIRECTION;
-    if (c->state == FOLLOWING && size_of(c->target - c->position) > AWAY)
+    if (!c->jumped && c->state == FOLLOWING && size_of(c->target - c->position) > AWAY)
         faults |= FAULT_FOLLOWING;
     if ((c->wired & EMERGENCY_WIRED) && (c->inputs & PRESSED))
         faults |= FAULT_EMERGENCY;
     if (both_ends(c) || (c->state != HOMING && (at_end(c, c->duty) || at_end(c, c->speed))))
         faults |= FAULT_END;
-    if (glitch)
+    if (glitch || c->jumped)
         faults |= FAULT_ENCODER;
     return faults;
 }
@@ -351,6 +369,7 @@ static void brake(struct core *c)
 
 static void act(struct core *c)
 {
+    int16_t before = c->duty;
     switch (c->state) {
     case FOLLOWING: follow(c); break;
     case REVERSING: reverse(c); break;
@@ -370,15 +389,23 @@ static void act(struct core *c)
         c->duty = most;
     if (c->duty < -most)
         c->duty = -most;
+    if (c->duty == 0) /* the brake comes at once */
+        return;
+    if (c->duty > before + c->slew)
+        c->duty = before + c->slew;
+    if (c->duty < before - c->slew)
+        c->duty = before - c->slew;
 }
 
-void tick(struct core *c, int32_t counts, bool latched, int32_t index, bool glitch, uint8_t inputs)
+void tick(struct core *c, int32_t counts, bool latched, int32_t index, bool glitch, uint8_t inputs,
+          uint16_t current)
 {
     uint16_t faults = 0;
     c->time++;
     if (c->since < UINT16_MAX)
         c->since++;
     c->inputs = inputs;
+    c->current = c->max_current ? current : 0;
     observe(c, counts);
     if (latched)
         faults = see_index(c, index);
@@ -401,9 +428,10 @@ static uint8_t refuse_limits(const uint8_t *body)
     int32_t low = (int32_t)get_u32(body), high = (int32_t)get_u32(body + 4);
     uint32_t speed = get_u32(body + 8);
     uint16_t beat = get_u16(body + 12), stall = get_u16(body + 15);
-    uint8_t duty = body[14], wired = body[17];
+    uint8_t duty = body[14], wired = body[17], slew = body[18];
     bool fine = wired <= (ENDS_WIRED | EMERGENCY_WIRED) && -FARTHEST <= low && low < high && high <= FARTHEST;
-    fine = fine && speed >= 1 && speed <= FASTEST && beat >= 50 && beat <= 200 && duty >= 1;
+    fine = fine && speed >= 1 && speed <= FASTEST && beat >= 50 && beat <= 200 && duty >= 1 && slew >= 1;
+    fine = fine && get_u16(body + 19) < FULL_SCALE;
     return fine && stall >= 100 && stall <= 1000 ? REASON_NONE : REASON_RANGE;
 }
 
@@ -523,6 +551,7 @@ static void arm(struct core *c)
     c->state = ARMED;
     c->stalled = 0;
     c->free_travel = 0;
+    c->over = 0;
     c->duty = 0;
     c->way = 0;
     c->outside = 0;
@@ -586,6 +615,8 @@ static void carry_out(struct core *c, uint8_t type, const uint8_t *body)
         c->max_duty = body[14];
         c->stall = get_u16(body + 15);
         c->wired = body[17];
+        c->slew = body[18];
+        c->max_current = get_u16(body + 19);
         c->limited = true;
         break;
     case HEARTBEAT: c->since = 0; break;
@@ -642,7 +673,7 @@ static uint8_t body_size(uint8_t type)
 {
     switch (type) {
     case HELLO: return 1;
-    case LIMITS: return 18;
+    case LIMITS: return 21;
     case HOME: return 5;
     case JOG:
     case FOLLOW: return 6;
@@ -653,7 +684,8 @@ static uint8_t body_size(uint8_t type)
     case DISARM:
     case STOP:
     case ABORT:
-    case CLEAR: return 0;
+    case CLEAR:
+    case BUILD: return 0;
     default: return 254;
     }
 }
@@ -672,7 +704,7 @@ static uint8_t *put_status(const struct core *c, uint8_t *at)
     at = put_u32(at, c->next);
     at = put_u16(at, c->reader.bad);
     at = put_u16(at, (uint16_t)(c->shift < INT16_MIN ? INT16_MIN : c->shift > INT16_MAX ? INT16_MAX : c->shift));
-    return put_u16(at, c->passes);
+    return put_u16(put_u16(at, c->passes), c->current);
 }
 
 uint8_t answer(struct core *c)
@@ -703,6 +735,11 @@ uint8_t answer(struct core *c)
         } else if (type == HEARTBEAT) {
             payload[0] = REPLY_STATUS;
             at = put_status(c, at);
+        } else if (type == BUILD) {
+            payload[0] = REPLY_BUILD;
+            *at++ = DIRECTION_PIN;
+            at = put_u32(put_u32(at, BAUD), DIGEST);
+            *at++ = extended_fuse;
         } else {
             payload[0] = REPLY_ACK;
             *at++ = type;

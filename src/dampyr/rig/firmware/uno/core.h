@@ -9,19 +9,30 @@
 
 #include "frames.h"
 
-#define PROTOCOL 2
-#define FIRMWARE 0x0200 /* major, minor */
+#define PROTOCOL 3
+#define FIRMWARE 0x0300 /* major, minor */
 #define RATE 1000       /* Hz */
 #define QUEUE 64
 #define WINDOW 10
 
-enum { HELLO = 1, LIMITS, HEARTBEAT, ARM, DISARM, HOME, JOG, SETPOINTS, FOLLOW, REVERSE, STOP, ABORT, CLEAR };
-enum { REPLY_HELLO = 0x81, REPLY_ACK, REPLY_NAK, REPLY_STATUS };
+/* What the program was built with, which BUILD says; the Makefile gives the three. */
+#ifndef BAUD
+#define BAUD 250000UL
+#endif
+#ifndef DIRECTION_PIN
+#define DIRECTION_PIN 0 /* 1: D9 is the PWM and D10 the direction; 0: a PWM each, D9 extends */
+#endif
+#ifndef DIGEST
+#define DIGEST 0UL /* the first four bytes of the SHA-256 of the sources */
+#endif
+
+enum { HELLO = 1, LIMITS, HEARTBEAT, ARM, DISARM, HOME, JOG, SETPOINTS, FOLLOW, REVERSE, STOP, ABORT, CLEAR, BUILD };
+enum { REPLY_HELLO = 0x81, REPLY_ACK, REPLY_NAK, REPLY_STATUS, REPLY_BUILD };
 enum { IDLE, ARMED, FOLLOWING, REVERSING, JOGGING, HOMING, STOPPING, FAULT };
 enum {
     FAULT_HEARTBEAT = 1, FAULT_LOW = 2, FAULT_HIGH = 4, FAULT_SPEED = 8, FAULT_STALL = 16, FAULT_FOLLOWING = 32,
     FAULT_UNDERRUN = 64, FAULT_ENCODER = 128, FAULT_ABORTED = 256, FAULT_RESTARTED = 512, FAULT_INDEX = 1024,
-    FAULT_END = 2048, FAULT_EMERGENCY = 4096, FAULT_DIRECTION = 8192
+    FAULT_END = 2048, FAULT_EMERGENCY = 4096, FAULT_DIRECTION = 8192, FAULT_CURRENT = 16384
 };
 enum {
     REASON_NONE, REASON_STATE, REASON_RANGE, REASON_NOT_HOMED, REASON_NO_LIMITS, REASON_QUEUE_FULL, REASON_GAP,
@@ -36,12 +47,16 @@ struct core {
     uint16_t faults;
     int32_t counts, offset, position, speed;
     int16_t duty;
-    bool homed, limited;
+    bool homed, limited, jumped;  /* jumped: the count, in this millisecond, by more than any motor makes */
     /* LIMITS */
     int32_t low, high, max_speed;
     uint16_t heartbeat, stall;
-    uint8_t max_duty, wired;
+    uint8_t max_duty, wired, slew;
+    uint16_t max_current;         /* steps of the converter; 0: the bridge's current sense is not wired */
     uint16_t since;               /* ms since the last HEARTBEAT, at most 65535 */
+    /* CURRENT */
+    uint16_t current;             /* steps of the converter, as last read; 0 where it is not wired */
+    uint16_t over;                /* ms on end above the largest */
     /* STALL, DIRECTION */
     uint16_t stalled;
     int32_t stall_at;
@@ -73,6 +88,9 @@ struct core {
     struct reader reader;
 };
 
+/* The chip's extended fuse, which holds its brown-out level; the program reads it as it starts. */
+extern uint8_t extended_fuse;
+
 /* As after power-on or the watchdog: FAULT with RESTARTED; `counts` is where the encoder's counter stands. */
 void restart(struct core *c, int32_t counts);
 
@@ -83,8 +101,9 @@ uint8_t receive(struct core *c, uint8_t byte);
 uint8_t answer(struct core *c);
 
 /* One millisecond: the encoder's counts, whether its index was passed (`latched`) and at which count, whether both lines
-   changed at once (`glitch`), and which inputs are open. */
-void tick(struct core *c, int32_t counts, bool latched, int32_t index, bool glitch, uint8_t inputs);
+   changed at once (`glitch`), which inputs are open, and the larger reading of the bridge's two current outputs (`current`). */
+void tick(struct core *c, int32_t counts, bool latched, int32_t index, bool glitch, uint8_t inputs,
+          uint16_t current);
 
 /* Whether the enable line is high. */
 bool enabled(const struct core *c);

@@ -8,7 +8,7 @@
 #define MAX_BODY 70
 #define MAX_PAYLOAD (2 + MAX_BODY + 2) /* type, number, body, CRC */
 #define MAX_BLOCK (MAX_PAYLOAD + 1)    /* between two zeros */
-#define MAX_REPLY 40                   /* a STATUS takes 35 bytes with its 0 */
+#define MAX_REPLY 40                   /* a STATUS takes 37 bytes with its 0 */
 
 struct reader {
     uint8_t block[MAX_BLOCK]; /* what has come since the last 0; after `read_byte` says so, a payload */

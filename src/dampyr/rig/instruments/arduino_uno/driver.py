@@ -6,6 +6,7 @@ import random
 import threading
 import time
 from collections.abc import Callable
+from itertools import takewhile
 
 from dampyr.errors import InputError, RigFault
 from dampyr.rig.firmware.protocol import (
@@ -23,10 +24,10 @@ from dampyr.rig.firmware.protocol import (
     encode,
     status_of,
 )
-from dampyr.rig.firmware.twin import FARTHEST, FASTEST
+from dampyr.rig.firmware.twin import FARTHEST, FASTEST, source_digest
 from dampyr.rig.instruments.arduino_uno.wire import Wire, open_wire
-from dampyr.rig.instruments.contract import Hello
-from dampyr.rig.settings import RigSettings
+from dampyr.rig.instruments.contract import Hello, Program
+from dampyr.rig.settings import FULL_DUTY, RigSettings
 
 REASONS = {
     Reason.STATE: "it is in another state",
@@ -71,6 +72,7 @@ class Uno:
         self.wait, self.tries = wait, tries
         self._clock, self._sleep, self._opened = clock, sleep, clock()
         self._answered, self._heard = False, b""
+        self._build: tuple[int, ...] | None = None
         self._wire, self._reader = wire, Reader()
         self._lock = threading.Lock()
         self._number = random.randrange(256)  # so that a new host is not taken for the one before it
@@ -90,7 +92,9 @@ class Uno:
                 f"dampyr's program ({HOW})",
                 "firmware",
             )
-        return Hello(version, f"{firmware >> 8}.{firmware & 255}", rate, queue)
+        pin, baud, digest, fuse = self._build = self._ask(Request.BUILD).values
+        program = Program(bool(pin), baud, f"{digest:08x}", digest == source_digest(), fuse)
+        return Hello(version, f"{firmware >> 8}.{firmware & 255}", rate, queue, program)
 
     def configure(self, rig: RigSettings) -> None:
         """Give the Uno its limits, those of ``rig``."""
@@ -103,9 +107,13 @@ class Uno:
                 f"(now {1e3 * limits.speed:g}) and limits.stroke of at most {2e3 * FARTHEST * count:.4g} mm "
                 f"(now {1e3 * limits.stroke:g})"
             )
-        heartbeat = round(limits.heartbeat * 1000)
+        if self._build is not None and bool(self._build[0]) is not rig.wires.direction_pin:
+            raise RigFault(f"{bridge_in_words(bool(self._build[0]))}; {bridge_repair(rig)}", "firmware")
+        actuator, heartbeat = rig.actuator, round(limits.heartbeat * 1000)
+        slew = max(1, min(FULL_DUTY, int(actuator.max_slew * FULL_DUTY / 1000 + 1e-9)))  # of 255, in a millisecond
         wired = ENDS_WIRED * rig.wires.end_switches | EMERGENCY_WIRED * rig.wires.emergency_stop
-        self._ask(Request.LIMITS, -half, half, int(limits.speed / count), heartbeat, 255, 300, wired)
+        motor = (actuator.duty_steps, 300, wired, slew, rig.max_current_steps)
+        self._ask(Request.LIMITS, -half, half, int(limits.speed / count), heartbeat, *motor)
 
     def heartbeat(self) -> Status:
         """Send a heartbeat; the Uno's status."""
@@ -128,10 +136,15 @@ class Uno:
         self._ask(Request.JOG, speed, time_ms)
 
     def points(self, first: int, positions: list[int]) -> int:
-        """Send up to 16 set points [counts], numbered from ``first``; how many places are free then."""
-        if not 1 <= len(positions) <= MAX_POINTS:
-            raise InputError(f"{len(positions)} set points in one frame are not allowed; send 1 to {MAX_POINTS}")
-        return self._ask(Request.SETPOINTS, first, *positions).values[1]
+        """Send set points [counts], numbered from ``first``; how many places are free then.
+
+        Frames of 16 leave together and are answered together: a line that holds each answer for up to 16 ms holds them once.
+        """
+        if not positions:
+            raise InputError("positions = [] is not allowed; send at least one set point")
+        bodies = [(first + k, *positions[k : k + MAX_POINTS]) for k in range(0, len(positions), MAX_POINTS)]
+        with self._lock:
+            return self._exchange(Request.SETPOINTS, *bodies)[-1].values[1]
 
     def follow(self, period_ms: int, n: int) -> None:
         """Follow the set points."""
@@ -198,28 +211,40 @@ class Uno:
 
     def _ask(self, kind: Request, *values: int) -> SerialFrame:
         with self._lock:  # one question at a time: an abort comes from any thread
-            return self._exchange(kind, *values)
+            return self._exchange(kind, values)[0]
 
-    def _exchange(self, kind: Request, *values: int) -> SerialFrame:
-        self._number = (self._number + 1) % 256
-        request = encode(SerialFrame(kind, self._number, values))
+    def _exchange(self, kind: Request, *bodies: tuple[int, ...]) -> list[SerialFrame]:
+        """The replies to requests of one kind that are sent together; from the first on that has none they are sent again."""
+        frames = [SerialFrame(kind, (self._number + k) % 256, values) for k, values in enumerate(bodies, 1)]
+        self._number = frames[-1].number
+        replies: list[SerialFrame] = []
         for _ in range(self.tries):
-            self._wire.send(request)
-            reply = self._reply(self.wait)
-            if reply is not None:
-                return self._checked(kind, reply)
+            missing = frames[len(replies) :]
+            self._wire.send(b"".join(map(encode, missing)))
+            for reply in self._replies([frame.number for frame in missing], self.wait):
+                if replies and reply.kind is Reply.NAK and reply.values[1] == Reason.GAP:
+                    break  # refused before the frame ahead of it had come
+                replies.append(self._checked(kind, reply))
+            if len(replies) == len(frames):
+                return replies
         raise RigFault(f"the Uno does not answer {kind.name}, asked {self.tries} times; check its cable and its power")
 
     def _reply(self, wait: float) -> SerialFrame | None:
+        return next(iter(self._replies([self._number], wait)), None)
+
+    def _replies(self, numbers: list[int], wait: float) -> list[SerialFrame]:
+        """The replies to requests of these numbers in their order, until all have come or ``wait`` s are over; those before the
+        first that is missing: one after it may be refused for that alone."""
         until = self._clock() + wait
+        received: dict[int, SerialFrame] = {}
         while True:
             data = self._wire.receive()
             self._heard = (self._heard + data)[:HEARD]
             for frame in self._reader.feed(data):
-                if frame.number == self._number and isinstance(frame.kind, Reply):
-                    return frame
-            if self._clock() >= until:
-                return None
+                if frame.number in numbers and isinstance(frame.kind, Reply):
+                    received[frame.number] = frame
+            if len(received) == len(numbers) or self._clock() >= until:
+                return [received[number] for number in takewhile(received.__contains__, numbers)]
 
     def _checked(self, kind: Request, reply: SerialFrame) -> SerialFrame:
         if reply.kind is not Reply.NAK:
@@ -232,6 +257,21 @@ class Uno:
             REASONS.get(Reason(reply.values[1])) if reply.values[1] in list(Reason) else f"reason {reply.values[1]}"
         )
         raise RigFault(f"the Uno refused {kind.name}: {reason}", "firmware")
+
+
+def bridge_in_words(direction_pin: bool) -> str:
+    """What the program on the Uno was built for."""
+    kind = "one PWM and a direction (DIRECTION_PIN=1)" if direction_pin else "two PWMs (DIRECTION_PIN=0)"
+    return f"the Uno's program drives a bridge with {kind}"
+
+
+def bridge_repair(rig: RigSettings) -> str:
+    """What to do where the program and ``rig`` mean different bridges."""
+    stated, wanted = str(rig.wires.direction_pin).lower(), int(rig.wires.direction_pin)
+    return (
+        f"wires.direction_pin = {stated} means another bridge: correct it, or flash what `make firmware DIRECTION_PIN={wanted}`"
+        " makes (docs/how-to/firmware.md)"
+    )
 
 
 def connect(rig: RigSettings) -> Uno:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import errno
 import socket
+import sys
+import warnings
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from dampyr.errors import RigFault, install_line
+from dampyr.errors import DampyrWarning, RigFault, install_line
 
 LOST: tuple[type[Exception], ...] = (OSError,)
 try:
@@ -22,6 +24,8 @@ BOOT = (
     2.2  # s: opening a port resets an Uno, and its boot loader (0.5 to 2 s) takes what is sent meanwhile for a program
 )
 ANSWER = 6.0  # s after opening until an Uno has answered: more than 3 s of asking after the slowest boot loader
+SLOW_PORT = 2  # ms of a port's latency timer: two of 16 ms and their replies do not fit between two blocks
+FTDI = r"SYSTEM\CurrentControlSet\Enum\FTDIBUS"  # of HKEY_LOCAL_MACHINE
 PULLED = "check its cable, connect again and home the table (the Uno has cut the coil by itself)"
 
 
@@ -129,6 +133,11 @@ class Serial:
             self._serial: Any = serial.Serial(port, baud, timeout=PATIENCE, write_timeout=0.5, exclusive=True)
         except (OSError, ValueError) as problem:
             raise RigFault(f"{port}: {_why_closed(problem)}") from problem
+        latency = port_latency(port)
+        if latency is not None and latency > SLOW_PORT:
+            slow = f"{port}: its driver holds what the Uno sends for up to {latency} ms (FTDI's latency timer); set 1 ms in "
+            slow += "the Device Manager: Ports, this port, Port Settings, Advanced"
+            warnings.warn(slow, DampyrWarning, stacklevel=3)
 
     def discard(self) -> None:
         """Drop what has come: a boot loader's bytes, or replies to another host."""
@@ -157,6 +166,33 @@ class Serial:
     def close(self) -> None:
         """Close the port."""
         self._serial.close()
+
+
+def port_latency(port: str) -> int | None:
+    """ms of the latency timer of an FTDI port on Windows, where its driver keeps it; None for another port or system."""
+    if sys.platform != "win32":
+        return None
+    import winreg
+
+    def names(key: Any) -> list[str]:
+        return [winreg.EnumKey(key, k) for k in range(winreg.QueryInfoKey(key)[0])]
+
+    def value(path: str, name: str) -> Any:
+        with winreg.OpenKey(winreg.HKEY_LOCAL_MACHINE, path) as key:
+            return winreg.QueryValueEx(key, name)[0]
+
+    try:
+        with winreg.OpenKey(winreg.HKEY_LOCAL_MACHINE, FTDI) as chips:
+            paths = [rf"{FTDI}\{chip}\0000\Device Parameters" for chip in names(chips)]
+    except OSError:  # no FTDI chip was ever plugged in
+        return None
+    for path in paths:
+        try:
+            if value(path, "PortName").upper() == port.upper():
+                return int(value(path, "LatencyTimer"))
+        except OSError:  # a chip without a port, or a driver that keeps no timer
+            continue
+    return None
 
 
 def _why_closed(problem: Exception) -> str:

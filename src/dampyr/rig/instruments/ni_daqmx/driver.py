@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from dampyr.errors import RigFault, install_line
 from dampyr.origin import OriginKind
 from dampyr.rig.instruments.contract import Array, Counts
+from dampyr.rig.instruments.ni_daqmx.boards import Lack, lacks_of
 from dampyr.rig.settings import RigSettings
 
 T = TypeVar("T")
@@ -70,6 +71,12 @@ class NiBoard:
         self._check(np.array([volts]))
         self._call(self._write_now, float(volts))
 
+    def shunt(self, on: bool) -> None:
+        """Switch the relay that puts a shunt across the load cell's bridge, at the line of wires.shunt; on demand, so that
+        what is being sampled goes on.
+        """
+        self._call(self._switch, on)
+
     def stop(self) -> None:
         """End all tasks; each is tried, and the first failure is raised."""
         failed: list[RigFault] = []
@@ -92,6 +99,10 @@ class NiBoard:
     def identity(self) -> str:
         """Product and serial number, as the driver gives them."""
         return self._call(self._identity)
+
+    def type_and_lacks(self) -> tuple[str, list[Lack]]:
+        """The product's type, and what NI-DAQmx says that it does not have of what the rig asks of it."""
+        return self._call(lambda: ((device := self._device()).product_type, list(lacks_of(device, self.rig))))
 
     def origin(self) -> OriginKind:
         """Whether NI-DAQmx says that its samples are of a real board."""
@@ -199,6 +210,15 @@ class NiBoard:
         self._add_output(task)
         task.control(TaskMode.TASK_VERIFY)
         return task
+
+    def _switch(self, on: bool) -> None:
+        from nidaqmx.constants import LineGrouping
+
+        self._close("shunt")
+        task = self._task("shunt")
+        lines = f"{self.rig.wires.board}/{self.rig.wires.shunt}"
+        task.do_channels.add_do_chan(lines, line_grouping=LineGrouping.CHAN_PER_LINE)
+        task.write(on, auto_start=True)
 
     def _write_now(self, volts: float) -> None:
         """Abort the timed command, which frees the output, and write through the task that is ready for it."""

@@ -50,6 +50,11 @@ class InProcessBoard:
             self._end_command()
             _call(lambda: self.simulator.write(volts))
 
+    def shunt(self, on: bool) -> None:
+        """Switch the relay that puts a shunt across the load cell's bridge."""
+        with self.simulator.at_one_time():
+            self.simulator.switch_shunt(on)
+
     def stop(self) -> None:
         """Stop sampling."""
         with self.simulator.at_one_time():
