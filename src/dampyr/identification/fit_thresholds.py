@@ -42,6 +42,10 @@ class FitThresholds(Thresholds):
     unexplained: Annotated[
         float, SHARE, "Mean L1 ratio beyond which effects are tried that the model or the records may lack"
     ] = 0.15
+    # a record of twice the length is then off by as much as a model may miss
+    level_drift: Annotated[
+        float, SHARE, "Change of the level with the energy of the median record beyond which it is a doubt"
+    ] = 0.05
     correlated: Annotated[
         float,
         RATIO,

@@ -42,6 +42,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.models.laws import Polynomial, WithTemperature
+from dampyr.models.level_drift import LevelDrift
 from dampyr.phrases import percent
 
 Array = NDArray[np.float64]
@@ -75,6 +76,7 @@ class ShapeError:
     noise_time: float
     white: float
     records: int
+    energy: float = 0.0
 
     def __post_init__(self) -> None:
         for name in ("shape_mean", "shape_sd"):
@@ -99,7 +101,8 @@ class PredictionError:
     ``session_errors`` how well these are known. ``freedom`` are the degrees of freedom of the covariance;
     ``within_sessions`` (m, m) is the covariance that is left of it once the levels of the fitted sessions have been
     taken out of its records, None where it is the same. Without ``sessions`` no level of theirs is in the coefficients but by
-    their covariance, as where that is one between specimens. ``shapes`` are the residuals by input.
+    their covariance, as where that is one between specimens. ``shapes`` are the residuals by input. ``drift`` is that of the
+    level with the energy which a record dissipates, None where the records show none.
     """
 
     record_sd: float
@@ -114,6 +117,7 @@ class PredictionError:
     session_errors: tuple[float, ...]
     shapes: tuple[ShapeError, ...]
     within_sessions: Array | None = None
+    drift: LevelDrift | None = None
 
     def __post_init__(self) -> None:
         for name in ("record", "session"):
@@ -167,11 +171,17 @@ class PredictionError:
         table = {item.name: getattr(self, item.name) for item in fields(self) if getattr(self, item.name) is not None}
         if self.within_sessions is not None:
             table["within_sessions"] = self.within_sessions.tolist()
+        if self.drift is not None:
+            table["drift"] = self.drift.card()
         table["directions"] = self.directions.tolist()
         for name in ("sessions", "session_levels", "session_errors"):
             table[name] = list(table[name])
         table["shapes"] = [
-            {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(item).items()}
+            {
+                key: list(value) if isinstance(value, tuple) else value
+                for key, value in asdict(item).items()
+                if key != "energy" or self.drift is not None
+            }
             for item in self.shapes
         ]
         return table
@@ -183,13 +193,14 @@ def from_card(table: Mapping[str, Any], coefficients: int) -> PredictionError:
     for name in table:
         if name not in allowed:
             raise InputError(f"prediction_error has {name!r}, which is unknown; it holds {', '.join(allowed)}")
-    missing = [name for name in allowed if name not in table and name != "within_sessions"]
+    missing = [name for name in allowed if name not in table and name not in ("within_sessions", "drift")]
     if missing:
         raise InputError(f"prediction_error lacks {missing[0]!r}; add it, or leave the table out")
     try:
         shapes = tuple(ShapeError(**item) for item in table["shapes"])
         directions = np.array(table["directions"]) if table["sessions"] else np.zeros((0, coefficients))
-        error = PredictionError(**(dict(table) | {"shapes": shapes, "directions": directions}))
+        drift = LevelDrift(**table["drift"]) if "drift" in table else None
+        error = PredictionError(**(dict(table) | {"shapes": shapes, "directions": directions, "drift": drift}))
     except (TypeError, ValueError) as problem:
         raise InputError(f"prediction_error: {problem}") from None
     if error.directions.shape[1] != coefficients:
@@ -448,6 +459,8 @@ def force_draws(
         warnings.simplefilter("ignore", DampyrWarning)  # the prediction itself warns of what is outside
         for k, draw in enumerate(draws_of(damper, error, n, rng, session)):
             force = draw.level * draw.damper.force(**path, allow_extrapolation=allow_extrapolation)
+            if error.drift is not None:
+                force = error.drift.applied(force, path["velocity"], dt, shape.energy, error.drift.draw_rate(rng))
             force = force if averaging is None else averaging(force)
             residual, white = residual_draw(basis, dt, shape, rng)
             size = float(np.std(force))

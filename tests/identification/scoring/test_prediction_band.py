@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.endurance import Endurance
+from tests.identification.parameter_uncertainty.heated_records import heated
 from tests.identification.test_coverage import TESTED, as_measured
 
 from dampyr.errors import InputError
@@ -83,6 +84,49 @@ def test_bands_hold_the_peaks_of_another_session(each: int, repeated: bool, endu
     assert 85.0 - slack <= of_energy <= 95.0 + slack
     assert 84.0 - slack <= of_samples <= 96.0 + slack
     assert old < 75.0  # the same bands without sessions do not hold them
+
+
+@pytest.mark.prove
+@pytest.mark.endure
+@pytest.mark.parametrize(
+    "true",
+    [SESSION, *(pytest.param(wrong * SESSION, marks=pytest.mark.by_hand) for wrong in (0.5, 2.0))],
+    ids=lambda true: f"prior {0.08 / true:g} times the truth",
+)
+def test_bands_of_two_sessions_whose_records_heat_up(true: float, endurance: Endurance) -> None:
+    """Four records a voltage, two of each of two sessions; the unseen one is of a third session."""
+    campaigns = endurance.count(400, part=20)
+    peaks, energies, samples, drifts = [], [], [], []
+    for seed in range(campaigns):
+        rng = np.random.default_rng([seed, 7])
+        levels = np.exp(true * rng.standard_normal(3))
+        records = [
+            with_level(heated(as_measured(u, f"{u:g}V-{k}", rng, 12.0)), float(levels[k % 2]), f"day {k % 2}")
+            for u in TESTED
+            for k in range(4)
+        ]
+        done = fit(records, "dahl", session_prior=SESSION)
+        assert done.damper is not None
+        assert done.levels is not None
+        record = heated(as_measured(TESTED[seed % 4], "unseen", rng, 12.0))
+        band = prediction_band(done.damper, with_level(record, float(levels[2]), "another day"), seed=seed)
+        assert band.energy is not None
+        peaks.append(band.peak.holds)
+        energies.append(band.energy.holds)
+        samples.append(band.holds)
+        drifts.append(done.levels.drift is not None)
+    held, of_energy, of_samples, found = (100 * float(np.mean(each)) for each in (peaks, energies, samples, drifts))
+    endurance.report(
+        f"90 % bands of a third session, records that heat up by 10 %, prior {SESSION / true:g} times the truth",
+        0,
+        f"{campaigns} campaigns: peaks {held:.1f} %, energies {of_energy:.1f} %, samples {of_samples:.1f} %; drift found in "
+        f"{found:.0f} %",
+    )
+    slack = 0.0 if endurance.full else 200.0 * math.sqrt(0.9 * 0.1 / campaigns)
+    low, high = (85.0, 96.5) if true == SESSION else (78.0, 100.0)
+    assert found > 95.0 - slack
+    for share in (held, of_energy, of_samples):
+        assert low - slack <= share <= high + slack
 
 
 def of_a_sensor(record: Record, noise: float, false: float = 0.0) -> Record:

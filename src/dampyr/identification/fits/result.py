@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import FindingWarning, InputError
-from dampyr.findings import Finding, Findings, handed_on, worst_first
+from dampyr.findings import Finding, Findings, Severity, handed_on, worst_first
 from dampyr.identification.fit_thresholds import FitThresholds
 from dampyr.identification.fits.data_sheet import SHEETS, contradictions
 from dampyr.identification.fits.diagnostics import explain_no_interval, explain_trouble, notes, residual_findings
@@ -128,6 +128,9 @@ class Fit(Shown):
         if levels := self.levels:
             text = f"{levels.words}; to settle it, {levels.settles}" if levels.settles else levels.words
             of_levels.append(Finding("note", text))
+            if drift := levels.drift:
+                severity: Severity = "doubt" if abs(drift.change) > self.thresholds.level_drift else "note"
+                of_levels.append(Finding(severity, drift.words))
         beyond = (Finding("doubt", statement) for statement in self.beyond.values())
         return worst_first(worst_first(self._of_damper, of_levels), handed_on(self.validation_records), beyond)
 

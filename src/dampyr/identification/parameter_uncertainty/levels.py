@@ -10,6 +10,8 @@ likelihood (Patterson and Thompson 1971). The two variances have a posterior on 
 that is worth two of them (`PRIOR_FREEDOM`), of which the mean precision and its spread are kept as a scaled inverse
 chi-square distribution.
 
+A level that drifts with the energy which a record dissipates (`drift_estimate`) is taken out of :math:`y_r` first.
+
 Where no input was measured in two sessions, the level of a session is that of the damper at its input, and nothing in
 the records tells the two apart: :math:`\sigma_S` is then *stated* (`PRIOR_SESSION` unless the fit is told another one),
 and every fit says so.
@@ -24,10 +26,12 @@ from dataclasses import asdict, dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.identification.parameter_uncertainty.drift_estimate import RecordRest, estimate_drift
 from dampyr.identification.parameter_uncertainty.uncertainty import Uncertainty, record_groups
 from dampyr.identification.search.optimum import Optimum
 from dampyr.identification.search.problem import Problem
 from dampyr.input_kinds import INPUTS, at_input, input_text
+from dampyr.models.level_drift import LevelDrift
 from dampyr.models.prediction_error import PredictionError, ShapeError, assumed_words, phase_basis, spread_words
 from dampyr.phrases import counted, listing, percent
 from dampyr.records import Record
@@ -70,6 +74,8 @@ class Levels(Shown):
     named: bool
     words: str
     settles: str
+    drift: LevelDrift | None = None
+    """How the level goes with the energy that a record dissipates, None where it does not."""
     by_session: Array = field(repr=False, default_factory=lambda: np.zeros((0, 0)))
     """The change (S, G) of each fitted number with the logarithm of the level of each session."""
 
@@ -112,7 +118,11 @@ def estimate_levels(
     names = list(dict.fromkeys(session.values()))
     members = np.array([[session[name] == session_name for session_name in names] for name in groups], dtype=float)
     repeats = _list_repeats(problem, groups, session) if named else {}
-    spread = _estimate_spread(y, np.eye(len(y)) - uncertainty.absorbed, members, bool(repeats), session_prior)
+    shown = np.eye(len(y)) - uncertainty.absorbed
+    found = estimate_drift([record_level.rest for record_level in fitted])
+    drift, by_energy = (None, np.zeros(len(y))) if found is None else (found[0], found[0].rate * found[1])
+    y_cold = y - shown @ by_energy  # a record that dissipates more is weaker in the mean, which is no spread of records
+    spread = _estimate_spread(y_cold, shown, members, bool(repeats), session_prior)
     text, settles = _describe(problem, groups, session, named, repeats, spread, session_prior)
     levels = Levels(
         level=dict(zip(groups, map(float, np.exp(y)), strict=True)),
@@ -122,6 +132,7 @@ def estimate_levels(
         named=named,
         words=text,
         settles=settles,
+        drift=drift,
         by_session=members.T @ uncertainty.by_level,
     )
     counts = members.sum(axis=0)
@@ -137,10 +148,13 @@ def estimate_levels(
         freedom=float(np.median(uncertainty.freedom[determined])) if determined.any() else math.inf,
         sessions=tuple(names),
         directions=members.T @ uncertainty.by_level @ to_laws.T,
-        session_levels=tuple(map(float, shrinkage * (members.T @ y) / counts)),
+        session_levels=tuple(map(float, shrinkage * (members.T @ y_cold) / counts)),
         session_errors=tuple(map(float, spread.record_sd * np.sqrt(shrinkage / counts))),
-        shapes=_average_shapes(fitted),
-        within_sessions=_take_out_sessions(uncertainty, members, shrinkage * (members.T @ y) / counts, to_laws)
+        shapes=_average_shapes(
+            fitted, np.zeros(len(y)) if drift is None else uncertainty.absorbed @ by_energy / drift.rate
+        ),
+        drift=drift,
+        within_sessions=_take_out_sessions(uncertainty, members, shrinkage * (members.T @ y_cold) / counts, to_laws)
         if repeats
         else None,
     )
@@ -169,17 +183,18 @@ class _Level:
     input: float
     logarithm: float
     shape: Array
-    covariances: Array  # of the rest at lags of 0, 1 and 2 samples
-    dt: float
+    covariances: Array  # of what is left at lags of 0, 1 and 2 samples
+    rest: RecordRest
 
     @classmethod
     def of(cls, optimum: Optimum, pieces: Sequence[int]) -> _Level:
         problem, forces = optimum.problem, optimum.forces
-        measured, model, bases = [], [], []
+        measured, model, bases, power = [], [], [], []
         for k in pieces:
             piece, seen = problem.pieces[k], problem.pieces[k].comparable
             measured.append(piece.force[seen] - np.mean(piece.force[seen]))
             model.append(forces[k][seen] - np.mean(forces[k][seen]))
+            power.append(measured[-1] * piece.v[seen])
             bases.append(phase_basis(piece.t[seen], piece.x[seen], piece.v[seen]))
         F, M, basis = np.concatenate(measured), np.concatenate(model), np.concatenate(bases)
         true = np.ones(F.size, dtype=bool)
@@ -200,7 +215,8 @@ class _Level:
         lags = np.array([float(np.sum(products[both])) / max(int(both.sum()), 1) for both, products in pairs])
         first_piece = problem.pieces[pieces[0]]
         u = float(np.mean([np.mean(problem.pieces[k].u) for k in pieces]))
-        return cls(u, math.log(level), shape, lags, float(np.median(np.diff(first_piece.t))))
+        dt = float(np.median(np.diff(first_piece.t)))
+        return cls(u, math.log(level), shape, lags, RecordRest(F, M, basis, np.concatenate(power), true, dt))
 
 
 def _least_squares(basis: Array, values: Array) -> Array:
@@ -220,11 +236,16 @@ def _median_of_five(values: Array) -> Array:
     return np.asarray(np.maximum(np.minimum(e, low), np.minimum(np.maximum(e, low), high)))
 
 
-def _average_shapes(fitted: Sequence[_Level]) -> tuple[ShapeError, ...]:
-    """The residual by input; where fewer than three records are at one, its spread is that of all about their inputs' means."""
+def _average_shapes(fitted: Sequence[_Level], energies: Array) -> tuple[ShapeError, ...]:
+    """The residual by input; where fewer than three records are at one, its spread is that of all about their inputs' means.
+
+    ``energies`` (n,) are those within the damper, in J, at which the fitted force of each record stands.
+    """
     by_input: dict[float, list[_Level]] = {}
-    for record_level in fitted:
+    stands_at: dict[float, list[float]] = {}
+    for record_level, energy in zip(fitted, energies, strict=True):
         by_input.setdefault(round(record_level.input, 6), []).append(record_level)
+        stands_at.setdefault(round(record_level.input, 6), []).append(float(energy))
     about = [
         record_level.shape - np.mean([level.shape for level in at_input], axis=0)
         for at_input in by_input.values()
@@ -240,14 +261,15 @@ def _average_shapes(fitted: Sequence[_Level]) -> tuple[ShapeError, ...]:
         shapes = np.array([record_level.shape for record_level in at_input])
         spread = np.std(shapes, axis=0, ddof=1) if len(at_input) >= MIN_GROUP else pooled
         noise, time, white = _split_noise(at_input)
-        shape_errors.append(ShapeError(u, tuple(shapes.mean(axis=0)), tuple(spread), noise, time, white, len(at_input)))
+        mean, energy = tuple(shapes.mean(axis=0)), float(np.mean(stands_at[u]))
+        shape_errors.append(ShapeError(u, mean, tuple(spread), noise, time, white, len(at_input), energy))
     return tuple(shape_errors)
 
 
 def _split_noise(at_input: Sequence[_Level]) -> tuple[float, float, float]:
     """The correlated noise, its time in s and the white noise whose covariances are those of the rest at 0, 1 and 2 samples."""
     c0, c1, c2 = np.mean([record_level.covariances for record_level in at_input], axis=0)
-    dt = float(np.median([record_level.dt for record_level in at_input]))
+    dt = float(np.median([record_level.rest.dt for record_level in at_input]))
     if not (c1 > 0.0 and 0.0 < c2 < c1):
         return 0.0, 0.0, math.sqrt(max(float(c0), 0.0))
     # the correlated part falls by the same factor from lag to lag, so c1^2/c2 is what it has at lag 0; white noise is the rest

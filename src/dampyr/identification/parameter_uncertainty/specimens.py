@@ -141,6 +141,8 @@ class Specimens(Shown):
             session_levels=(),
             session_errors=(),
             shapes=_pool_shapes([shape for error in errors for shape in error.shapes]),
+            # of the specimen that drifts most: a rate of a type from few specimens would have no error
+            drift=max((e.drift for e in errors if e.drift), key=lambda drift: abs(drift.change), default=None),
         )
 
     @property
@@ -471,6 +473,7 @@ def _pool_shapes(shapes: Sequence[ShapeError]) -> tuple[ShapeError, ...]:
                 noise_time=float(np.median(times)) if times else 0.0,
                 white=white,
                 records=sum(shape.records for shape in at_input),
+                energy=float(np.mean([shape.energy for shape in at_input])),
             )
         )
     return tuple(pooled)
