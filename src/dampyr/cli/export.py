@@ -32,6 +32,9 @@ from dampyr.cli._output import as_json_option, print_json, print_notice, state_o
     type=click.Choice(["both", "displacement", "velocity"]),
     help="The input of the damper; for fmu. The other one is derived.  [default: both]",
 )
+@click.option(
+    "--inverse", is_flag=True, help="Write what finds the input that gives a wanted force, too; for c and fmu."
+)
 @temperature_option
 @click.option(
     "--allow-extrapolation", is_flag=True, help="Let the damper run outside the calibrated range of its input."
@@ -47,6 +50,7 @@ def command(
     history: int | None,
     fmi: str | None,
     drive: str | None,
+    inverse: bool,
     temperature: float | None,
     allow_extrapolation: bool,
     as_json: bool,
@@ -61,7 +65,13 @@ def command(
     from dampyr.findings import OF_DAMPER, as_dicts, handed_on
 
     damper = damper_of(card, temperature, allow_extrapolation).without(*without)
-    typed = {"single": single or None, "history": history, "fmi": int(fmi) if fmi else None, "drive": drive}
+    typed = {
+        "single": single or None,
+        "history": history,
+        "fmi": int(fmi) if fmi else None,
+        "drive": drive,
+        "inverse": inverse or None,
+    }
     options = {key: value for key, value in typed.items() if value is not None}
     written = export(damper, kind, out, name, allow_extrapolation, **options)
     state_origin(damper.origin)

@@ -15,6 +15,7 @@ from xml.sax.saxutils import quoteattr
 from dampyr.export.kinds.c import before_use
 from dampyr.input_kinds import INPUTS
 from dampyr.models import Damper
+from dampyr.models.inverse import REASONS
 
 UNITS = {
     "m": 'm="1"', "m/s": 'm="1" s="-1"', "N": 'kg="1" m="1" s="-2"', "V": 'kg="1" m="2" s="-3" A="-1"', "A": 'A="1"',
@@ -34,10 +35,11 @@ class Variable:
     reference: int = 0
 
 
-def variables(damper: Damper, drive: str) -> list[Variable]:
+def variables(damper: Damper, drive: str, inverse: bool = False) -> list[Variable]:
     """The inputs (displacement, velocity, and voltage or current), then the force, then the parameters at the present input.
 
-    Their references count from 0; of a damper without an input, that of the voltage or current, 2, is left out.
+    Their references count from 0; of a damper without an input, that of the voltage or current, 2, is left out. With
+    ``inverse`` that is the wanted force, and what was found for it comes after the force.
     """
     word = INPUTS.get(damper.input, "")
     derived = {
@@ -59,19 +61,32 @@ def variables(damper: Damper, drive: str) -> list[Variable]:
     units = {f"{p.name}.{key}": q.unit for p in damper.composition.parts for key, q in p.parameters.items()}
     at_coil = Variable(word, damper.input, "input", f"at the coil; the damper {damper.range_words}")
     about = f"parameter at the present {word}" if word else "parameter"
+    found: list[Variable] = []
+    if inverse:
+        at_coil = Variable("wanted_force", "N", "input", "wanted at this time, the end of a step")
+        found = [
+            Variable(word, damper.input, "output", f"at the coil, found; the damper {damper.range_words}"),
+            Variable(
+                "reason", "", "output", "; ".join(f"{k} {text.replace('_', ' ')}" for k, text in enumerate(REASONS))
+            ),
+            Variable("monotone", "", "output", f"0 where the force rises and falls over the {word}"),
+        ]
     listed = [
         *motion,
         at_coil,
         Variable("force", "N", "output", "positive against a positive velocity"),
+        *found,
         *(Variable(key, units.get(key, ""), "local", about) for key in damper.all_laws),
     ]
     numbered = [replace(variable, reference=k) for k, variable in enumerate(listed)]
     return [variable for variable in numbered if variable.name]
 
 
-def model_description(damper: Damper, name: str, fmi: int, drive: str, token: str, version: str) -> str:
+def model_description(
+    damper: Damper, name: str, fmi: int, drive: str, token: str, version: str, inverse: bool = False
+) -> str:
     """The text of modelDescription.xml."""
-    listed = variables(damper, drive)
+    listed = variables(damper, drive, inverse)
     used = sorted({variable.unit for variable in listed if variable.unit})
     units = "\n".join(
         f"    <Unit name={quoteattr(unit)}>" + (f"<BaseUnit {UNITS[unit]}/>" if unit in UNITS else "") + "</Unit>"
@@ -80,7 +95,7 @@ def model_description(damper: Damper, name: str, fmi: int, drive: str, token: st
     origin = f". {notice}" if (notice := damper.origin.notice) else ""
     about = quoteattr(f"Damper: {damper.composition}{origin}. {before_use(damper)}".removesuffix(". "))
     head = f'modelName={quoteattr(name)} description={about} generationTool="dampyr {version}"'
-    start = damper.range[0]
+    start = 0.0 if inverse else damper.range[0]
     if fmi == 2:
         return _description_2(name, head, token, units, listed, start)
     return _description_3(name, head, token, units, listed, start)
@@ -106,7 +121,8 @@ def _description_2(name: str, head: str, token: str, units: str, listed: list[Va
         f"    <ScalarVariable {_attributes(variable)}><Real{_unit_and_start(variable, start)}/></ScalarVariable>"
         for variable in listed
     )
-    force = next(k for k, variable in enumerate(listed, 1) if variable.causality == "output")
+    outputs = [k for k, variable in enumerate(listed, 1) if variable.causality == "output"]
+    unknowns = "".join(f'<Unknown index="{k}"/>' for k in outputs)
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="2.0" {head} guid="{token}" variableNamingConvention="flat">
   <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true" canInterpolateInputs="true"
@@ -121,9 +137,9 @@ def _description_2(name: str, head: str, token: str, units: str, listed: list[Va
 {rows}
   </ModelVariables>
   <ModelStructure>
-    <Outputs><Unknown index="{force}"/></Outputs>
+    <Outputs>{unknowns}</Outputs>
     <InitialUnknowns>
-      <Unknown index="{force}"/>
+      {unknowns}
     </InitialUnknowns>
   </ModelStructure>
 </fmiModelDescription>
@@ -132,7 +148,10 @@ def _description_2(name: str, head: str, token: str, units: str, listed: list[Va
 
 def _description_3(name: str, head: str, token: str, units: str, listed: list[Variable], start: float) -> str:
     rows = "\n".join(f"    <Float64 {_attributes(variable)}{_unit_and_start(variable, start)}/>" for variable in listed)
-    force = next(variable.reference for variable in listed if variable.causality == "output")
+    outputs = [variable.reference for variable in listed if variable.causality == "output"]
+    unknowns = "\n".join(
+        f'    <{kind} valueReference="{k}"/>' for kind in ("Output", "InitialUnknown") for k in outputs
+    )
     return f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" {head} instantiationToken="{token}">
   <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true" canGetAndSetFMUState="true"
@@ -146,19 +165,21 @@ def _description_3(name: str, head: str, token: str, units: str, listed: list[Va
 {rows}
   </ModelVariables>
   <ModelStructure>
-    <Output valueReference="{force}"/>
-    <InitialUnknown valueReference="{force}"/>
+{unknowns}
   </ModelStructure>
 </fmiModelDescription>
 """
 
 
-def wrapper(damper: Damper, name: str, fmi: int, drive: str) -> str:
+def wrapper(damper: Damper, name: str, fmi: int, drive: str, inverse: bool = False) -> str:
     """The C of the interface, but for the line that defines INSTANTIATION_TOKEN."""
     low, high = damper.range
     count = len(damper.composition.parameters)
+    core = CORE
+    for text, instead in INVERSE if inverse else ():
+        core = core.replace(text, instead)
     core = (
-        CORE.replace("DAMPER", name)
+        core.replace("DAMPER", name)
         .replace("@COUNT", str(count))
         .replace("@LOW", repr(low))
         .replace("@DRIVE", str(("both", "displacement", "velocity").index(drive)))
@@ -167,9 +188,39 @@ def wrapper(damper: Damper, name: str, fmi: int, drive: str) -> str:
     if not damper.has_input:
         for text, instead in WITHOUT_INPUT:
             core, interface = core.replace(text, instead), interface.replace(text, instead)
-    word = INPUTS.get(damper.input, "")
+    word = "wanted_force" if inverse else INPUTS.get(damper.input, "")
     core = core.replace("@RANGE", f"{low:g} to {high:g} {damper.input}").replace("@WORD", word)
-    return core.replace("@UNIT", damper.input) + interface
+    return core.replace("@UNIT", "N" if inverse else damper.input) + interface
+
+
+INVERSE = (
+    ("V, U, FORCE, FIRST_PARAMETER,", "V, U, FORCE, FOUND, REASON, MONOTONE, FIRST_PARAMETER,"),
+    ("    DAMPER_state past;\n",
+     "    DAMPER_state past;\n    DAMPER_inverse g, found;          /* of `past`, and of m->now */\n"),
+    ("x, v, u as they were set last", "x, v and the wanted force as they were set last"),
+    ("/* The force at m->now;", """\
+static double started(DAMPER_inverse *g, DAMPER_state *d, double t, double x, double v, double wanted)
+{
+    DAMPER_start(d, t, x, v, g->low);
+    return DAMPER_start(d, t, x, v, DAMPER_inverse_find(g, d, 0.0, x, v, wanted));
+}
+
+static double stepped(DAMPER_inverse *g, DAMPER_state *d, double dt, double x, double v, double wanted)
+{
+    return DAMPER_step_by(d, dt, x, v, DAMPER_inverse_find(g, d, dt, x, v, wanted));
+}
+
+/* The force at m->now;"""),
+    ("DAMPER_state d = m->past;\n", "DAMPER_state d = m->past;\n    DAMPER_inverse g = m->g;\n"),
+    ("DAMPER_start(&d,", "started(&g, &d,"),
+    ("DAMPER_step_by(&d,", "stepped(&g, &d,"),
+    ("    if (commit && f == f) {\n", "    m->found = g;\n    if (commit && f == f) {\n        m->g = g;\n"),
+    ("DAMPER_parameters(u, p);", "DAMPER_parameters(unit->m.found.u, p);"),
+    ("r == U ? u : f;", "r == U ? u : r == FORCE ? f : r == FOUND ? unit->m.found.u\n                : "
+     "r == REASON ? unit->m.found.reason : unit->m.found.monotone;"),
+    ("unit->m.in[U] = @LOW;", "DAMPER_inverse_start(&unit->m.g);\n    unit->m.found = unit->m.g;"),
+)  # fmt: skip
+"""What of the core's text is another one where the input is found: U is the wanted force then."""
 
 
 WITHOUT_INPUT = (

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -34,6 +34,9 @@ from dampyr.origin import NOT_STATED, Origin, as_origin
 from dampyr.phrases import listing
 from dampyr.shown import Shown
 from dampyr.units import in_si
+
+if TYPE_CHECKING:
+    from dampyr.models.inverse import Inverse
 
 Array = NDArray[np.float64]
 RANGES = {"displacement": "m", "velocity": "m/s", "frequency": "Hz"}
@@ -526,8 +529,7 @@ class Damper(Shown):
         >>> force.shape, round(float(force.max()))
         ((801,), 510)
         """
-        time, displacement = _check_path(t, x)
-        speed = self._velocity(time, displacement, velocity)
+        time, displacement, speed = self.check_path(t, x, velocity)
         if not allow_extrapolation:
             self._check_units(displacement, speed)
         return self.force_of_motion(
@@ -555,20 +557,62 @@ class Damper(Shown):
         if temperature is not None and self.temperatures is not None:
             fixed = self.at_temperature(temperature, allow_extrapolation)
             return fixed.force_of_motion(t, x, voltage, current, velocity, state0, allow_extrapolation)
-        t, x = _check_path(t, x)
+        t, x, v = self.check_path(t, x, velocity)
         u = self._input_along(self.pick_input(voltage, current), t)
-        v = self._velocity(t, x, velocity)
-        self._warn_outside(x, v)
+        self.warn_outside(x, v)
         lag = self.composition.lag
         if lag is not None:  # its time constant is a constant, so any input gives it
             u = np.asarray(lagged(t, u, float(list(self.all_laws.values())[lag](float(np.mean(u))))))
         values = self.values(u, allow_extrapolation=allow_extrapolation)
-        start = self._state0(state0)
+        start = self.check_states(state0)
         undelayed = along(self.composition, t, x, v, values, start)
         if text := sampling_words(self.composition, t, x, v, values, start):
             warnings.warn(text, DampyrWarning, stacklevel=3)
         k = self.composition.delay
         return undelayed if k is None else delayed(t, undelayed, np.asarray(values[..., k]))
+
+    def inverse(
+        self,
+        displacement: float = 0.0,
+        velocity: float = 0.0,
+        low: float | None = None,
+        high: float | None = None,
+        state0: ArrayLike | None = None,
+        allow_extrapolation: bool = False,
+    ) -> Inverse:
+        """The damper run backwards, which finds the input of a wanted force step by step (`dampyr.models.inverse.Inverse`).
+
+        Parameters
+        ----------
+        displacement, velocity, state0
+            m, m/s and the hysteretic states where it starts.
+        low, high
+            the bounds of the input in V or A; by default the calibrated range, which they may leave with
+            ``allow_extrapolation`` only.
+
+        Returns
+        -------
+        Inverse
+            ``step(displacement, velocity, wanted_force, dt)`` goes on by a step, ``along(t, x, wanted_force)`` along a path.
+
+        Raises
+        ------
+        InputError
+            a damper without an input, or whose force is delayed or needs the acceleration; bounds in the wrong order.
+        RangeError
+            bounds outside the calibrated range.
+
+        Examples
+        --------
+        >>> import dampyr as dp
+        >>> inverse = dp.studies.raminelli_2020.damper().inverse()
+        >>> found = inverse.step(displacement=0.001, velocity=0.05, wanted_force=300.0, dt=0.02)
+        >>> round(found.input, 3), found.reason
+        (0.992, 'met')
+        """
+        from dampyr.models.inverse import Inverse
+
+        return Inverse(self, displacement, velocity, low, high, state0, allow_extrapolation)
 
     def band(
         self,
@@ -615,8 +659,7 @@ class Damper(Shown):
         if temperature is not None and self.temperatures is not None:
             fixed = self.at_temperature(temperature, allow_extrapolation)
             return fixed.band(t, x, voltage, current, velocity, level, session, draws, seed, allow_extrapolation)
-        time, displacement = _check_path(t, x)
-        speed = self._velocity(time, displacement, velocity)
+        time, displacement, speed = self.check_path(t, x, velocity)
         path = {"t": time, "x": displacement, "voltage": voltage, "current": current, "velocity": speed}
         forces, noise = force_draws(self, path, draws, seed, session, allow_extrapolation)
         low, high = np.quantile(forces + noise, (0.5 * (1.0 - level), 0.5 * (1.0 + level)), axis=0)
@@ -642,7 +685,14 @@ class Damper(Shown):
             raise InputError(f"velocity has shape {v.shape}, the path {x.shape}; give as many finite values")
         return v
 
-    def _state0(self, state0: ArrayLike | None) -> Array | None:
+    def check_path(self, t: ArrayLike, x: ArrayLike, velocity: ArrayLike | None = None) -> tuple[Array, Array, Array]:
+        """A path in s, m and m/s, each (n,), with the derivative of x where no ``velocity`` is given; InputError where it is
+        none."""
+        time, displacement = _check_path(t, x)
+        return time, displacement, self._velocity(time, displacement, velocity)
+
+    def check_states(self, state0: ArrayLike | None) -> Array | None:
+        """The hysteretic states at a start as an array, None for none; InputError where one is missing or out of bounds."""
         if state0 is None:
             return None
         s = np.atleast_1d(np.asarray(state0, dtype=float))
@@ -677,7 +727,8 @@ class Damper(Shown):
                     "its unit; for what is meant so, pass allow_extrapolation=True"
                 )
 
-    def _warn_outside(self, x: Array, v: Array) -> None:
+    def warn_outside(self, x: Array, v: Array) -> None:
+        """Warn of a motion (n,) m, (n,) m/s beyond the calibrated displacement or velocity."""
         for name, peak, limit in self._reached(x, v):
             if limit is not None and peak > 1.01 * limit:
                 unit = RANGES[name]

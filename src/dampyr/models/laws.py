@@ -138,13 +138,16 @@ class Polynomial:
     def shifted(self, amount: float) -> Self:
         return replace(self, coefficients=(self.coefficients[0] + amount, *self.coefficients[1:]))
 
-    def extremes(self) -> tuple[float, float]:
+    def turning_points(self) -> Array:
+        """The inputs inside the range at which the slope is zero."""
         turning = np.polynomial.Polynomial(self.coefficients).deriv().roots()
         real = turning[
             np.abs(np.imag(turning)) < 1e-12
         ].real  # a double root comes out as a pair with a rounding between
-        at = np.concatenate(([self.low, self.high], real[(real > self.low) & (real < self.high)]))
-        values = self(at)
+        return np.asarray(real[(real > self.low) & (real < self.high)])
+
+    def extremes(self) -> tuple[float, float]:
+        values = self(np.concatenate(([self.low, self.high], self.turning_points())))
         return float(values.min()), float(values.max())
 
     def card(self) -> dict[str, Any]:

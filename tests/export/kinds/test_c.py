@@ -11,7 +11,9 @@ from tests.invariants.test_every_part import MAIN, SERIES, run_c, typical
 from dampyr.errors import InputError
 from dampyr.export import export
 from dampyr.models import Constant, Damper, available_parts
+from dampyr.models.inverse import REASONS
 from dampyr.models.part import part
+from dampyr.studies import raminelli_2020
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is missing: the C export cannot be compiled")
 needs_make = pytest.mark.skipif(
@@ -207,4 +209,113 @@ def test_the_history_of_a_delay_is_chosen(tmp_path) -> None:
     for wrong in (1, 2_000_000, True):
         with pytest.raises(InputError, match="is not a valid number of samples; choose 2 to 1000000"):
             export(everything(), "c", tmp_path / "none", history=wrong)
+    assert not (tmp_path / "none").exists()
+
+
+MAIN_INVERSE = r"""
+#include "damper.h"
+#include <stdio.h>
+int main(void)
+{
+    damper_state d; damper_inverse g; double dt, x, v, wanted, u, f; int n = 0;
+    damper_inverse_start(&g);
+    while (scanf("%lf %lf %lf %lf", &dt, &x, &v, &wanted) == 4) {
+        if (!n) damper_start(&d, 0.0, x, v, g.low);
+        u = damper_inverse_find(&g, &d, dt, x, v, wanted);
+        f = n++ ? damper_step_by(&d, dt, x, v, u) : damper_start(&d, 0.0, x, v, u);
+        printf("%.17g %.17g %.17g %d %d\n", u, g.f, f, g.reason, g.monotone);
+    }
+    return 0;
+}
+"""
+
+
+@needs_gcc
+@pytest.mark.parametrize(
+    "name",
+    ["published", *(pytest.param(name, marks=pytest.mark.prove) for name in ("every law", "dahl + compliance"))],
+)
+def test_the_inverse_in_c_is_that_of_python(tmp_path, name: str) -> None:
+    """The input to 1e-10 of its range and the force to 1e-10 of the largest, over 2,000 samples of which many cannot be met."""
+    damper = raminelli_2020.damper() if name == "published" else everything().without("delay")
+    if "compliance" in name:
+        damper = Damper(name, {**raminelli_2020.damper().laws, "compliance.s": 2e-6})
+    t = np.linspace(0.0, 4.0, 2001)
+    x = 0.006 * np.sin(6.0 * t) + 0.003 * np.sin(17.0 * t)
+    v = np.gradient(x, t)
+    wanted = 5000.0 * v + 30.0 * np.sin(11.0 * t)
+    found = damper.inverse().along(t, x, wanted, velocity=v)
+    export(damper, "c", tmp_path, inverse=True)
+    (tmp_path / "main.c").write_text(MAIN_INVERSE)
+    subprocess.run(["gcc", *STRICT.split(), "damper.c", "main.c", "-o", "main", "-lm"], cwd=tmp_path, check=True)
+    rows = np.column_stack((np.append(0.0, np.diff(t)), x, v, wanted))
+    text = "\n".join(" ".join(repr(float(c)) for c in row) for row in rows)
+    done = subprocess.run([str(tmp_path / "main")], input=text, capture_output=True, text=True, check=True)
+    u, f, stepped, reason, monotone = np.array(done.stdout.split(), dtype=float).reshape(-1, 5).T
+    largest = np.abs(found.force).max()
+    print(
+        f"{name}: input to {np.abs(u - found.input).max():.1g}, force to {np.abs(f - found.force).max() / largest:.1g}"
+    )
+    np.testing.assert_allclose(u, found.input, rtol=0, atol=1e-10 * np.ptp(damper.range))
+    np.testing.assert_allclose(f, found.force, rtol=0, atol=1e-10 * largest)
+    np.testing.assert_allclose(stepped, f, rtol=0, atol=1e-12 * largest)
+    assert [REASONS[int(k)] for k in reason] == found.reason.tolist()
+    assert monotone.tolist() == found.monotone.tolist()
+    assert {"met", "wrong_sign", "below_smallest"} <= set(found.reason)
+
+
+@needs_gcc
+@needs_make
+@pytest.mark.parametrize("single", [False, True], ids=["double", "float"])
+@pytest.mark.parametrize(
+    "name", ["published", *(pytest.param(name, marks=pytest.mark.prove) for name in ("every law", "dahl + compliance"))]
+)
+def test_the_exported_inverse_finds_the_force_of_each_vector(tmp_path, name: str, single: bool) -> None:
+    """In double precision to 1e-9 of the largest force, in single precision to 1e-4; a planted error fails."""
+    damper = raminelli_2020.damper() if name == "published" else everything().without("delay")
+    if "compliance" in name:
+        damper = Damper(name, {**raminelli_2020.damper().laws, "compliance.s": 2e-6})
+    export(damper, "c", tmp_path, single=single, inverse=True)
+    command = ["make", "test", f"CFLAGS={STRICT}"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    source = (tmp_path / "damper.c").read_text()
+    assert not single or "double" not in source
+    (tmp_path / "damper.c").write_text(source.replace("g->u = out[0];", "g->u = out[0]/2;"))
+    assert subprocess.run(["make", "test"], cwd=tmp_path, capture_output=True, check=False).returncode != 0
+
+
+@needs_gcc
+def test_the_inverse_in_c_stays_in_its_bounds(tmp_path) -> None:
+    export(raminelli_2020.damper(), "c", tmp_path, inverse=True)
+    (tmp_path / "main.c").write_text(r"""
+#include "damper.h"
+#include <stdio.h>
+int main(void)
+{
+    damper_state d; damper_inverse g;
+    damper_start(&d, 0.0, 0.0, 0.0, 0.0);
+    damper_inverse_start(&g);
+    g.high = 1.0;
+    printf("%g ", damper_inverse_find(&g, &d, 0.01, 0.001, 0.05, 5000.0));
+    printf("%d ", g.reason);
+    g.high = 9.0;
+    printf("%g ", damper_inverse_find(&g, &d, 0.01, 0.001, 0.05, 100.0));
+    g.high = 1.0;
+    printf("%g ", damper_inverse_find(&g, &d, -0.01, 0.001, 0.05, 100.0));
+    g.low = 2.0;
+    printf("%g\n", damper_inverse_find(&g, &d, 0.01, 0.001, 0.05, 100.0));
+    return 0;
+}
+""")
+    subprocess.run(["gcc", "damper.c", "main.c", "-o", "main", "-lm"], cwd=tmp_path, check=True)
+    done = subprocess.run([str(tmp_path / "main")], capture_output=True, text=True, check=True)
+    assert [word.lstrip("-") for word in done.stdout.split()] == ["1", "2", "nan", "nan", "nan"]
+
+
+def test_an_inverse_that_does_not_exist_is_not_written(tmp_path) -> None:
+    with pytest.raises(InputError, match="is delayed"):
+        export(everything(), "c", tmp_path / "none", inverse=True)
+    with pytest.raises(InputError, match="are the same at every input"):
+        export(Damper("dahl", typical("dahl")), "c", tmp_path / "none", inverse=True)
     assert not (tmp_path / "none").exists()

@@ -22,6 +22,7 @@ from tests.export.every_law import everything
 from dampyr.errors import InputError
 from dampyr.export import export
 from dampyr.models import Damper
+from dampyr.models.inverse import REASONS
 from dampyr.studies import raminelli_2020
 
 pytestmark = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is missing: an FMU cannot be compiled")
@@ -253,3 +254,31 @@ def test_what_cannot_be_written_is_said(tmp_path: Path, monkeypatch: pytest.Monk
     ):
         export(everything(), "fmu", tmp_path / "new")
     assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.parametrize("fmi", [2, pytest.param(3, marks=pytest.mark.prove)])
+def test_the_inverse_finds_the_input_of_a_wanted_force(tmp_path: Path, fmi: int) -> None:
+    """What comes out is the input, the force and the reason of Python's, over 1,000 samples; reading twice changes nothing."""
+    damper, n = raminelli_2020.damper(), 1000
+    path = written(tmp_path, damper, fmi=fmi, inverse=True)
+    assert validate_fmu(str(path)) == []
+    wanted = 3000.0 * V
+    found = damper.inverse().along(T[:n], X[:n], wanted[:n], velocity=V[:n])
+    names, rows = ("voltage", "force", "reason", "monotone", "dahl.kw", "wanted_force"), []
+    with instance(path) as one:
+        for k in range(n):
+            if k:
+                one.unit.doStep(float(T[k - 1]), float(T[k] - T[k - 1]))
+            one.set(displacement=X[k], velocity=V[k], wanted_force=wanted[k])
+            if not k:
+                one.unit.exitInitializationMode()
+            one.get()
+            rows.append([one.get(name) for name in names])
+    voltage, force, reason, monotone, friction, asked = np.array(rows).T
+    close(voltage, found.input)
+    close(force, found.force)
+    close(friction, damper.laws["dahl.kw"](found.input))
+    assert [REASONS[int(k)] for k in reason] == found.reason.tolist()
+    assert monotone.tolist() == found.monotone.tolist()
+    assert {"met", "below_smallest"} <= set(found.reason)
+    np.testing.assert_array_equal(asked, wanted[:n])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import inspect
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,7 @@ from dampyr.export.c_text import COMPOSED, DOUBLE, LIBM, SINGLE, Precision, func
 from dampyr.findings import OF_DAMPER, handed_on
 from dampyr.input_kinds import INPUTS, input_arguments
 from dampyr.models import Constant, Damper, Interpolation, Polynomial
+from dampyr.models import inverse as inverse_model
 from dampyr.models.laws import Law
 from dampyr.source_digest import full_version
 
@@ -28,6 +30,8 @@ ARRAYS = ("s", "p")
 WIDTH = 116  # characters of a line of a comment
 VECTORS = 400  # samples of the path that the exported test replays
 TOLERANCE = {DOUBLE: 1e-9, SINGLE: 1e-4}  # of the largest force: what the exported test allows
+MET = {DOUBLE: inverse_model.TOLERANCE, SINGLE: 1e-5}  # of the largest force: what counts as the wanted one
+IN_PYTHON = {"knots", "coefficients", "work", "p"}  # arguments of the inverse's kernel; in C the laws are functions
 
 
 @dataclass(frozen=True)
@@ -48,20 +52,22 @@ def write(
     *,
     single: bool = False,
     history: int = HISTORY,
+    inverse: bool = False,
 ) -> list[Path]:
     """Write ``name.h`` and ``name.c``, and what replays a path that dampyr computed: ``name_vectors.h``, ``name_test.c`` and a
     ``Makefile`` whose target ``test`` compiles and runs it.
 
     ``single`` writes ``float`` in the place of ``double``; ``history`` is the number of samples that a delay looks back over.
+    ``inverse`` adds the functions that find the input of a wanted force (`dampyr.models.inverse`).
     """
     check_name(name)
     precision = SINGLE if single else DOUBLE
-    c = c_source(damper, name, allow_extrapolation, precision, history)
+    c = c_source(damper, name, allow_extrapolation, precision, history, inverse)
     texts = {
         f"{name}.h": c.header,
         f"{name}.c": c.source,
         f"{name}_vectors.h": _vectors(damper, name),
-        f"{name}_test.c": _test_program(name, precision, damper.has_input),
+        f"{name}_test.c": _test_program(name, precision, damper.has_input, inverse),
         "Makefile": _makefile(c),
     }
     folder.mkdir(parents=True, exist_ok=True)
@@ -103,21 +109,29 @@ def check_exportable(damper: Damper) -> None:
 
 
 def c_source(
-    damper: Damper, name: str, allow_extrapolation: bool = False, precision: Precision = DOUBLE, history: int = HISTORY
+    damper: Damper,
+    name: str,
+    allow_extrapolation: bool = False,
+    precision: Precision = DOUBLE,
+    history: int = HISTORY,
+    inverse: bool = False,
 ) -> CSource:
-    """The C text of a damper; :class:`InputError` for one that has no C form, and for a ``history`` out of range."""
+    """The C text of a damper; :class:`InputError` for one that has no C form, or with ``inverse`` no inverse, and for a
+    ``history`` out of range."""
     check_exportable(damper)
+    if inverse:
+        inverse_model.check_invertible(damper)
     if isinstance(history, bool) or not HISTORIES[0] <= history <= HISTORIES[1]:
         raise InputError(
             f"history = {history} is not a valid number of samples; choose {HISTORIES[0]} to {HISTORIES[1]}"
         )
-    source = _source(damper, name, allow_extrapolation, precision, history)
+    source = _source(damper, name, allow_extrapolation, precision, history, inverse)
     calls = re.findall(rf"\b({'|'.join(LIBM)}){precision.suffix}\(", source)
     libm = tuple(called for called in LIBM if called in calls)
-    return CSource(name, _header(damper, name, precision, history, libm), source, libm)
+    return CSource(name, _header(damper, name, precision, history, libm, inverse), source, libm)
 
 
-def _header(damper: Damper, name: str, precision: Precision, history: int, libm: tuple[str, ...]) -> str:
+def _header(damper: Damper, name: str, precision: Precision, history: int, libm: tuple[str, ...], inverse: bool) -> str:
     real, late = precision.real, damper.composition.has_delay
     at_coil, outside, in_range, and_u, u_first, u = "", "", "", "", "", ("", "")
     if damper.has_input:
@@ -140,6 +154,9 @@ def _header(damper: Damper, name: str, precision: Precision, history: int, libm:
         if late
         else ""
     )
+    if inverse:
+        look_back += INVERSE_COMMENT.format(name=name, real=real, tolerance=MET[precision])
+    to_invert = INVERSE_DECLARATIONS.format(name=name, real=real) if inverse else ""
     guard = f"{name.upper()}_H"
     warned = "".join(f"\n * {line}" for line in wrap(before_use(damper), WIDTH))
     origin = f"\n *\n * {notice}." if (notice := damper.origin.notice) else ""
@@ -173,11 +190,35 @@ typedef struct {{
 {real} {name}_step({name}_state *d, {real} t, {real} x, {real} v{and_u});
 {real} {name}_step_by({name}_state *d, {real} dt, {real} x, {real} v{and_u});
 void {name}_parameters({u_first}{real} *p);
-
+{to_invert}
 #ifdef __cplusplus
 }}
 #endif
 #endif
+"""
+
+
+INVERSE_COMMENT = """\
+ *
+ * The input that gives a wanted force at the end of a step, between g.low and g.high (at first the calibrated range):
+ *
+ *     {name}_inverse g; {name}_inverse_start(&g);
+ *     {real} u = {name}_inverse_find(&g, &d, dt, x1, v1, wanted);     d stays; NAN for bounds outside the range
+ *     {real} f = {name}_step_by(&d, dt, x1, v1, u);                   with the input that was applied
+ *
+ * g.f is its force; g.reason is 0 where that is the wanted one to {tolerance:g} of the largest, else the nearest: 1 the wanted
+ * force has the wrong sign, 2 is above the largest, 3 below the smallest magnitude, 4 in a jump of the force.
+ * g.monotone is 0 where the force rises and falls over the input; of several inputs the one nearest to the last g.u is taken.
+"""
+
+INVERSE_DECLARATIONS = """
+typedef struct {{
+    {real} low, high, u, f;
+    int reason, monotone;
+}} {name}_inverse;
+
+void {name}_inverse_start({name}_inverse *g);
+{real} {name}_inverse_find({name}_inverse *g, const {name}_state *d, {real} dt, {real} x, {real} v, {real} wanted);
 """
 
 
@@ -190,7 +231,9 @@ def function_trees(damper: Damper) -> tuple[list[ast.FunctionDef], list[ast.Func
     )
 
 
-def _source(damper: Damper, name: str, allow_extrapolation: bool, precision: Precision, history: int) -> str:
+def _source(
+    damper: Damper, name: str, allow_extrapolation: bool, precision: Precision, history: int, inverse: bool
+) -> str:
     prefix = f"{name}_"
     formulas, whole = function_trees(damper)
     names = {tree.name for tree in (*formulas, *whole)}
@@ -199,7 +242,8 @@ def _source(damper: Damper, name: str, allow_extrapolation: bool, precision: Pre
         laws = [_law(law, f"{prefix}law_{k}", key, precision) for k, (key, law) in enumerate(damper.all_laws.items())]
     functions = [function(tree, prefix, names, precision=precision) for tree in formulas]
     functions += [function(tree, prefix, names, ARRAYS, precision) for tree in whole]
-    text = "\n".join(functions)
+    search = _search(prefix, precision) if inverse else ""
+    text = "\n".join([*functions, search])
     helpers = [_extreme(prefix, which, precision) for which in ("min", "max") if f"{prefix}{which}(" in text]
     helpers += [COMPOSITION[name].replace("PREFIX", prefix) for name in COMPOSED if f"{prefix}{name}(" in text]
     return (
@@ -214,6 +258,7 @@ def _source(damper: Damper, name: str, allow_extrapolation: bool, precision: Pre
                 *([_in_range(damper, prefix, allow_extrapolation, precision)] if damper.has_input else []),
                 *([_late(prefix, precision, history)] if damper.composition.has_delay else []),
                 _calls(damper, prefix, precision),
+                *([_inverse(damper, prefix, precision, search)] if inverse else []),
             ]
         )
         + "\n"
@@ -362,6 +407,67 @@ def _calls(damper: Damper, prefix: str, precision: Precision) -> str:
 }}"""
 
 
+class _Less(ast.NodeTransformer):
+    """Leaves out the arguments that the kernel of the inverse needs in Python only, where it takes and where it hands them."""
+
+    def visit_arguments(self, node: ast.arguments) -> ast.arguments:
+        node.args = [each for each in node.args if each.arg not in IN_PYTHON]
+        return node
+
+    def visit_Call(self, node: ast.Call) -> ast.Call:
+        self.generic_visit(node)
+        node.args = [each for each in node.args if not (isinstance(each, ast.Name) and each.id in IN_PYTHON)]
+        return node
+
+
+def _search(prefix: str, precision: Precision) -> str:
+    """The search of the inverse, which dampyr runs itself."""
+    names = {"force_under_input", *(each.__name__ for each in inverse_model.SEARCH)}
+    texts = []
+    for each in inverse_model.SEARCH:
+        tree = ast.parse(inspect.getsource(each)).body[0]
+        assert isinstance(tree, ast.FunctionDef)
+        tree.body = tree.body[1:]  # without the docstring
+        texts.append(function(_Less().visit(tree), prefix, names, ("s", "nodes", "out"), precision))
+    return "\n\n".join(texts)
+
+
+def _inverse(damper: Damper, prefix: str, precision: Precision, search: str) -> str:
+    """The search over the input, whose nodes lie in the calibrated range."""
+    composition, real, number = damper.composition, precision.real, precision.number
+    zero, states, (low, high) = number(0.0), max(composition.n_states, 1), damper.range
+    nodes = ", ".join(number(u) for u in inverse_model.nodes(damper, low, high))
+    return f"""\
+static {real} {prefix}force_under_input({real} u, const {real} *s, {real} x0, {real} x1, {real} v0, {real} v1, {real} dt)
+{{
+    {real} p[{len(composition.parameters)}], w[{states}];
+    for (int k = 0; k < {states}; k++) w[k] = s[k];
+    {prefix}parameters(u, p);
+    if (dt > {zero}) {prefix}advance(w, x0, x1, v0, v1, dt, p);
+    return {prefix}force(w, x1, v1, {zero}, p);
+}}
+
+{search}
+
+void {prefix}inverse_start({prefix}inverse *g)
+{{
+    g->low = {number(low)}; g->high = {number(high)}; g->u = g->low;
+    g->f = {zero}; g->reason = 0; g->monotone = 1;
+}}
+
+{real} {prefix}inverse_find({prefix}inverse *g, const {prefix}state *d, {real} dt, {real} x, {real} v, {real} wanted)
+{{
+    static const {real} nodes[] = {{{nodes}}};
+    {real} out[4];
+    if (!{prefix}in_range(g->low) || !{prefix}in_range(g->high) || !(g->low <= g->high)) return ({real})NAN;
+    if (!(dt >= {zero}) || !isfinite(wanted)) return ({real})NAN;
+    {prefix}find_input(wanted, g->u, g->low, g->high, {number(MET[precision])}, nodes, d->s, d->x, x, d->v, v, dt, out);
+    g->u = out[0]; g->f = out[1];
+    g->reason = (int)out[2]; g->monotone = (int)out[3];
+    return g->u;
+}}"""
+
+
 def replayed_path(damper: Damper, samples: int = VECTORS) -> tuple[Array, Array, Array, Array, Array]:
     """A path ``(t, x, v, u, f)`` in s, m, m/s, V or A, and N, with an input that varies over the calibrated range, 0 without.
 
@@ -394,9 +500,23 @@ def _vectors(damper: Damper, name: str) -> str:
     )
 
 
-def _test_program(name: str, precision: Precision, has_input: bool) -> str:
+def _test_program(name: str, precision: Precision, has_input: bool, inverse: bool) -> str:
+    """With the inverse it also asks, before each step, for the input of the force that the step gives."""
     real, tolerance = precision.real, TOLERANCE[precision]
     arguments = ", ".join(f"({real}){name}_{key}[k]" for key in ("x", "v", "u")[: 2 + has_input])
+    begun, searched = "", ""
+    if inverse:
+        begun = f"\n    {name}_inverse g;\n    {name}_inverse_start(&g);"
+        searched = f"""\
+        if (k) {{
+            {name}_state e = d;
+            double lack, wanted = {name}_f[k];
+            {real} u = {name}_inverse_find(&g, &d, dt, ({real}){name}_x[k], ({real}){name}_v[k], ({real})wanted);
+            lack = (double){name}_step_by(&e, dt, ({real}){name}_x[k], ({real}){name}_v[k], u) - wanted;
+            if (lack < 0.0) lack = -lack;
+            if (!(lack <= off)) off = lack;
+        }}
+"""
     return f"""\
 /* Replays {name}_vectors.h: exit status 1 where the force is off by more than {tolerance:g} of its largest. */
 #include "{name}.h"
@@ -406,10 +526,10 @@ def _test_program(name: str, precision: Precision, has_input: bool) -> str:
 int main(void)
 {{
     {name}_state d;
-    double largest = 0.0, off = 0.0;
+    double largest = 0.0, off = 0.0;{begun}
     for (int k = 0; k < {name.upper()}_VECTORS; k++) {{
         {real} dt = k ? ({real})({name}_t[k] - {name}_t[k - 1]) : ({real})0;
-        double f = (double)(k ? {name}_step_by(&d, dt, {arguments})
+{searched}        double f = (double)(k ? {name}_step_by(&d, dt, {arguments})
                               : {name}_start(&d, ({real}){name}_t[0], {arguments}));
         double expected = {name}_f[k], gap = f > expected ? f - expected : expected - f;
         double size = expected > 0.0 ? expected : -expected;

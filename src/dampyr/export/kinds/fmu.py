@@ -32,24 +32,26 @@ def write(
     *,
     fmi: int = 2,
     drive: str = "both",
+    inverse: bool = False,
 ) -> list[Path]:
     """Write ``name.fmu``: force [N] from displacement [m], velocity [m/s] and the input at the coil [V or A].
 
     ``fmi`` is the version of the standard, 2 or 3. ``drive`` says what drives it: "both"; "displacement", whose slope since the
-    last step is the velocity; or "velocity", which is integrated by the trapezoidal rule from 0. The code of the C export is
-    compiled for this machine and lies in the archive as source too. Raises :class:`InputError` for a damper that has no C form,
-    and where no C compiler is installed.
+    last step is the velocity; or "velocity", which is integrated by the trapezoidal rule from 0. ``inverse`` takes a wanted
+    force [N] in the place of the input, and gives the input that it found beside the force (`dampyr.models.inverse`). The code
+    of the C export is compiled for this machine and lies in the archive as source too. Raises :class:`InputError` for a damper
+    that has no C form, and where no C compiler is installed.
     """
     check_name(name)
     if fmi not in (2, 3):
         raise InputError(f"fmi = {fmi} is not a version that is written; choose 2 or 3")
     if drive not in DRIVES:
         raise InputError(f"drive = {drive!r} is not known; choose from {', '.join(DRIVES)}")
-    c = c_source(damper, name, allow_extrapolation)
+    c = c_source(damper, name, allow_extrapolation, inverse=inverse)
     compiler = next((path for path in map(shutil.which, COMPILERS) if path), None)
     if compiler is None:
         raise InputError("an FMU needs a C compiler, and none is installed; install gcc, or export to c")
-    wrapper = fmi_text.wrapper(damper, name, fmi, drive)
+    wrapper = fmi_text.wrapper(damper, name, fmi, drive, inverse)
     # a name of the content, in the form of a GUID
     digest = hashlib.sha256("\n".join((c.header, c.source, wrapper)).encode()).hexdigest()
     token = "{" + "-".join((digest[:8], digest[8:12], digest[12:16], digest[16:20], digest[20:32])) + "}"
@@ -59,7 +61,7 @@ def write(
         f"{name}_fmi.c": f'#define INSTANTIATION_TOKEN "{token}"\n{wrapper}',
     }
     files: dict[str, str | bytes] = {
-        "modelDescription.xml": fmi_text.model_description(damper, name, fmi, drive, token, full_version())
+        "modelDescription.xml": fmi_text.model_description(damper, name, fmi, drive, token, full_version(), inverse)
     }
     files |= {f"sources/{file}": text for file, text in sources.items()}
     if fmi == 3:
