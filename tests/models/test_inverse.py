@@ -312,6 +312,29 @@ def test_a_tracked_force_is_as_good_as_the_forward_model(path: str) -> None:
     assert tracked <= 1.3 * forward
 
 
+@pytest.mark.prove
+@pytest.mark.parametrize("path", PATHS)
+def test_on_dampers_at_random_a_tracked_force_is_as_good_as_the_forward_model(path: str) -> None:
+    """Sixty Bouc-Wen dampers whose numbers are up to 50 % off those of the published card."""
+    card, rng, ratios = dp.studies.raminelli_2020.damper(), np.random.default_rng(5), []
+    kx, kw, rho = card.laws.values()
+    for _ in range(60):
+        c0, strength, rate = (scaled(law, rng.uniform(1 - d, 1 + d)) for law, d in ((kx, 0.15), (kw, 0.1), (rho, 0.5)))
+        laws = {
+            "c0": c0,
+            "k0": rng.uniform(0.0, 2500.0),
+            "kw": strength,
+            "rho": rate,
+            "sigma": rng.uniform(0.7, 1.5),
+            "n": 2.0,
+        }
+        tracked, forward = tracked_and_forward(card, Damper("bouc_wen", laws), path)
+        ratios.append(tracked / forward)
+    print(f"{path}: tracked over forward {np.median(ratios):.2f} in the middle, {max(ratios):.2f} at most")
+    assert np.mean(np.array(ratios) <= 1.3) >= 0.95
+    assert np.median(ratios) < 1.0
+
+
 def scaled(law: Polynomial, factor: float) -> Polynomial:
     return law.with_coefficients(factor * np.array(law.coefficients))
 
