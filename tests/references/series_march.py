@@ -302,6 +302,19 @@ def gas_spring(u, y, w, p):
 
 
 @register_jitable
+def follows_hardening(w, y0, y1, u0, u1, h, p):
+    """The equation of n = 2 in closed form: y' = 1 + h y^2 for y >= 0 and 1 + (2 + h) y^2 below, over xi = rho |dy|."""
+    s, xi, y = math.copysign(1.0, y1 - y0), p[3] * abs(y1 - y0), w[0] * math.copysign(1.0, y1 - y0)
+    if y < 0.0:
+        root = math.sqrt(2.0 + p[4])
+        if xi <= -math.atan(root * y) / root:
+            return (s * math.tan(math.atan(root * y) + root * xi) / root, 0.0, 0.0, 0.0)
+        xi, y = xi + math.atan(root * y) / root, 0.0
+    root = math.sqrt(p[4])
+    return (s * math.tan(math.atan(root * y) + root * xi) / root, 0.0, 0.0, 0.0)
+
+
+@register_jitable
 def hyperbolic_tangent(u, y, w, p):
     c, ft, v0, s = p
     return c * u + ft * math.tanh((u + s * y) / v0)
@@ -439,6 +452,13 @@ EQUATIONS = {
     "gas_spring": Equation({"f0": 200, "L": 0.04, "gamma": 1.3}, gas_spring, by_path={}),
     "generalised_maxwell": Equation(
         {"k0": 2e4, "k1": 1.5e4, "k2": 8e3, "k3": 1.2e4, "tau": 0.002}, generalised_maxwell, follows_maxwell, order=2
+    ),
+    "hardening_bouc_wen": Equation(
+        {"c0": 700, "k0": 900, "kw": 150, "rho": 60, "h": 0.5, "n": 2},
+        bouc_wen,
+        follows_hardening,
+        by_path={"c0": 0},
+        small={"rho": 1.2e5, "kw": 5},
     ),
     "hyperbolic_tangent": Equation({"c": 800, "ft": 250, "v0": 0.01, "s": 0.4}, hyperbolic_tangent),
     "hysteretic_biviscous": Equation(

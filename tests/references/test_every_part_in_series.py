@@ -288,7 +288,7 @@ def test_the_step_of_an_ensemble_and_the_slopes_of_a_response_solve_the_same_equ
 def namespace(one: Damper) -> dict[str, object]:
     """The functions of a composition as plain Python, by name."""
     names: dict[str, object] = {
-        key: getattr(math, key) for key in ("exp", "log", "sqrt", "tanh", "copysign", "tan", "atan")
+        key: getattr(math, key) for key in ("exp", "expm1", "log", "log1p", "sqrt", "tanh", "copysign", "tan", "atan")
     }
     exec(one.composition.source(), names)
     return names

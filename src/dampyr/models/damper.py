@@ -566,6 +566,7 @@ class Damper(Shown):
         values = self.values(u, allow_extrapolation=allow_extrapolation)
         start = self.check_states(state0)
         undelayed = along(self.composition, t, x, v, values, start)
+        self._refuse_unbounded(t, undelayed)
         if text := sampling_words(self.composition, t, x, v, values, start):
             warnings.warn(text, DampyrWarning, stacklevel=3)
         k = self.composition.delay
@@ -674,6 +675,16 @@ class Damper(Shown):
                 f"{INPUTS[self.input]} has shape {values.shape}, the path {t.shape}; give one number or as many"
             )
         return values
+
+    def _refuse_unbounded(self, t: Array, force: Array) -> None:
+        """InputError where a part whose force may be infinite has made it so."""
+        beyond = np.flatnonzero(~np.isfinite(force))
+        for p in self.composition.parts if beyond.size else ():
+            if p.unbounded:
+                raise InputError(
+                    f"the force is infinite at {t[beyond[0]]:g} s: {p.name} has no limit, as {p.unbounded}; "
+                    "keep to the strokes that it was identified on"
+                )
 
     def _velocity(self, t: Array, x: Array, velocity: ArrayLike | None) -> Array:
         from dampyr.models.numerics.differentiation import differentiate

@@ -156,6 +156,16 @@ class Part:
         return getattr(self.module, "NOT_FOR_BUILDINGS", "")
 
     @cached_property
+    def not_tried(self) -> str:
+        """Why a leaderboard does not try the part unless it is told to by name; empty where it does."""
+        return getattr(self.module, "NOT_TRIED", "")
+
+    @cached_property
+    def unbounded(self) -> str:
+        """Why the force may be infinite along a path of finite length, which is refused then; empty where it cannot."""
+        return getattr(self.module, "UNBOUNDED", "")
+
+    @cached_property
     def static(self) -> bool:
         """Whether the part is a static force that a building leaves out."""
         return getattr(self.module, "STATIC", False)

@@ -256,7 +256,7 @@ def leaderboard(
         )
     small = screening_set(listed, bandwidth)  # with its velocity, so that no trial derives it from thinned samples
     allowed, left_out = _select_add_ons(options.add_ons, listed)
-    bases = [*options.models] or [*(name for name in available_parts() if not part(name).add_on), *PAIRS]
+    bases = [*options.models] or [*(name for name in available_parts() if _is_tried(name)), *PAIRS]
     screened, unfinished = screen_all(
         bases,
         small,
@@ -338,6 +338,11 @@ def enough_records(records: list[Record], settling: float) -> tuple[list[Record]
         f"{counted(len(records), 'record')} {'were' if len(records) > 1 else 'was'} cut into {len(pieces)} pieces, so that "
         "parts can be left out: the errors are of more of the same tests, not of other ones",
     )
+
+
+def _is_tried(name: str) -> bool:
+    """Whether a part is a model that a leaderboard tries without being told to."""
+    return not part(name).add_on and not part(name).not_tried
 
 
 def _select_add_ons(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[tuple[str, ...], tuple[str, ...]]:

@@ -20,9 +20,10 @@ COSTS = {
     "asymmetric": 45.0, "bilinear": 50.0, "bingham": 45.0, "biviscous": 45.0, "bouc_wen": 700.0,
     "bouc_wen_baber_noori": 1500.0, "choi_polynomial": 70.0, "compliance": 180.0, "dahl": 60.0, "delay": 30.0,
     "force_table": 145.0, "free_play": 800.0, "gamota_filisko": 160.0, "gas_spring": 30.0,
-    "generalised_maxwell": 105.0, "hyperbolic_tangent": 45.0, "hysteretic_biviscous": 60.0, "inertia": 55.0,
-    "lag": 60.0, "lugre": 110.0, "maxwell_slip": 135.0, "modified_bouc_wen": 2000.0, "offset": 5.0,
-    "place_friction": 60.0, "power_law": 45.0, "shutting_bleed": 90.0, "sigmoid": 65.0, "spring": 10.0,
+    "generalised_maxwell": 105.0, "hardening_bouc_wen": 2000.0, "hyperbolic_tangent": 45.0,
+    "hysteretic_biviscous": 60.0, "inertia": 55.0, "lag": 60.0, "lugre": 110.0, "maxwell_slip": 135.0,
+    "modified_bouc_wen": 2000.0, "offset": 5.0, "place_friction": 60.0, "power_law": 45.0, "shutting_bleed": 90.0,
+    "sigmoid": 65.0, "spring": 10.0,
 }  # fmt: skip
 OTHER = 100.0  # ns, of a part that is not among them
 EVALUATION = 1e-3  # s of an evaluation whatever its records: the step that it belongs to

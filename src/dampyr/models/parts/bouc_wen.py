@@ -9,9 +9,7 @@ down to 0, it is not on every path, and a warning is given; at 0 and below it ma
 
 The step along a monotone path is exact for every n (`dampyr.models.numerics.bouc_wen_exact`).
 The letters of equations (2.1) and (2.2) of Raminelli (2020) are converted by `from_printed` and `to_printed`. Sets of them with
-:math:`\beta + \gamma \le 0` harden and are refused: z has no limit, and with n > 1 and :math:`\beta + \gamma < 0` it is
-infinite after a path of
-:math:`\frac{\pi/n}{\sin(\pi/n)}\,\frac1A \left(\frac{A}{|\beta+\gamma|}\right)^{1/n}` in one direction. Loops that pinch
+:math:`\beta + \gamma \le 0` harden, z has no limit, and they are refused: `hardening_bouc_wen` has them. Loops that pinch
 and degrade are those of `bouc_wen_baber_noori`, a sharp corner that of `bilinear`.
 
 Bouc (1971); Wen (1976); the normalised form: Ikhouane and Rodellar (2007).
@@ -85,7 +83,7 @@ class PrintedBoucWen:
         if self.A <= 0 or self.beta + self.gamma <= 0:
             raise InputError(
                 f"A = {self.A:g} and beta + gamma = {self.beta + self.gamma:g} give a state without bound; "
-                "both must be greater than 0"
+                "both must be greater than 0; hardening_bouc_wen has sets that harden"
             )
         return float((self.A / (self.beta + self.gamma)) ** (1.0 / self.n))
 
