@@ -210,6 +210,37 @@ def asymmetric(u, y, w, p):
 
 
 @register_jitable
+def song_rate(s, y, w, p):
+    """dw/dx of the source's equation, s the direction."""
+    _, _, _, rho, n, b2, b3, b4, b5, b6 = p
+    x, z = math.copysign(1.0, y), math.copysign(1.0, w)
+    return rho * (1.0 - abs(w) ** n * (s * z + b2 * x * s + b3 * x * z + b4 * s + b5 * z + b6 * x))
+
+
+@register_jitable
+def follows_song(w, y0, y1, u0, u1, h, p):
+    """Runge and Kutta's fourth order along each piece between the signs' changes, which are found by a secant of z."""
+    s, at, b, d = math.copysign(1.0, y1 - y0), y0, w[0], y1 - y0
+    for _ in range(4):
+        d = y1 - at
+        if at * y1 < 0.0 and abs(at) > 1e-15:
+            d = -at
+        mid = at + 0.5 * d
+        sign = math.copysign(1.0, b) if b != 0.0 else s
+        if b * s < 0.0:
+            slope = song_rate(s, mid, b, p)
+            d = s * min(abs(d), max(abs(b / slope), 1e-15)) if slope > 0.0 else d
+        a1 = song_rate(s, mid, b if b != 0.0 else 1e-300 * sign, p)
+        a2 = song_rate(s, mid, math.copysign(b + 0.5 * d * a1, sign), p)
+        a3 = song_rate(s, mid, math.copysign(b + 0.5 * d * a2, sign), p)
+        a4 = song_rate(s, mid, math.copysign(b + d * a3, sign), p)
+        b, at = b + d * (a1 + 2 * a2 + 2 * a3 + a4) / 6, at + d
+        if at == y1:
+            break
+    return (b, 0.0, 0.0, 0.0)
+
+
+@register_jitable
 def power_law(u, y, w, p):
     C, alpha = p
     return C * u * (u * u + 1e-10) ** (0.5 * (alpha - 1.0))
@@ -408,6 +439,14 @@ def nothing(u, y, w, p):
 #: c of the sigmoid is 0: with more, its force in series is no single answer, as its page says. Inertia is at the outer end.
 EQUATIONS = {
     "asymmetric": Equation({"ce": 2000, "cc": 800, "fe": 120, "fc": 60, "v0": 0.01}, asymmetric),
+    "asymmetric_bouc_wen": Equation(
+        {"c0": 700, "k0": 900, "kw": 150, "rho": 400, "n": 1.6}
+        | {"b2": -0.25, "b3": 0.06, "b4": 0.24, "b5": -0.26, "b6": -0.24},
+        bouc_wen,
+        follows_song,
+        exact=False,
+        small={"rho": 3e5, "kw": 5},
+    ),
     "bilinear": Equation(
         {"Q": 150, "uy": 8e-4, "k2": 9000}, bilinear, follows_bilinear, by_path={}, small={"uy": 2e-6}
     ),

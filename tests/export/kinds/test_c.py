@@ -93,9 +93,10 @@ def test_a_sigmoid_behind_a_compliance_at_10_khz_is_the_same_in_c(tmp_path) -> N
 STRICT = "-std=c99 -O2 -Wall -Wextra -Wconversion -Wdouble-promotion -pedantic -Werror"
 # Their kernels take long to compile; a new part is looked at by `make test`.
 LONG = {
-    "asymmetric", "bilinear", "bingham", "biviscous", "bouc_wen", "bouc_wen_baber_noori", "choi_polynomial", "force_table",
-    "gamota_filisko", "gas_spring", "generalised_maxwell", "hardening_bouc_wen", "hysteretic_biviscous", "lugre",
-    "maxwell_slip", "modified_bouc_wen", "offset", "power_law", "sigmoid", "spring", *SERIES,
+    "asymmetric", "asymmetric_bouc_wen", "bilinear", "bingham", "biviscous", "bouc_wen", "bouc_wen_baber_noori",
+    "choi_polynomial", "force_table", "gamota_filisko", "gas_spring", "generalised_maxwell", "hardening_bouc_wen",
+    "hysteretic_biviscous", "lugre", "maxwell_slip", "modified_bouc_wen", "offset", "power_law", "sigmoid", "spring",
+    *SERIES,
 }  # fmt: skip
 LIBRARY = [name for name in available_parts() if part(name).force is not None and "inertia" not in name]
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 #: ns of an evaluation of one sample, with its derivatives and their sums of products: measured once (an AMD EPYC core,
 #: 2026-11-25, a few records of the labcontrol campaign) and rounded, add-ons as what they add to `dahl`
 COSTS = {
-    "asymmetric": 45.0, "bilinear": 50.0, "bingham": 45.0, "biviscous": 45.0, "bouc_wen": 700.0,
+    "asymmetric": 45.0, "asymmetric_bouc_wen": 2500.0, "bilinear": 50.0, "bingham": 45.0, "biviscous": 45.0, "bouc_wen": 700.0,
     "bouc_wen_baber_noori": 1500.0, "choi_polynomial": 70.0, "compliance": 180.0, "dahl": 60.0, "delay": 30.0,
     "force_table": 145.0, "free_play": 800.0, "gamota_filisko": 160.0, "gas_spring": 30.0,
     "generalised_maxwell": 105.0, "hardening_bouc_wen": 2000.0, "hyperbolic_tangent": 45.0,

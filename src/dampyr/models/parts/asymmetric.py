@@ -7,6 +7,8 @@ v is positive in extension (rebound); what vehicle engineers call bump is compre
 record of a sine the two directions are told apart by the force alone; a force that is unlike because of the gas is that of
 `offset` and `gas_spring`, which the velocity does not change.
 
+A model with memory that pulls otherwise than it pushes is `asymmetric_bouc_wen`.
+
 The bilinear characteristic of vehicle shock absorbers, as in Dixon (2007), The Shock Absorber Handbook.
 """
 
