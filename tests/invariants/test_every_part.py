@@ -35,6 +35,11 @@ TYPICAL = {
 }
 # where the usual numbers have no finite force
 INSTEAD = {"hardening_bouc_wen.rho": 20.0} | {f"asymmetric_bouc_wen.b{k}": 0.2 - 0.06 * k for k in range(2, 7)}
+# its stops beyond the states of the tests, and no two sliders that begin to move together
+INSTEAD |= {f"triple_pendulum.d{k}": 0.5 for k in (1, 2, 3)} | {
+    f"triple_pendulum.l{k}": 2e-3 + 2e-3 * k for k in (1, 2, 3)
+}
+INSTEAD |= {"triple_pendulum.r3": 2.2, "triple_pendulum.uy": 0.01}
 
 
 def typical(names: str) -> dict[str, float]:
@@ -50,7 +55,7 @@ def path(n: int = 400) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 STEPS = (1e-6, 1e-3)  # of a state: the force of a series is found to 1e-13 of it, so its states need the longer one
-KINKED = {"maxwell_slip"}  # a slip may fall inside the step of a numeric difference
+KINKED = {"maxwell_slip", "triple_pendulum"}  # a slip may fall inside the step of a numeric difference
 
 
 def agree(name: str, ours: np.ndarray, *numeric: np.ndarray) -> None:
@@ -64,7 +69,7 @@ LONG = {"bouc_wen_baber_noori", "modified_bouc_wen", *SERIES}
 LONG_GRADIENTS = {
     "asymmetric", "asymmetric_bouc_wen", "bilinear", "bingham", "biviscous", "bouc_wen", "choi_polynomial", "force_table",
     "gamota_filisko", "gas_spring", "generalised_maxwell", "hardening_bouc_wen", "hysteretic_biviscous", "inertia", "lugre",
-    "maxwell_slip", "power_law", "sigmoid", *LONG,
+    "maxwell_slip", "power_law", "sigmoid", "triple_pendulum", *LONG,
 }  # fmt: skip
 
 

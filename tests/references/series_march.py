@@ -241,6 +241,31 @@ def follows_song(w, y0, y1, u0, u1, h, p):
 
 
 @register_jitable
+def triple_pendulum(u, y, w, p):
+    return p[0] * (y - w[0] - w[1] - w[2]) / p[9]
+
+
+@register_jitable
+def slid(u, f, r, ell, d):
+    return min(max(u + ell * max(f - u / ell - r, 0.0) - ell * max(u / ell - f - r, 0.0), -d), d)
+
+
+@register_jitable
+def follows_pendulum(w, y0, y1, u0, u1, h, p):
+    """The force over f1 by halving a bracket."""
+    _, r2, r3, l1, l2, l3, d1, d2, d3, uy = p
+    reach = d1 + d2 + d3 + abs(w[0]) + abs(w[1]) + abs(w[2])
+    low, high = (y1 - reach) / uy, (y1 + reach) / uy
+    for _ in range(90):
+        f = 0.5 * (low + high)
+        if uy * f + slid(w[0], f, 1.0, l1, d1) + slid(w[1], f, r2, l2, d2) + slid(w[2], f, r3, l3, d3) > y1:
+            high = f
+        else:
+            low = f
+    return (slid(w[0], f, 1.0, l1, d1), slid(w[1], f, r2, l2, d2), slid(w[2], f, r3, l3, d3), 0.0)
+
+
+@register_jitable
 def power_law(u, y, w, p):
     C, alpha = p
     return C * u * (u * u + 1e-10) ** (0.5 * (alpha - 1.0))
@@ -524,6 +549,24 @@ EQUATIONS = {
     ),
     "sigmoid": Equation({"ft": 560, "c": 0, "vk": 0.03, "vh": 0.008}, sigmoid, follows_velocity, small={"vh": 2e-4}),
     "spring": Equation({"k0": 4e4}, spring, by_path={}),
+    "triple_pendulum": Equation(
+        {
+            "f1": 150,
+            "r2": 2,
+            "r3": 3,
+            "l1": 2e-3,
+            "l2": 4e-3,
+            "l3": 5e-3,
+            "d1": 2e-3,
+            "d2": 4e-3,
+            "d3": 0.01,
+            "uy": 1e-4,
+        },
+        triple_pendulum,
+        follows_pendulum,
+        by_path={},
+        small={"f1": 2, "l1": 1e-6, "l2": 2e-6, "l3": 2.5e-6, "d1": 1e-6, "d2": 2e-6, "d3": 5e-6, "uy": 1e-7},
+    ),
 }
 
 

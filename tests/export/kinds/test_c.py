@@ -95,8 +95,8 @@ STRICT = "-std=c99 -O2 -Wall -Wextra -Wconversion -Wdouble-promotion -pedantic -
 LONG = {
     "asymmetric", "asymmetric_bouc_wen", "bilinear", "bingham", "biviscous", "bouc_wen", "bouc_wen_baber_noori",
     "choi_polynomial", "force_table", "gamota_filisko", "gas_spring", "generalised_maxwell", "hardening_bouc_wen",
-    "hysteretic_biviscous", "lugre", "maxwell_slip", "modified_bouc_wen", "offset", "power_law", "sigmoid", "spring",
-    *SERIES,
+    "hysteretic_biviscous", "lugre", "maxwell_slip", "modified_bouc_wen", "offset", "power_law", "sigmoid",
+    "spring", "triple_pendulum", *SERIES,
 }  # fmt: skip
 LIBRARY = [name for name in available_parts() if part(name).force is not None and "inertia" not in name]
 

@@ -23,7 +23,7 @@ COSTS = {
     "generalised_maxwell": 105.0, "hardening_bouc_wen": 2000.0, "hyperbolic_tangent": 45.0,
     "hysteretic_biviscous": 60.0, "inertia": 55.0, "lag": 60.0, "lugre": 110.0, "maxwell_slip": 135.0,
     "modified_bouc_wen": 2000.0, "offset": 5.0, "place_friction": 60.0, "power_law": 45.0, "shutting_bleed": 90.0,
-    "sigmoid": 65.0, "spring": 10.0,
+    "sigmoid": 65.0, "spring": 10.0, "triple_pendulum": 600.0,
 }  # fmt: skip
 OTHER = 100.0  # ns, of a part that is not among them
 EVALUATION = 1e-3  # s of an evaluation whatever its records: the step that it belongs to
