@@ -83,8 +83,8 @@ def equation(name: str) -> Equation | None:
     return None
 
 
-#: Parts without a force: what stretches (see `stretch`), what delays or lags.
-NO_FORCE = ("compliance", "free_play", "delay", "lag")
+#: Parts without a force: what stretches (see `stretch`), what delays, lags or multiplies.
+NO_FORCE = ("compliance", "free_play", "delay", "lag", "direction_factor")
 
 
 @register_jitable

@@ -21,7 +21,7 @@ MOTION = GroundMotion(np.sin(np.linspace(0.0, 2.0 * np.pi, 101)), 0.02)
 def test_the_parts_that_say_so_are_those_whose_page_does() -> None:
     said = {name for name in available_parts() if part(name).not_for_buildings}
     assert said == {name for name in available_parts() if "Do not use it for a building" in part(name).module.__doc__}
-    assert said == {"hysteretic_biviscous", "sigmoid", "choi_polynomial"}
+    assert said == {"hysteretic_biviscous", "sigmoid", "choi_polynomial", "direction_factor"}
 
 
 @pytest.mark.prove

@@ -11,7 +11,7 @@ from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 import numpy as np
 
 from dampyr.errors import InputError
-from dampyr.models.codegen.formula import Formula, read
+from dampyr.models.codegen.formula import Formula, multiplied, read
 from dampyr.registry import member
 from dampyr.units import Quantity
 
@@ -126,6 +126,16 @@ class Part:
         return read(self.module.stretch, f"{self.name}_stretch") if hasattr(self.module, "stretch") else None
 
     @cached_property
+    def factor(self) -> Formula | None:
+        """The formula that multiplies the force of the other parts, one expression of v and its parameters, if there is one."""
+        return read(self.module.factor, f"{self.name}_factor") if hasattr(self.module, "factor") else None
+
+    @cached_property
+    def shared(self) -> dict[str, str]:
+        """Arguments of the force that are parameters of another part, by their flat names (`MultipliedPart`)."""
+        return {}
+
+    @cached_property
     def delay(self) -> str | None:
         """The name of the parameter that delays the whole damper, if this part is a delay."""
         return getattr(self.module, "DELAY", None)
@@ -220,6 +230,30 @@ class Part:
         """Values of the parameters that are not linear, as initial guesses of a fit."""
         propose: Callable[[Scale], Iterator[dict[str, float]]] | None = getattr(self.module, "starts", None)
         return list(propose(scale)) if propose else [{}]
+
+
+@dataclass(frozen=True)
+class MultipliedPart(Part):
+    """A part whose force is multiplied by what the part ``by`` says (`Part.factor`)."""
+
+    by: Part
+
+    @cached_property
+    def force(self) -> Formula | None:
+        """The formula of the force, with the parameters of the factor after its own."""
+        assert self.by.factor is not None
+        plain = read(self.module.force, f"{self.name}_force")
+        return multiplied(plain, self.by.factor, f"{self.name}_force_by_{self.by.name}", f"{self.by.name}_")
+
+    @cached_property
+    def shared(self) -> dict[str, str]:
+        """The parameters of the factor."""
+        return {f"{self.by.name}_{key}": f"{self.by.name}.{key}" for key in self.by.parameters}
+
+    @cached_property
+    def proportional_to(self) -> dict[str, str]:
+        """As without the factor, which all parts have alike."""
+        return part(self.name).proportional_to
 
 
 @lru_cache(maxsize=64)

@@ -163,6 +163,15 @@ def test_a_model_that_describes_its_records_proposes_nothing_and_a_force_without
     assert [e for e in list_missing_effects(lost, FitOptions(), chosen=True) if "other sign" not in e.cause] == []
 
 
+@pytest.mark.prove  # the kernels of both models
+def test_a_memory_that_differs_by_direction_is_named_with_the_part_that_has_it() -> None:
+    records = sines(force_of("dahl + direction_factor", direction_factor__e=0.5, direction_factor__v0=0.005))
+    fit = dp.identification.fit(records, "dahl", thresholds=dp.identification.FitThresholds(unexplained=1.0))
+    first = list_missing_effects(fit, FitOptions(), chosen=True)[0]
+    assert first.model == "dahl + direction_factor"
+    assert first.l1 < 0.1 * first.without
+
+
 def test_no_trial_begins_after_the_seconds_of_the_fit() -> None:
     fit = dp.identification.fit(
         OF_RECORDS["heat"][0], "dahl", thresholds=dp.identification.FitThresholds(unexplained=1.0)

@@ -8,8 +8,9 @@ fewest numbers. A channel that is cut off for `MUCH` of the samples comes first:
 
 Heat is looked for in the *level* of each cycle, :math:`g_k = \sum F m / \sum m^2` with the modelled force m, against the energy
 E that the record has dissipated by then: :math:`\ln g_k = a - h\,(1 - e^{-E/E_0})`, with a, h and E0 of each record's own, as
-what surrounds a damper cools it at another rate in each test. Forces that differ between the directions are factors on the
-force of the same model, found in turn with its numbers, besides the part `asymmetric`, which has no memory.
+what surrounds a damper cools it at another rate in each test. Forces that differ between the directions are the add-on
+`direction_factor` of the same model (behind a stretch factors on its force, found in turn with its numbers), besides the part
+`asymmetric`, which has no memory.
 """
 
 from __future__ import annotations
@@ -55,6 +56,7 @@ UNITS = {
     "force": {"kN": 1e3, "kgf": 9.80665, "lbf": 4.4482216},
     "displacement": {"mm": 1e-3, "in": 0.0254, "cm": 1e-2},
 }
+FACTOR = "direction_factor"
 ADDED = {
     "free_play": "a free play (backlash) in series is missing",
     "delay": "a delay between force and motion is missing",
@@ -354,8 +356,15 @@ def _fit_drift(record: Record, modelled: Array, energy: Array) -> tuple[float, f
 
 
 def _try_directions(fit: Fit, model: str, options: FitOptions, _: float) -> MissingEffect | None:
-    """A factor on the force in extension and one in compression, whatever the model; found in turn with its numbers."""
+    """The part `direction_factor` on a model with memory. Where that cannot stand (behind a stretch) or `asymmetric` does more,
+    a factor on the force in each direction, found in turn with its numbers."""
     records = [_thinned(record) for record in fit.records]
+    composition = compose(model)
+    if composition.n_states and not composition.in_series and FACTOR not in composition.names:
+        same_records = _error(model, records, options)
+        if same_records is None:
+            return None
+        return _try(ADDED["asymmetric"], f"{model} + {FACTOR}", records, options, same_records[0])
     usual = result = _fit(model, records, options)
     out = back = 1.0
     for _turn in range(TURNS):

@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 #: ns of an evaluation of one sample, with its derivatives and their sums of products: measured once (an AMD EPYC core,
 #: 2026-11-25, a few records of the labcontrol campaign) and rounded, add-ons as what they add to `dahl`
 COSTS = {
-    "asymmetric": 45.0, "asymmetric_bouc_wen": 2500.0, "bilinear": 50.0, "bingham": 45.0, "biviscous": 45.0, "bouc_wen": 700.0,
-    "bouc_wen_baber_noori": 1500.0, "choi_polynomial": 70.0, "compliance": 180.0, "dahl": 60.0, "delay": 30.0,
-    "force_table": 145.0, "free_play": 800.0, "gamota_filisko": 160.0, "gas_spring": 30.0,
-    "generalised_maxwell": 105.0, "hardening_bouc_wen": 2000.0, "hyperbolic_tangent": 45.0,
+    "asymmetric": 45.0, "asymmetric_bouc_wen": 2500.0, "bilinear": 50.0, "bingham": 45.0, "biviscous": 45.0,
+    "bouc_wen": 700.0, "bouc_wen_baber_noori": 1500.0, "choi_polynomial": 70.0, "compliance": 180.0, "dahl": 60.0,
+    "delay": 30.0, "direction_factor": 40.0, "force_table": 145.0, "free_play": 800.0, "gamota_filisko": 160.0,
+    "gas_spring": 30.0, "generalised_maxwell": 105.0, "hardening_bouc_wen": 2000.0, "hyperbolic_tangent": 45.0,
     "hysteretic_biviscous": 60.0, "inertia": 55.0, "lag": 60.0, "lugre": 110.0, "maxwell_slip": 135.0,
     "modified_bouc_wen": 2000.0, "offset": 5.0, "place_friction": 60.0, "power_law": 45.0, "shutting_bleed": 90.0,
     "sigmoid": 65.0, "spring": 10.0, "triple_pendulum": 600.0,

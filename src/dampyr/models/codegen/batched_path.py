@@ -53,6 +53,7 @@ class BlockWriter:
         self.functions: list[str] = []
         self.workspace_rows = 0
         self.stored: dict[str, str] = {}
+        self.filled: set[int] = set()
 
     def step_block(self) -> Function:
         """``step_block``; the functions that it calls are then in ``functions``."""
@@ -103,7 +104,11 @@ class BlockWriter:
         called = self._called(text, formula, places, seeds, shared)
         first = not any(text.startswith("def filled_") for text in self.functions[:-1])
         added = f"rows[{self.force}, m] = f" if first else f"rows[{self.force}, m] += f"
-        return lines + _loop(f"{', '.join(['f', *(f'rows[{c}, m]' for c in units)])} = {called}", added)
+        shared_columns = [c for c in units if c in self.filled]  # of parameters that several parts share
+        targets = ["f", *(f"more{c}" if c in shared_columns else f"rows[{c}, m]" for c in units)]
+        self.filled.update(units)
+        more = [f"rows[{c}, m] += more{c}" for c in shared_columns]
+        return lines + _loop(f"{', '.join(targets)} = {called}", added, *more)
 
     def _ahead(
         self, formula: Formula, available: Iterable[str], places: dict[str, str]

@@ -16,7 +16,7 @@ from dampyr.errors import InputError
 from dampyr.models.codegen import batched_path, parallel_parts, series
 from dampyr.models.codegen.formula import Formula, read
 from dampyr.models.codegen.layout import SIGNATURES, Function, Layout
-from dampyr.models.part import Part, part
+from dampyr.models.part import MultipliedPart, Part, part
 from dampyr.units import Quantity
 
 OF_THE_WHOLE = ("phi", "solve", *SIGNATURES)  # the functions that are written over the parts
@@ -34,7 +34,14 @@ class Composition:
     @cached_property
     def parts(self) -> tuple[Part, ...]:
         """The parts."""
-        return tuple(part(name) for name in self.names)
+        plain = tuple(part(name) for name in self.names)
+        by = next((p for p in plain if p.factor), None)
+        if by is None:
+            return plain
+        whole = [p.force is None or p.static or p.needs_acceleration for p in plain]
+        return tuple(
+            p if apart else MultipliedPart(p.name, p.cls, p.module, by) for p, apart in zip(plain, whole, strict=True)
+        )
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
@@ -209,6 +216,12 @@ def _composed(listed: tuple[str, ...]) -> Composition:
         raise InputError(f"{composition} makes no force; add a part that does, such as dahl")
     if composition.in_series and all(p.needs_acceleration for p in composition.parts if p.force):
         raise InputError(f"{composition} has nothing that stretches it; add a part such as dahl")
+    by = next((p.name for p in composition.parts if p.factor), None)
+    if composition.in_series and by:
+        raise InputError(
+            f"{by} cannot stand with an element in series, as {composition} has: behind a stretch a force that jumps with "
+            "the direction has several roots; leave one of the two out"
+        )
     return composition
 
 

@@ -99,6 +99,36 @@ class _Constants(ast.NodeTransformer):
         return node
 
 
+def multiplied(formula: Formula, factor: Formula, name: str, prefix: str) -> Formula:
+    """``formula`` times ``factor``, which is one expression; its parameters get a ``prefix``, to differ from the formula's."""
+    arguments = {a: a if a == "v" else prefix + a for a in factor.arguments}
+    (only,) = factor.tree.body
+    assert isinstance(only, ast.Return)
+    assert only.value is not None
+    by = ast.unparse(_Renamed(arguments).visit(ast.parse(ast.unparse(only.value), mode="eval")))
+    tree = _Multiplied(by).visit(ast.parse(formula.source).body[0])
+    names = tuple(dict.fromkeys((*formula.arguments, *arguments.values())))
+    tree.name, tree.args.args = name, [ast.arg(a) for a in names]
+    return Formula(name, names, ast.fix_missing_locations(tree), {**factor.namespace, **formula.namespace})
+
+
+class _Renamed(ast.NodeTransformer):
+    def __init__(self, names: dict[str, str]) -> None:
+        self.names = names
+
+    def visit_Name(self, node: ast.Name) -> ast.Name:
+        return ast.Name(self.names.get(node.id, node.id), node.ctx)
+
+
+class _Multiplied(ast.NodeTransformer):
+    def __init__(self, by: str) -> None:
+        self.by = by
+
+    def visit_Return(self, node: ast.Return) -> ast.stmt:
+        assert node.value is not None
+        return ast.parse(f"return ({self.by})*({ast.unparse(node.value)})").body[0]
+
+
 def tangent(formula: Formula, name: str, active: Iterable[str], unit: str | None = None) -> str:
     """Python text of the forward derivative of ``formula`` in one direction.
 

@@ -60,6 +60,9 @@ class Layout:
             values = {name: i + k for k, name in enumerate(p.parameters)}
             slots.append(Slot(p, states, values))
             i, j = i + len(values), j + len(states)
+        flat = {f"{slot.part.name}.{key}": k for slot in slots for key, k in slot.values.items()}
+        for slot in slots:
+            slot.values.update({argument: flat[name] for argument, name in slot.part.shared.items()})
         return tuple(slots)
 
     @cached_property
@@ -75,7 +78,7 @@ class Layout:
     @cached_property
     def n_parameters(self) -> int:
         """Number of parameters."""
-        return sum(len(slot.values) for slot in self.slots)
+        return sum(len(p.parameters) for p in self.parts)
 
     @cached_property
     def n_states(self) -> int:

@@ -89,7 +89,7 @@ def _states_and_slopes(slot: Slot) -> str:
 
 def _jacobian(layout: Layout) -> Function:
     """dF/dp_k and dF/ds_j(start), from the tangents D of the states."""
-    lines = []
+    lines, filled = [], set[int]()
     for slot in layout.slots:
         p = slot.part
         if p.force is None:
@@ -100,7 +100,9 @@ def _jacobian(layout: Layout) -> Function:
         for column, name in columns.items():
             suffix = f"_by_{name}" if name in p.force.arguments else "_by_states"
             seeds = [f"D[{j}, {column}]" for j in used]
-            lines.append(f"J[{column}] = {call(p.force, _places(slot), *seeds, suffix=suffix)}")
+            to = "+=" if column in filled else "="  # a parameter that several parts share
+            lines.append(f"J[{column}] {to} {call(p.force, _places(slot), *seeds, suffix=suffix)}")
+            filled.add(column)
     return Function("jacobian", SIGNATURES["jacobian"], [*lines, "return"])
 
 

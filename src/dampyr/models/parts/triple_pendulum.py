@@ -16,8 +16,9 @@ with effective radii, :math:`\mu_2 = \mu_3 \le \mu_1 \le \mu_4` and :math:`\bar 
 from the bearing's centre, and F is its horizontal force. Friction that changes with velocity, heat or load, uplift and motion
 in two directions are not in it: use OpenSees' TripleFrictionPendulum for these.
 
-A step is exact, however long: the force is the root of a law of straight pieces that rises. It dissipates whatever the motion:
-springs, sliders and stops make it up.
+Take the numbers from the maker's sheet and fit few of them (``fixed=``): a search for all ten ends in places that are not the
+bearing's. A step is exact, however long: the force is the root of a law of straight pieces that rises. It dissipates whatever
+the motion: springs, sliders and stops make it up.
 
 Fenz and Constantinou (2008), Earthquake Engineering and Structural Dynamics 37, 163 and 185; Dao, Ryan, Sato and Sasaki (2013),
 Earthquake Engineering and Structural Dynamics 42, 1677.
