@@ -33,7 +33,7 @@ def test_it_multiplies_the_other_parts_but_offset_and_inertia_wherever_it_stands
         np.testing.assert_allclose(one(laws).force(t, x, voltage=0.0, velocity=v), usual + added, rtol=1e-12, atol=1e-9)
 
 
-@pytest.mark.prove
+@pytest.mark.usefixtures("plain")
 def test_its_derivatives_are_the_derivatives_though_two_parts_share_them() -> None:
     agree_with_differences(NAMES, np.array([*DAHL.values(), *FACTOR.values(), 900.0]), np.array([0.2]))
 
