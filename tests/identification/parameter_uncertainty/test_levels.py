@@ -11,7 +11,7 @@ from tests.identification.synthetic import sine
 
 from dampyr.errors import InputError
 from dampyr.identification import Fit, ScoreOptions, fit, prediction_band, score, validate
-from dampyr.identification.parameter_uncertainty.levels import PRIOR_SESSION, _estimate_spread
+from dampyr.identification.parameter_uncertainty.levels import PRIOR_FREEDOM, PRIOR_SESSION, _estimate_spread
 from dampyr.models import Damper, Interpolation
 from dampyr.records import Record
 from dampyr.show.descriptions import description_of
@@ -246,3 +246,15 @@ def test_the_published_campaign_is_told_that_level_and_voltage_cannot_be_told_ap
     assert done.damper is not None
     assert done.damper.prediction_error is not None
     assert not done.damper.prediction_error.session_estimated
+
+
+@pytest.mark.parametrize(("true", "low", "high"), [(0.04, 99.0, 100.0), (0.08, 95.5, 97.5), (0.16, 81.0, 84.5)])
+def test_what_two_sessions_and_a_prior_can_promise_of_a_third(true: float, low: float, high: float) -> None:
+    """90 % intervals of the level of a third session, prior 8 %: why bands of two sessions hold more than they say."""
+    rng, prior, record, draws = np.random.default_rng(0), 0.08, 0.03, 100_000
+    levels = true * rng.standard_normal((draws, 3))
+    contrast = (levels[:, 0] - levels[:, 1]) / math.sqrt(2.0) + record * rng.standard_normal(draws) / math.sqrt(8.0)
+    scale = (PRIOR_FREEDOM * prior**2 + np.maximum(contrast**2 - record**2 / 8.0, 0.0)) / (PRIOR_FREEDOM + 1.0)
+    reach = np.hypot(stdtrit(PRIOR_FREEDOM + 1.0, 0.95) * np.sqrt(1.5 * scale), 1.7 * record)
+    error = levels[:, 2] - levels[:, :2].mean(axis=1) + record * rng.standard_normal(draws)
+    assert low < 100.0 * np.mean(np.abs(error) < reach) < high

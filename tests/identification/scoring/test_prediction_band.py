@@ -123,7 +123,7 @@ def test_bands_of_two_sessions_whose_records_heat_up(true: float, endurance: End
         f"{found:.0f} %",
     )
     slack = 0.0 if endurance.full else 200.0 * math.sqrt(0.9 * 0.1 / campaigns)
-    low, high = (85.0, 96.5) if true == SESSION else (78.0, 100.0)
+    low, high = (85.0, 98.0) if true == SESSION else (78.0, 100.0)  # decision 67: two sessions promise no less
     assert found > 95.0 - slack
     for share in (held, of_energy, of_samples):
         assert low - slack <= share <= high + slack
