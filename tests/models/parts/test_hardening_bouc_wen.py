@@ -154,3 +154,10 @@ def test_leaderboards_try_it_only_by_name() -> None:
     assert part(NAME).not_tried
     assert not _is_tried(NAME)
     assert _is_tried("bouc_wen")
+
+
+def test_a_motion_that_is_infinite_or_not_a_number_ends_the_step() -> None:
+    """A response without bound hung there."""
+    assert not two_sided_flow(0.1, math.nan, 2.0, 0.5, 2.5) > 0.1  # as it was, or not a number
+    assert not math.isfinite(two_sided_flow(0.1, math.inf, 2.0, 0.5, 2.5))
+    assert two_sided_flow(1e31, 0.1, 2.0, 0.5, 2.5) == math.inf

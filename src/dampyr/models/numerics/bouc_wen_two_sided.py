@@ -64,9 +64,10 @@ def place_at(theta: float, n: float, b: float, below: float) -> float:
             near = short_step(u, left, n, 1.0, b)
             if near > 0.0:
                 return near
-        if left < 1e-15 * theta:  # it comes from below
-            break
-        u = u + left * (1.0 + b * u**n)
+        if left >= 1e-15 * theta:  # it comes from below; a motion that is not a number any more ends here too
+            u = u + left * (1.0 + b * u**n)
+        else:
+            return u
         if u > FAR:
             return infinite(u)
     return u
