@@ -27,8 +27,8 @@ them, so ask it before a building has the damper.
 
 The step along a monotone path, which is cut where x is 0, is exact for every n (`dampyr.models.numerics.bouc_wen_two_sided`).
 
-Song and Der Kiureghian (2006), Journal of Engineering Mechanics 132, 610; the equation and the order of the six terms as in two
-public implementations that cite it, not checked against the article itself.
+Song and Der Kiureghian (2006), Journal of Engineering Mechanics 132, 610; the equation and the order of the six terms as in
+one public implementation that cites it, not checked against the article itself.
 """
 
 from collections.abc import Iterator
