@@ -369,6 +369,7 @@ def test_a_broken_cell_ends_the_campaign_and_its_test_is_not_complete(
     assert len(records.read_campaign(tmp_path / "out")) == 1
 
 
+@pytest.mark.usefixtures("no_trials")
 def test_a_drifting_cell_is_marked_and_told_where_its_records_are_used(drifted: Path) -> None:
     folder = drifted
     recorded = records.read_campaign(folder)

@@ -25,6 +25,7 @@ def said(result):
     return {finding.words for finding in result.findings}
 
 
+@pytest.mark.usefixtures("no_trials")
 def test_a_changed_threshold_changes_the_verdict_and_no_number(records):
     usual = fit(records, "bingham")
     l1 = float(np.mean([score.l1 for score in usual.scores.values()]))
@@ -51,6 +52,7 @@ def test_thresholds_of_records_are_stated_by_what_is_fitted_to_them(records, tmp
     assert card.provenance["thresholds"] == "unlikely_stroke = 4 m"
 
 
+@pytest.mark.usefixtures("no_trials")
 def test_residuals_and_what_is_said_of_single_records_follow_the_thresholds(records):
     usual = fit(records, "bingham")
     assert usual.residuals.misfits

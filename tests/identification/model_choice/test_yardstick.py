@@ -53,6 +53,7 @@ def test_black_boxes_predict_a_damper_of_the_velocity_alone(monkeypatch: pytest.
     assert seen[-1] == 1.0
 
 
+@pytest.mark.usefixtures("no_trials")
 def test_the_residual_of_a_model_without_the_place_goes_with_the_place() -> None:
     pytest.importorskip("sklearn", reason=REASON)
     records = sines("hyperbolic_tangent + place_friction", PLACE)

@@ -119,6 +119,7 @@ def test_the_fit_that_stopped_early_is_named(records: list[Record]) -> None:
     assert any("had not ended at its lowest point" in note for note in notes), notes
 
 
+@pytest.mark.usefixtures("no_trials")
 def test_a_number_that_is_known_to_no_power_of_ten_ends_within_its_allowed_values(records: list[Record]) -> None:
     inverted = fit([record.replace(note="turned", force=-record.force) for record in records], "dahl")
     one = profile(inverted, "dahl.rho")

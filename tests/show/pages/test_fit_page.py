@@ -96,6 +96,7 @@ def test_its_first_screen_has_the_verdict_the_loops_and_the_parameters(joint: Fi
 
 
 @pytest.mark.usefixtures("figures_not_rendered")
+@pytest.mark.usefixtures("no_trials")
 def test_a_misfit_is_told_before_anything_else(tmp_path: Path) -> None:
     skewed = [replace(r, force=r.force + 3000.0 * np.abs(r.velocity)) for r in records()]
     reader = Reader(write_page(fit(skewed, "dahl"), tmp_path / "page.html").read_text("utf-8"))

@@ -71,7 +71,7 @@ def estimate_drift(rests: Sequence[RecordRest]) -> tuple[LevelDrift, Array] | No
     k = int(np.argmax(product**2 / square))
     rate, time = float(product[k] / square[k]), TIMES[k]
     span = float(np.median([share.span[k] for share in first]))
-    if abs(rate) * span < 0.5 * LEAST:
+    if abs(rate) * span < 0.5 * LEAST or abs(rate) * max(share.span[k] for share in first) > MOST:
         return None
     seen = [(force, model, basis, energy[:, [k]]) for force, model, basis, energy in seen]
     for _ in range(TURNS):
@@ -101,8 +101,10 @@ class _Share:
 
     @classmethod
     def of(cls, force: Array, model: Array, basis: Array, energy: Array, rate: Array) -> _Share:
-        weight = model**2 / max(float(model @ model), 1e-300)
-        mean = weight @ energy
+        scale = float(model @ model)
+        if scale <= UNKNOWN * float(force @ force):  # a model that gives nothing has no level
+            return cls(*np.zeros((4, energy.shape[1])))
+        mean = model**2 / scale @ energy
         away = energy - mean
         # one rate where the drift is a factor; where there are several none has an effect yet
         drifting = model * np.exp(rate[0] * away[:, 0])
@@ -112,8 +114,9 @@ class _Share:
         taken = np.linalg.lstsq(known.T @ known, known.T @ values, rcond=1e-12)[0]
         rest, effect = np.hsplit(values - known @ taken, [1])
         # each record counts alike, whatever its input, by its level and the square of its force
-        scale, level = max(float(model @ model), 1e-300), float(taken[0, 0])
+        level = float(taken[0, 0])
         square = np.sum(effect**2, axis=0) / scale
         tells = (square > UNKNOWN * np.ptp(energy, axis=0) ** 2) & (level > 0.0)
-        product = np.where(tells, (rest.T @ effect)[0] / (scale * max(level, 1e-300)), 0.0)
+        product = (rest.T @ effect)[0] / (scale * level) if level > 0.0 else np.zeros_like(square)
+        product = np.where(tells, product, 0.0)
         return cls(product, np.where(tells, square, 0.0), mean, np.ptp(energy, axis=0))
