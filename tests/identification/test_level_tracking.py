@@ -204,3 +204,17 @@ def test_wrong_numbers_are_refused() -> None:
         track_level(CARD).update(0.0, 0.0, 1.0, 0.01)
     with pytest.raises(InputError, match="must be finite, and dt greater than 0 s"):
         track_level(CARD).update(0.0, 0.0, np.nan, 0.01, 1.0)
+
+
+def test_the_input_of_a_sample_has_a_unit_and_a_damper_without_one_takes_none() -> None:
+    damper = dp.studies.raminelli_2020.damper()
+    plain, in_mv = dp.identification.track_level(damper), dp.identification.track_level(damper)
+    ureg = pytest.importorskip("pint", reason="pint is not installed").UnitRegistry()
+    expected = plain.update(0.001, 0.05, 300.0, 0.01, 1.98)
+    assert in_mv.update(0.001, 0.05, 300.0, 0.01, 1980.0 * ureg.mV) == pytest.approx(expected, rel=1e-12)
+    passive = Damper(
+        "spring + dahl", {"spring.k0": 500.0, "dahl.kx": 800.0, "dahl.kw": 50.0, "dahl.rho": 4000.0}, input="none"
+    )
+    assert np.isfinite(dp.identification.track_level(passive).update(0.001, 0.05, 60.0, 0.01))
+    with pytest.raises(InputError, match="has no input, so a sample has none"):
+        dp.identification.track_level(passive).update(0.001, 0.05, 60.0, 0.01, 1.0)

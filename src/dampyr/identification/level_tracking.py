@@ -137,7 +137,10 @@ class LevelTracker:
             raise InputError(
                 f"this damper needs its {INPUTS[self.damper.input]} at each sample; pass input= in {self.damper.input}"
             )
-        u = np.zeros(x.shape) if input is None else np.broadcast_to(np.asarray(input, dtype=float), x.shape)
+        if input is not None and not self.damper.has_input:
+            raise InputError("this damper has no input, so a sample has none; leave input= out")
+        applied = 0.0 if input is None else in_si(input, self.damper.input, INPUTS[self.damper.input])
+        u = np.broadcast_to(np.asarray(applied, dtype=float), x.shape)
         card, rest = self._card_force(x, v, steps, u)
         before, rows = len(self.alarms), np.empty((4, x.size))
         samples = zip(steps.tolist(), v.tolist(), card.tolist(), (measured - rest).tolist(), strict=True)

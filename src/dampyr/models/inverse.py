@@ -41,7 +41,7 @@ REASONS = ("met", "wrong_sign", "above_largest", "below_smallest", "jump")
 
 
 @dataclass(frozen=True)
-class FoundInput:
+class InverseInput:
     """An input and the force that the damper gives at it, numbers of one step or arrays (n,) of a path.
 
     ``input`` is in V or A, ``force`` in N. ``reason`` is "met" where that is the wanted force to 1e-9 of the largest within the
@@ -116,7 +116,7 @@ class Inverse:
     def __repr__(self) -> str:
         return f"Inverse of {self.damper.composition}, {self.low:g} to {self.high:g} {self.damper.input}"
 
-    def find(self, displacement: float, velocity: float, wanted_force: float, dt: float) -> FoundInput:
+    def find(self, displacement: float, velocity: float, wanted_force: float, dt: float) -> InverseInput:
         """The input for a step of ``dt`` s that ends at ``displacement`` m and ``velocity`` m/s with ``wanted_force`` N; the
         states stay at the step's start."""
         return self._step(displacement, velocity, wanted_force, dt, self._states.copy(), self._past.copy())
@@ -131,7 +131,7 @@ class Inverse:
             )
         return float(self._step(displacement, velocity, 0.0, dt, self._states, self._past, u).force)
 
-    def step(self, displacement: float, velocity: float, wanted_force: float, dt: float) -> FoundInput:
+    def step(self, displacement: float, velocity: float, wanted_force: float, dt: float) -> InverseInput:
         """`find`, and go on with the input that it found.
 
         Examples
@@ -148,18 +148,18 @@ class Inverse:
 
     def _step(
         self, x: float, v: float, wanted: float, dt: float, states: Array, past: Array, applied: float | None = None
-    ) -> FoundInput:
+    ) -> InverseInput:
         passed = _number(dt, "s", "dt")
         if not passed > 0.0:
             raise InputError(f"dt = {passed:g} s is not a step; it must be greater than 0")
         numbers = (_number(x, "m", "displacement"), _number(v, "m/s", "velocity"), _number(wanted, "N", "wanted_force"))
         steps, displacements, speeds, forces = (np.array([value]) for value in (passed, *numbers))
         out = self._run(steps, displacements, speeds, forces, states, past, applied)
-        return FoundInput(float(out[0, 0]), float(out[0, 1]), REASONS[int(out[0, 2])], bool(out[0, 3]))
+        return InverseInput(float(out[0, 0]), float(out[0, 1]), REASONS[int(out[0, 2])], bool(out[0, 3]))
 
     def along(
         self, t: ArrayLike, x: ArrayLike, wanted_force: ArrayLike, velocity: ArrayLike | None = None
-    ) -> FoundInput:
+    ) -> InverseInput:
         """The inputs (n,) along a path t [s], x [m] for the wanted forces (n,) N, from the states at the start.
 
         ``velocity`` [m/s] is by default the derivative of x, as in `Damper.force`. What `step` has gone through does not count
@@ -176,7 +176,7 @@ class Inverse:
         past = np.array([displacement[0], speed[0], self.low])
         steps = np.append(0.0, np.diff(time))
         out = self._run(steps, displacement, speed, wanted, self._start.copy(), past)
-        return FoundInput(out[:, 0], out[:, 1], np.array(REASONS)[out[:, 2].astype(int)], out[:, 3] > 0)
+        return InverseInput(out[:, 0], out[:, 1], np.array(REASONS)[out[:, 2].astype(int)], out[:, 3] > 0)
 
     def _run(
         self, dt: Array, x: Array, v: Array, wanted: Array, states: Array, past: Array, applied: float | None = None

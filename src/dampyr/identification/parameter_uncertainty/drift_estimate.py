@@ -20,14 +20,8 @@ from numpy.typing import NDArray
 from dampyr.models.level_drift import LevelDrift, energy_within
 
 Array = NDArray[np.float64]
-TIMES = (
-    3.0,
-    10.0,
-    30.0,
-    100.0,
-    300.0,
-    math.inf,
-)  # s, of cooling: a record of some seconds tells it to a factor of three
+# s, of cooling: a record of some seconds tells it to a factor of three
+TIMES = (3.0, 10.0, 30.0, 100.0, 300.0, math.inf)
 MIN_RECORDS = 4  # a variance between fewer tells nothing
 MAX_SAMPLES = 1000  # of a record: the energy is slow
 CHANCE = 0.01  # of both sides, for one time constant of several that are alike
