@@ -177,6 +177,7 @@ def wrapper(damper: Damper, name: str, fmi: int, drive: str, inverse: bool = Fal
     count = len(damper.composition.parameters)
     core = CORE
     for text, instead in INVERSE if inverse else ():
+        assert text in core, f"the wrapper has no {text!r} any more, which the inverse's replaces"
         core = core.replace(text, instead)
     core = (
         core.replace("DAMPER", name)
