@@ -134,8 +134,11 @@ def said(records: dict[str, Record], tmp_path_factory: pytest.TempPathFactory) -
         assert done.exit_code == 0, done.output
         return str(done.stdout) + (done.stderr if words[0] == "export" else "")
 
-    faces = {"identify": call("identify", *files, "--model", "dahl", "--details", "--save", card, "--report", page)}
-    faces["identify --json"] = call("identify", *files, "--model", "dahl", "--json")
+    # what a fit lacks, of records that are wrong on purpose, is another test's
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("dampyr.identification.fits.fit.list_missing_effects", lambda *_: ())
+        faces = {"identify": call("identify", *files, "--model", "dahl", "--details", "--save", card, "--report", page)}
+        faces["identify --json"] = call("identify", *files, "--model", "dahl", "--json")
     faces["card"], faces["page"] = card.read_text("utf-8"), unescape(page.read_text("utf-8"))
     shake = card, "--voltage", "1", "--allow-extrapolation"
     faces["simulate"] = call("simulate", *shake, "--report", building)

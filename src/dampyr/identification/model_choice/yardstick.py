@@ -221,6 +221,7 @@ def find_carriers(fit: Fit, seed: int) -> dict[str, float]:
     """The share of the residual of a fit that each of `GROUPS` carries, the largest first; those beyond `CARRIES`."""
     from scipy.integrate import cumulative_trapezoid
     from sklearn.ensemble import HistGradientBoostingRegressor
+    from threadpoolctl import threadpool_limits
 
     tables = []
     for record, modelled in zip(fit.records, fit.whole_forces, strict=True):
@@ -246,7 +247,11 @@ def find_carriers(fit: Fit, seed: int) -> dict[str, float]:
                 errors.append(float(np.mean(np.abs(rest))))
         return float(np.mean(errors))
 
-    whole, without = float(np.mean([np.mean(np.abs(t.force[t.moving])) for t in tables])), error(USUAL)
-    shares = {group: (without - error((*USUAL, *members))) / max(whole, 1e-300) for group, members in GROUPS.items()}
+    whole = float(np.mean([np.mean(np.abs(t.force[t.moving])) for t in tables]))
+    # a tree takes milliseconds here; threads that share the cores with another process wait far longer for one another
+    with threadpool_limits(limits=1):
+        without = error(USUAL)
+        errors = {group: error((*USUAL, *members)) for group, members in GROUPS.items()}
+    shares = {group: (without - of_group) / max(whole, 1e-300) for group, of_group in errors.items()}
     ranked = sorted(shares.items(), key=lambda pair: -pair[1])
     return {group: share for group, share in ranked if share >= CARRIES}
