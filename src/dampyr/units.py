@@ -9,14 +9,13 @@ from __future__ import annotations
 import math
 import re
 import tokenize
-import warnings
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from dampyr.errors import DampyrWarning, InputError
+from dampyr.errors import InputError
 
 STANDARD_GRAVITY = 9.80665
 """m/s2, exact by definition; what one g is wherever dampyr reads or shows g."""
@@ -44,10 +43,6 @@ class Quantity:
         Whether ``low`` itself is not allowed.
     linear
         Whether a force is proportional to this parameter, so that a fit solves it and does not search it.
-    usual
-        Below it a value is allowed but doubtful.
-    words
-        Why it is doubtful.
     logarithmic
         Whether a fit searches it in its logarithm although it may be 0; it comes to within 1e-9 SI units of that.
 
@@ -63,8 +58,6 @@ class Quantity:
     high: float = math.inf
     open_low: bool = False
     linear: bool = False
-    usual: float = -math.inf
-    words: str = ""
     logarithmic: bool = False
 
     def check(self, name: str, value: float) -> None:
@@ -84,15 +77,6 @@ class Quantity:
         above = (values > self.high) & (values <= self.high + slack)
         lowest = self.low + OPEN_MARGIN if self.open_low else self.low
         return np.where(below, lowest, np.where(above, self.high, values))
-
-    def doubt(self, name: str, value: float) -> None:
-        """Warn (:class:`~dampyr.errors.DampyrWarning`) where ``value`` is allowed but not usual."""
-        if value < self.usual:
-            warnings.warn(
-                f"{name} = {value:g} {self.unit}".rstrip() + f" is below {self.usual:g}: {self.words}",
-                DampyrWarning,
-                stacklevel=4,
-            )
 
     def range_in_words(self) -> str:
         """The allowed range, as a person would say it."""

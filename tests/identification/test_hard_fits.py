@@ -17,7 +17,7 @@ from dampyr.identification.search.normal_equations import linearise
 from dampyr.models import Damper
 from dampyr.records import Record, read_campaign
 
-pytestmark = [pytest.mark.prove, pytest.mark.filterwarnings("ignore:.*not dissipative")]
+pytestmark = pytest.mark.prove
 MODEL = "modified_bouc_wen"
 #: the published order of sizes (Spencer and others 1997), and a soft one
 SPENCER = {"kw": 1276.0, "k1": 500.0, "vc": 0.045, "r": 0.0742, "kappa": 3.67, "rho": 3300.0, "sigma": 0.5, "n": 2.0}

@@ -1,23 +1,12 @@
 """True of every published set."""
 
-import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from dampyr.errors import DampyrWarning, RangeError
+from dampyr.errors import RangeError
 from dampyr.models import Damper, published
-
-NOT_DISSIPATIVE = {"spencer_1997_baig", "eldorado_as_run"}
-
-
-def made(name: str) -> Damper:
-    """The damper, with or without the one warning that it may give."""
-    with warnings.catch_warnings():
-        if name in NOT_DISSIPATIVE:
-            warnings.simplefilter("ignore", DampyrWarning)
-        return published.damper(name)
 
 
 @pytest.mark.parametrize("name", published.available_sets())
@@ -25,8 +14,8 @@ def test_it_says_where_it_comes_from(name: str) -> None:
     about = published.about(name)
     assert min(map(len, (about.claims, about.paper, about.where, about.read, about.device, about.limits_from))) > 5
     assert len(about.notes) >= 1
-    assert made(name).provenance["paper"] == about.paper
-    assert made(name).provenance["read"] == about.read
+    assert published.damper(name).provenance["paper"] == about.paper
+    assert published.damper(name).provenance["read"] == about.read
     assert all(np.isfinite(number) and unit for number, unit in about.printed.values())
     assert ("eta" in about.printed) == (about.eta is not None)
 
@@ -63,7 +52,7 @@ def test_sets_that_differ_do(name: str) -> None:
 
 def force(name: str, t: np.ndarray, x: np.ndarray, u: float) -> np.ndarray:
     given = {"voltage": u} if published.about(name).input == "V" else {"current": u}
-    return made(name).force(t, x, **given)
+    return published.damper(name).force(t, x, **given)
 
 
 @pytest.mark.parametrize("name", COMPILED)
@@ -83,7 +72,7 @@ def test_every_cycle_of_its_sine_dissipates_more_with_more_input(name: str) -> N
 @pytest.mark.parametrize("name", published.available_sets())
 def test_it_holds_to_its_limits(name: str) -> None:
     low, high = published.about(name).limits
-    damper = made(name)
+    damper = published.damper(name)
     assert damper.range == (low, high)
     assert all(low <= u <= high for u in published.about(name).motion.inputs)
     with pytest.raises(RangeError):
@@ -91,22 +80,9 @@ def test_it_holds_to_its_limits(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", published.available_sets())
-def test_only_the_sets_that_are_not_dissipative_warn(name: str) -> None:
-    if name in NOT_DISSIPATIVE:
-        with pytest.warns(DampyrWarning, match="not dissipative on every path"):
-            published.damper(name)
-        assert any("not dissipative on every path" in note for note in published.about(name).notes)
-    else:
-        published.damper(name)
-
-
-@pytest.mark.parametrize("name", published.available_sets())
 def test_its_card_comes_back(name: str, tmp_path: Path) -> None:
-    damper = made(name)
-    with warnings.catch_warnings():
-        if name in NOT_DISSIPATIVE:
-            warnings.simplefilter("ignore", DampyrWarning)
-        again = Damper.load(damper.save(tmp_path / "card.toml"))
+    damper = published.damper(name)
+    again = Damper.load(damper.save(tmp_path / "card.toml"))
     u = 0.4 * damper.range[1]
     np.testing.assert_array_equal(again.values(u), damper.values(u))
     assert again.provenance == damper.provenance

@@ -164,7 +164,6 @@ def test_a_motion_over_5_g_asks_about_its_unit() -> None:
     assert MOTION.scaled(30.0).pga > 5 * 9.80665  # what is scaled was asked for
 
 
-@pytest.mark.filterwarnings("ignore:.* not dissipative on every path")
 @pytest.mark.parametrize("name", dp.models.published.available_sets())
 def test_a_published_set_states_what_its_source_moved(name: str) -> None:
     assert "no calibrated displacement or velocity is stated" in dp.models.published.damper(name).provenance["motion"]

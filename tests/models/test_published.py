@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from dampyr import ground_motions, structures
-from dampyr.errors import DampyrWarning, InputError
+from dampyr.errors import InputError
 from dampyr.export import export
 from dampyr.models import Damper, published
 from dampyr.models.published._conversion import ratio
@@ -24,10 +23,8 @@ STEPS = 4000
 
 
 def made(name: str, *without: str) -> Damper:
-    """The damper less some parts, without the warning of the sets that are not dissipative."""
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "(?s).*not dissipative on every path", DampyrWarning)
-        return published.damper(name).without(*without)
+    """The damper less some parts."""
+    return published.damper(name).without(*without)
 
 
 def sine(name: str, cycles: int = 3) -> tuple[Array, Array, Array]:

@@ -141,7 +141,6 @@ class Damper(Shown):
             )
             quantity.check(where, low)
             quantity.check(where, high)
-            quantity.doubt(where, low)
         self._check_constants()
         k = composition.lag
         if k is not None and not isinstance(laws[composition.parameters[k]], Constant):

@@ -48,7 +48,6 @@ def checked(cls: _Class) -> _Class:
         made(self, *args, **kwargs)
         for name, quantity in quantities(cls).items():
             quantity.check(f"{cls.__name__}.{name}", getattr(self, name))
-            quantity.doubt(f"{cls.__name__}.{name}", getattr(self, name))
 
     cls.__init__ = init  # type: ignore[misc]
     return cls

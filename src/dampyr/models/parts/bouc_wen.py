@@ -4,8 +4,10 @@ r"""The Bouc-Wen model: spring, dashpot and hysteresis, in the normalised letter
           \dot w = \rho\left(v - \sigma |v|\,|w|^{n-1} w + (\sigma - 1) v |w|^n\right)
 
 w stays in [-1, 1]. The usual seven letters are singular, because z can be scaled at will; these six are not. With n = 1 and
-sigma = 1 the model is `dahl` with a spring. With sigma >= 1/2 the element is dissipative, as a passive damper is; below it,
-down to 0, it is not on every path, and a warning is given; at 0 and below it makes energy and is refused.
+sigma = 1 the model is `dahl` with a spring. It dissipates whatever the motion, for every sigma > 0: with
+:math:`S(w) = \frac{k_w}{\rho} \int_0^{|w|} \frac{u\,du}{1 + (2\sigma - 1) u^n}` stored, the work :math:`k_w w\,dx` is dS on
+the way back towards w = 0 and more than dS on the way out. At sigma = 0 it is a spring that bends, below that it makes energy:
+both are refused.
 
 The step along a monotone path is exact for every n (`dampyr.models.numerics.bouc_wen_exact`).
 The letters of equations (2.1) and (2.2) of Raminelli (2020) are converted by `from_printed` and `to_printed`. Sets of them with
@@ -25,7 +27,6 @@ from dampyr.models.numerics.bouc_wen_exact import flow
 from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
-NOT_DISSIPATIVE = "stable, but the element is not dissipative on every path"
 HOLDS = ("spring",)
 # where sigma is 1000, friction leaves its limit on a thousandth of the path that led there
 MAX_SIGMA = 1000.0
@@ -42,7 +43,7 @@ class BoucWen:
     k0: Annotated[float, Quantity("N/m", linear=True)]
     kw: Annotated[float, Quantity("N", low=0, open_low=True, linear=True)]
     rho: Annotated[float, Quantity("1/m", low=0, open_low=True)]
-    sigma: Annotated[float, Quantity("", low=0, high=MAX_SIGMA, open_low=True, usual=0.5, words=NOT_DISSIPATIVE)]
+    sigma: Annotated[float, Quantity("", low=0, high=MAX_SIGMA, open_low=True)]
     n: Annotated[float, Quantity("", low=1, high=MAX_EXPONENT)]
 
 

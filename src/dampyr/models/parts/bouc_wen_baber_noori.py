@@ -20,8 +20,8 @@ that are alike, and a card is of the new device. Several of its eleven shape num
 known (``fixed=``), and trust a fit no further than its intervals.
 
 A step takes h, nu and eta at its middle, as a half step finds it, and the exact step of `bouc_wen` with them: of second order,
-exact without pinching and degradation, and w stays within its limit however long the step. With sigma >= 1/2 a loop at
-constant energy takes work; as stiffness and pinching change within a loop, this is not so by construction.
+exact without pinching and degradation, and w stays within its limit however long the step. It dissipates by construction only
+without them, as `bouc_wen` does: stiffness and pinching change within a loop.
 
 Foliente (1995), Journal of Structural Engineering 121, 1013; Baber and Noori (1986), Journal of Vibration, Acoustics, Stress
 and Reliability in Design 108, 411; OpenSees' BWBN.
@@ -52,9 +52,7 @@ class BoucWenBaberNoori:
     k0: Annotated[float, Quantity("N/m", linear=True)]
     kw: Annotated[float, Quantity("N", low=0, open_low=True, linear=True)]
     rho: Annotated[float, Quantity("1/m", low=0, open_low=True)]
-    sigma: Annotated[
-        float, Quantity("", low=0, high=bouc_wen.MAX_SIGMA, open_low=True, usual=0.5, words=bouc_wen.NOT_DISSIPATIVE)
-    ]
+    sigma: Annotated[float, Quantity("", low=0, high=bouc_wen.MAX_SIGMA, open_low=True)]
     n: Annotated[float, Quantity("", low=1, high=bouc_wen.MAX_EXPONENT)]
     zetas: Annotated[float, Quantity("", low=0, high=0.999)]
     q: Annotated[float, Quantity("", low=0, high=1)]

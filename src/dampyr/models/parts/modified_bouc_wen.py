@@ -52,9 +52,7 @@ class ModifiedBoucWen:
     r: Annotated[float, Quantity("", low=0, logarithmic=True)]
     kappa: Annotated[float, Quantity("1/m", low=0)]
     rho: Annotated[float, Quantity("1/m", low=0, open_low=True)]
-    sigma: Annotated[
-        float, Quantity("", low=0, high=bouc_wen.MAX_SIGMA, open_low=True, usual=0.5, words=bouc_wen.NOT_DISSIPATIVE)
-    ]
+    sigma: Annotated[float, Quantity("", low=0, high=bouc_wen.MAX_SIGMA, open_low=True)]
     n: Annotated[float, Quantity("", low=1, high=bouc_wen.MAX_EXPONENT)]
 
 

@@ -50,8 +50,6 @@ def about(name: str) -> About:
 def damper(name: str) -> Damper:
     """The damper of the set called ``name``, in SI; :class:`~dampyr.errors.InputError` if there is none.
 
-    A set with sigma < 1/2, which is not dissipative on every path, is made with a :class:`~dampyr.errors.DampyrWarning`.
-
     Examples
     --------
     >>> import dampyr as dp
