@@ -25,7 +25,7 @@ def wired(coil_voltage: str = "ai2", coil_current: str = "ai3") -> RigSettings:
     return replace(settings, wires=replace(settings.wires, coil_voltage=coil_voltage, coil_current=coil_current))
 
 
-@pytest.fixture(params=[pytest.param((2, 2), id="short"), pytest.param((4, 5), id="long", marks=pytest.mark.prove)])
+@pytest.fixture(params=[pytest.param((2, 2), id="short"), pytest.param((4, 5), id="long", marks=pytest.mark.by_hand)])
 def performed(tmp_path: Path, request: pytest.FixtureRequest) -> Performed:
     cycles, faster = request.param
     step = {"kind": "sine", "amplitude": "8 mm", "frequency": "1 Hz", "cycles": cycles, "voltage": ["0.5 V", "1.98 V"]}

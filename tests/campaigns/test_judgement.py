@@ -297,10 +297,12 @@ def test_on_the_simulated_rig_a_good_specimen_passes_and_a_weak_and_an_unfinishe
     """The design is the closed form of Dahl; the weak specimen has 0.6 of its force."""
     design = dahl_design(document)
     good, weak = performed(tmp_path / "good", document, KW), performed(tmp_path / "weak", document, 0.6 * KW)
-    last = f"{len(campaigns.campaign_of(document).tests):02}"
-    unfinished = performed(tmp_path / "unfinished", document, KW, stop_at=last)
-    judged = judge([good, weak, unfinished], "ntc_2018_viscous", design)
-    assert [specimen.verdict for specimen in judged.specimens] == ["passed", "failed", "not judged"]
+    folders = [good, weak]
+    if document is NTC:  # of the longer campaign a third run shows no more
+        last = f"{len(campaigns.campaign_of(document).tests):02}"
+        folders.append(performed(tmp_path / "unfinished", document, KW, stop_at=last))
+    judged = judge(folders, "ntc_2018_viscous", design)
+    assert [specimen.verdict for specimen in judged.specimens] == ["passed", "failed", "not judged"][: len(folders)]
     assert {specimen.specimen for specimen in judged.specimens[:2]} == {"SN 17"}
     assert judged.origin.kind == "simulated"
     failed = {
@@ -310,8 +312,8 @@ def test_on_the_simulated_rig_a_good_specimen_passes_and_a_weak_and_an_unfinishe
         if not cycle.holds
     }
     assert failed == {("largest_force", "design"), ("energy", "design")}
-    reasons = [reason for level in judged.specimens[2].levels for reason in level.unjudged]
-    assert reasons == ["the test stopped: by the operator"]
+    reasons = [reason for specimen in judged.specimens[2:] for level in specimen.levels for reason in level.unjudged]
+    assert reasons == ["the test stopped: by the operator"] * (len(folders) - 2)
     for level in judged.specimens[0].levels:
         reached = np.mean([cycle.amplitude for cycle in level.cycles])
         measured = np.mean([cycle.value for cycle in level.cycles if cycle.criterion.reference == "cycle 3"])

@@ -105,7 +105,8 @@ def test_at_the_highest_voltage_the_learned_sine_is_within_two_per_cent(tmp_path
     ("voltage", "cycles"),
     [
         ("0 V", 5),
-        *(pytest.param(v, 12, marks=pytest.mark.prove) for v in ("0 V", "0.8712 V", "1.98 V", "2.5 V", "3.212 V")),
+        *(pytest.param(v, 12, marks=pytest.mark.prove) for v in ("0.8712 V", "2.5 V")),
+        *(pytest.param(v, 12, marks=pytest.mark.by_hand) for v in ("0 V", "1.98 V", "3.212 V")),
     ],
 )
 def test_sines_from_zero_to_the_highest_voltage_are_within_two_per_cent(

@@ -216,7 +216,7 @@ def test_a_control_law_with_a_lag_of_its_own_and_c_code_refuse_it(tmp_path: Path
     assert export(made("spencer_1997", "lag"), "c", tmp_path)
 
 
-@pytest.mark.prove
+@pytest.mark.by_hand  # two kernels of half a minute each; the lag itself is a proof above
 def test_the_lag_of_a_modified_bouc_wen_damper_is_that_of_a_law_with_the_same_lag() -> None:
     whole, building = ground_motions.el_centro().scaled(0.05), structures.two_storey()
     motion = ground_motions.GroundMotion(whole.acceleration[:101], whole.dt, "the first 2 s")
@@ -225,7 +225,7 @@ def test_the_lag_of_a_modified_bouc_wen_damper_is_that_of_a_law_with_the_same_la
     np.testing.assert_allclose(ours.peak_displacement, theirs.peak_displacement, rtol=1e-9)
 
 
-@pytest.mark.prove
+@pytest.mark.by_hand  # as above
 @pytest.mark.filterwarnings("ignore:the damper in storey .* fed")  # its spring is switched with the voltage
 def test_its_lag_under_a_control_law_is_that_of_a_law_with_the_same_lag() -> None:
     whole, building = ground_motions.el_centro().scaled(0.05), structures.two_storey()

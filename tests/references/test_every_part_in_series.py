@@ -392,14 +392,26 @@ def agree_in_a_building(
     of_first_order(ours, exact / scale, limit)
 
 
-@pytest.mark.prove  # its kernel takes long to compile
+#: a part of each kind: without memory, with one of the path, of the velocity, of the stretch, and one that wears
+KINDS = ["bingham", "dahl", "hysteretic_biviscous", "generalised_maxwell", "shutting_bleed", "bouc_wen_baber_noori"]
+
+
+@pytest.mark.prove
 @pytest.mark.filterwarnings(
     "ignore:the damper in storey .* fed"
 )  # hysteretic_biviscous and sigmoid may, as their pages say
-@LONG_SIZES
-def test_every_part_on_a_brace_in_a_building(size: float) -> None:
+@pytest.mark.parametrize(
+    ("names", "size"),
+    [
+        pytest.param(KINDS, SMALL, id="of each kind"),
+        *(  # a kernel of minutes
+            pytest.param(BRACED, size, marks=pytest.mark.by_hand, id=f"all-{size * 1e3:g}mm") for size in (FULL, SMALL)
+        ),
+    ],
+)
+def test_every_part_on_a_brace_in_a_building(names: list[str], size: float) -> None:
     """One building with each part on a brace of its own in a storey of its own."""
-    agree_in_a_building(BRACED, size, [20, 40, 80], 40, 61, 1e-5, True)
+    agree_in_a_building(names, size, [20, 40, 80], 40, 61, 1e-5, True)
 
 
 @pytest.mark.usefixtures("plain")

@@ -180,7 +180,7 @@ def test_a_building_in_a_weak_earthquake() -> None:
     np.testing.assert_allclose(2.0 * peaks[1] - peaks[0], PEAKS, rtol=8e-4)  # of first order in the step
 
 
-@pytest.mark.prove  # its kernels take long to compile
+@pytest.mark.by_hand  # its kernels take a minute to compile; the march itself is a proof above
 def test_the_building_of_a_march_of_the_documented_equations() -> None:
     building, weak = two_storey(), el_centro().scaled(0.1)
     given = (np.asarray(weak.acceleration), weak.dt, 200, building.M, building.K, building.C)

@@ -220,6 +220,7 @@ def test_a_time_stamp_that_comes_twice(tmp_path: Path) -> None:
     assert "time[57] = 0.112 s does not come after 0.112 s" in refused("identify", tmp_path, *SAID)
 
 
+@pytest.mark.usefixtures("no_trials")
 @pytest.mark.parametrize("command", ["records", "identify"])
 def test_an_inverted_force_is_flagged(tmp_path: Path, command: str) -> None:
     (tmp_path / "a.txt").write_text(spoilt(inverted))

@@ -60,6 +60,7 @@ CASES: dict[str, Callable[[], Fit]] = {
 
 
 @pytest.mark.prove
+@pytest.mark.usefixtures("no_trials")
 @pytest.mark.parametrize("name", CASES)
 def test_a_page_is_written_for_every_kind_of_fit(name: str, tmp_path: Path) -> None:
     fit_result = CASES[name]()
