@@ -341,7 +341,10 @@ def record_suffixes() -> str:
 def motion_formats() -> str:
     """One row for each format of ground motions."""
     rows = [
-        [", ".join(f"`{suffix}`" for suffix in module.SUFFIXES), cell(registry.summary(module))]
+        [
+            ", ".join(f"`{suffix}`" for suffix in module.SUFFIXES) or "any, by its content",
+            cell(registry.summary(module)),
+        ]
         for _, module in registry.members(MOTIONS)
     ]
     return table(["suffix", "what"], rows)

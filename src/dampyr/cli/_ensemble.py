@@ -22,7 +22,7 @@ from dampyr.cli._control import (
     structure_option,
     temperature_option,
 )
-from dampyr.cli._motion import acceleration
+from dampyr.cli._motion import acceleration, component_option
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
@@ -48,6 +48,7 @@ class EnsembleCommand:
     motions: tuple[Path, ...]
     motion_unit: str | None
     dt: float | None
+    component: str | None
     synthetic: int | None
     duration: float
     pga: str
@@ -70,9 +71,9 @@ class EnsembleCommand:
     def _motions(self, seed: int) -> list[GroundMotion]:
         from dampyr import ground_motions
 
-        if not self.motions and (self.motion_unit is not None or self.dt is not None):
-            raise InputError("--motion-unit and --dt belong to files that are given with --motion")
-        motions = [ground_motions.read(path, units=self.motion_unit, dt=self.dt) for path in self.motions]
+        if not self.motions and any(option is not None for option in (self.motion_unit, self.dt, self.component)):
+            raise InputError("--motion-unit, --dt and --component belong to files that are given with --motion")
+        motions = [ground_motions.read(path, self.motion_unit, self.dt, self.component) for path in self.motions]
         if self.synthetic:
             motions += ground_motions.synthetic_motions(self.synthetic, seed, self.duration, acceleration(self.pga))
         return motions or [ground_motions.el_centro()]
@@ -92,6 +93,7 @@ CASE_OPTIONS = (
     ),
     click.option("--motion-unit", metavar="UNIT", help="Unit of the acceleration in plain files, such as g."),
     click.option("--dt", type=float, help="Seconds between samples, for plain files with one column."),
+    component_option,
     click.option("--synthetic", type=click.IntRange(1), default=None, metavar="N", help="Make N motions by seed."),
     click.option("--duration", type=float, default=20.0, help="Duration of synthetic motions in s.  [default: 20]"),
     click.option("--pga", default="0.3g", metavar="A", help="Peak acceleration of synthetic motions.  [default: 0.3g]"),

@@ -132,6 +132,7 @@ OPTIONS = tuple(
         (r"\bdeclare it, such as units='([^']*)'( or units='[^']*')?", r"declare it with --motion-unit \1"),
         (r"\bgive the seconds between samples, such as dt=([\d.]+)", r"give the seconds between samples with --dt \1"),
         (r"(--\w[\w-]* [\w.]+)(,| or) \w+=[\w.]+", r"\1"),
+        (r"(--component '[^']*') or component='[^']*'", r"\1"),
     )
 )
 

@@ -25,16 +25,22 @@ class Ground:
     scale: float | None
     pga: str | None
     sa: str | None
+    component: str | None = None
 
     def motion(self, path: Path | None, baseline: bool = False) -> GroundMotion:
         """The motion in the file, or El Centro 1940; less its ``baseline`` where asked for; as strong as asked for."""
         from dampyr import ground_motions
 
-        if path is None and (self.unit is not None or self.dt is not None):
+        if path is None and any(option is not None for option in (self.unit, self.dt, self.component)):
             raise InputError(
-                "--motion-unit and --dt belong to a file that is given with --motion; those of El Centro 1940 are fixed"
+                "--motion-unit, --dt and --component belong to a file that is given with --motion; those of El Centro 1940 are "
+                "fixed"
             )
-        motion = ground_motions.el_centro() if path is None else ground_motions.read(path, units=self.unit, dt=self.dt)
+        motion = (
+            ground_motions.el_centro()
+            if path is None
+            else ground_motions.read(path, units=self.unit, dt=self.dt, component=self.component)
+        )
         return self._scaled(ground_motions.corrected(motion) if baseline else motion)
 
     def _scaled(self, motion: GroundMotion) -> GroundMotion:
@@ -48,11 +54,17 @@ class Ground:
         return motion if self.sa is None else motion.scaled_to_sa(*spectral(self.sa))
 
 
+component_option = click.option(
+    "--component", metavar="NAME", help="Component of a file that holds several, as the file calls it, such as N-S."
+)
+
+
 def motion_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The options ``--motion-unit --dt --scale --pga --sa``; they come as ``ground``, a `Ground`."""
+    """The options ``--motion-unit --dt --component --scale --pga --sa``; they come as ``ground``, a `Ground`."""
 
     @click.option("--motion-unit", metavar="UNIT", help="Unit of the acceleration in a plain file, such as g.")
     @click.option("--dt", type=float, help="Seconds between samples, for a plain file with one column.")
+    @component_option
     @click.option("--scale", type=float, metavar="FACTOR", help="Factor on the ground motion.")
     @click.option("--pga", metavar="A", help="Scale to this peak acceleration, such as 0.3g or '3 m/s^2'.")
     @click.option("--sa", metavar="A@T[@D]", help="Scale to this Sa at a period and damping, such as 0.5g@0.48s@5%.")
@@ -61,12 +73,13 @@ def motion_options(command: Callable[..., Any]) -> Callable[..., Any]:
         *rest: Any,
         motion_unit: str | None,
         dt: float | None,
+        component: str | None,
         scale: float | None,
         pga: str | None,
         sa: str | None,
         **options: Any,
     ) -> Any:
-        return command(*rest, ground=Ground(motion_unit, dt, scale, pga, sa), **options)
+        return command(*rest, ground=Ground(motion_unit, dt, scale, pga, sa, component), **options)
 
     return wrapped
 

@@ -9,6 +9,7 @@ import click
 
 from dampyr.cli._control import damper_of, inputs_for, place_of, structure_of, structure_option, temperature_option
 from dampyr.cli._examples import examples
+from dampyr.cli._motion import component_option
 from dampyr.cli._output import as_json_option, print_json, print_notice, state_origin
 from dampyr.errors import InputError
 
@@ -40,6 +41,7 @@ from dampyr.errors import InputError
 )
 @click.option("--motion-unit", metavar="UNIT", help="Unit of the acceleration in a plain file, such as g.")
 @click.option("--dt", type=float, help="Seconds between samples, for a plain file with one column.")
+@component_option
 @click.option("--without", multiple=True, metavar="PART", help="Leave out a part, such as delay.")
 @temperature_option
 @click.option("--allow-extrapolation", is_flag=True, help="Take inputs outside the calibrated range.")
@@ -57,6 +59,7 @@ def command(
     motion: Path | None,
     motion_unit: str | None,
     dt: float | None,
+    component: str | None,
     without: tuple[str, ...],
     temperature: float | None,
     allow_extrapolation: bool,
@@ -85,7 +88,7 @@ def command(
     if building is None and (storey is not None or between is not None):
         raise InputError("--storey and --between are places of a structure; give --structure too")
     law = law_of(control, damper) if control else None
-    record = None if motion is None else ground_motions.read(motion, units=motion_unit, dt=dt)
+    record = None if motion is None else ground_motions.read(motion, motion_unit, dt, component)
     place = place_of(storey, between)
 
     def live_damper(n: int) -> opensees_server.LiveDamper:

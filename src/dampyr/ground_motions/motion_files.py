@@ -1,15 +1,20 @@
-"""Reading a ground motion from a file: the format follows from the suffix."""
+"""Reading a ground motion from a file: its first lines say which format it is, and where they do not, its suffix."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
+from types import ModuleType
 
 from dampyr import registry
 from dampyr.errors import FileError, MissingData
+from dampyr.ground_motions.channels import MotionChannel, chosen, motion_of_channel
 from dampyr.ground_motions.motion import GroundMotion
 from dampyr.source_file import check_name
 
 REGISTRY = "dampyr.ground_motions.formats"
+HEAD = 1 << 14  # bytes, in which a format shows what it is
+LINE_ENDS = re.compile(r"\r*\n|\r")  # CR CR LF too, as files have that were copied as text twice
 
 
 def available_formats() -> dict[str, tuple[str, ...]]:
@@ -17,24 +22,29 @@ def available_formats() -> dict[str, tuple[str, ...]]:
     return {name: module.SUFFIXES for name, module in registry.members(REGISTRY)}
 
 
-def read(path: str | Path, units: str | None = None, dt: float | None = None) -> GroundMotion:
+def read(
+    path: str | Path, units: str | None = None, dt: float | None = None, component: str | None = None
+) -> GroundMotion:
     """The ground motion in a file.
 
     Parameters
     ----------
     path
-        The file; its suffix says which format it is.
+        The file; its first lines say which format it is, and where they do not, its suffix.
     units
         Unit of the acceleration, such as "g" or "m/s^2"; needed where the file does not name it.
     dt
         Seconds between samples; needed where the file holds accelerations only.
+    component
+        Of a file with several: what the file calls it, such as "N-S", or a word of that which no other has.
 
     Raises
     ------
     MissingData
         There is no such file.
     FileError
-        The file contradicts itself or the arguments, or holds values that are not numbers.
+        The file contradicts itself or the arguments, holds values that are not numbers, or several components of which none
+        is chosen.
 
     Examples
     --------
@@ -46,13 +56,67 @@ def read(path: str | Path, units: str | None = None, dt: float | None = None) ->
     >>> motion.n, round(motion.dt, 6), round(motion.pga, 2)
     (200, 0.01, 3.92)
     """
+    file = _existing(path)
+    _, module = format_of(file)
+    if hasattr(module, "channels"):
+        return motion_of_channel(file, chosen(file, read_channels(file, module), component), units, dt)
+    if component is not None:
+        raise FileError(file, f"component = {component!r} was given, but the file has one acceleration; leave it out")
+    motion: GroundMotion = module.read(file, units, dt)
+    return motion
+
+
+def read_components(path: str | Path, units: str | None = None, dt: float | None = None) -> dict[str, GroundMotion]:
+    """Every component in a file by the name that the file gives it; "" for that of a file which names none.
+
+    Arguments and errors are those of `read`.
+    """
+    file = _existing(path)
+    _, module = format_of(file)
+    if not hasattr(module, "channels"):
+        return {"": module.read(file, units, dt)}
+    return {channel.component: motion_of_channel(file, channel, units, dt) for channel in read_channels(file, module)}
+
+
+def read_channels(file: Path, module: ModuleType) -> list[MotionChannel]:
+    """The components in a file of a format that is recognised by its content."""
+    lines = LINE_ENDS.split(_text(file.read_bytes()))
+    if not module.recognises(lines):
+        raise FileError(
+            file,
+            f"is not a file of {module.TITLE}, as its suffix says: it begins with {lines[0].strip()[:60]!r} and must have "
+            f"{module.SIGNATURE}",
+        )
+    channels: list[MotionChannel] = module.channels(file, lines)
+    names = [channel.component for channel in channels]
+    if len(set(names)) < len(names):
+        raise FileError(file, f"two components have one name ({', '.join(names)}); split the file")
+    return channels
+
+
+def format_of(file: Path) -> tuple[str, ModuleType]:
+    """The name and the module of the file's format, by its first lines, else by its suffix."""
+    with file.open("rb") as stream:
+        head = LINE_ENDS.split(_text(stream.read(HEAD)))
+    available = list(registry.members(REGISTRY))
+    for name, module in available:
+        if hasattr(module, "recognises") and module.recognises(head):
+            return name, module
+    for name, module in available:
+        if file.suffix.lower() in module.SUFFIXES:
+            return name, module
+    suffixes = ", ".join(sorted(suffix for _, module in available for suffix in module.SUFFIXES))
+    raise FileError(file, f"the suffix {file.suffix!r} is not a ground motion's; dampyr reads {suffixes}")
+
+
+def _existing(path: str | Path) -> Path:
     file = Path(path)
     if not file.is_file():
         raise MissingData(f"{file}: there is no such file; check the path of the ground motion")
     check_name(file)
-    for _, module in registry.members(REGISTRY):
-        if file.suffix.lower() in module.SUFFIXES:
-            motion: GroundMotion = module.read(file, units, dt)
-            return motion
-    available = ", ".join(sorted(suffix for suffixes in available_formats().values() for suffix in suffixes))
-    raise FileError(file, f"the suffix {file.suffix!r} is not a ground motion's; dampyr reads {available}")
+    return file
+
+
+def _text(content: bytes) -> str:
+    """Latin-1, as these files are: numbers and the names in their headers are ASCII."""
+    return content.removeprefix(b"\xef\xbb\xbf").decode("latin-1")
