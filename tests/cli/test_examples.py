@@ -18,6 +18,7 @@ from click.testing import CliRunner
 from tests.campaigns.made_response import write_response
 from tests.campaigns.specimen_folders import QUASI_STATIC, dahl, specimen_folder
 from tests.conftest import data_folder
+from tests.ground_motions import accelerograph_files
 
 from dampyr import records
 from dampyr.cli import cli
@@ -93,6 +94,9 @@ def prepared(tmp_path_factory: pytest.TempPathFactory) -> Path:
     shutil.copy(ROOT / "examples" / "quick_campaign.toml", folder / "campaign.toml")
     t = 0.02 * np.arange(500)
     np.savetxt(folder / "kobe.csv", 0.3 * np.sin(9.0 * t) * np.exp(-0.3 * t))
+    (folder / "motions").mkdir()
+    for k, stream in enumerate(("HNE", "HNN", "HNZ")):
+        accelerograph_files.esm(folder / "motions" / f"{stream}.asc", accelerograph_files.shaking(seed=k), stream)
     specimen_folder(folder / "specimen-17", QUASI_STATIC, dahl(300.0, 4000.0))
     (folder / "design.toml").write_text('[[level]]\namplitude = "4 mm"\nlargest_force = "300 N"\nenergy = "4.5 J"\n')
     rows = [f"{a:.3f};{8 * np.sin(6 * a):.4f};{0.3 * np.tanh(5 * np.cos(6 * a)):.4f}" for a in 0.004 * np.arange(1500)]

@@ -200,6 +200,11 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "ground_motions.RisePlateauDecay": lambda made: dp.ground_motions.RisePlateauDecay(0.1, 0.5, 0.05),
     "ground_motions.ShinozukaSato": lambda made: dp.ground_motions.ShinozukaSato(0.2, 0.6),
     "ground_motions.Soil": lambda made: dp.ground_motions.MEDIUM,
+    "ground_motions.MotionEntry": lambda made: dp.ground_motions.read_folder(made.motion_file).entries[0],
+    "ground_motions.MotionTable": lambda made: dp.ground_motions.read_folder(made.motion_file),
+    "ground_motions.RotatedSpectrum": lambda made: dp.ground_motions.rotated_spectrum(
+        made.motion, made.motion, [0.2, 0.5]
+    ),
     "ground_motions.Spectrum": lambda made: dp.ground_motions.spectrum(made.motion, damping=(0.02, 0.05)),
     "identification.AcceptOptions": lambda made: dp.identification.AcceptOptions(),
     "identification.Acceptance": lambda made: made.accepted.results[0],
@@ -314,6 +319,8 @@ NEEDS_A_RECORD = {
 def made(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SimpleNamespace]:
     """What the examples are made of: a few simulated records, a building, and a rig in this process."""
     made = SimpleNamespace()
+    made.motion_file = tmp_path_factory.mktemp("motions") / "pulse.csv"
+    made.motion_file.write_text("time [s],acceleration [g]\n0,0.1\n0.01,-0.2\n0.02,0.1\n")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)
         _identify(made)

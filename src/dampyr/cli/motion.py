@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from dampyr.cli._examples import examples
+from dampyr.cli._frame import in_option_words
 from dampyr.cli._motion import Ground, motion_options, ratio
 from dampyr.cli._output import as_json_option, print_json, print_result
 from dampyr.cli._report import report_options
+from dampyr.errors import InputError
 
 if TYPE_CHECKING:
     from dampyr.ground_motions import GroundMotion
@@ -19,7 +22,11 @@ if TYPE_CHECKING:
 
 
 @click.command(
-    epilog=examples("dampyr motion --pga 0.3g --report motion.html", "dampyr motion kobe.csv --motion-unit g --dt 0.02")
+    epilog=examples(
+        "dampyr motion --pga 0.3g --report motion.html",
+        "dampyr motion kobe.csv --motion-unit g --dt 0.02",
+        "dampyr motion motions --period 0.5",
+    )
 )
 @click.argument("file", required=False, type=click.Path(path_type=Path))
 @motion_options
@@ -43,12 +50,17 @@ def command(
 ) -> None:
     """Tell how strong an earthquake is: its peaks and its spectrum.
 
-    FILE is a ground motion; without it El Centro 1940 is taken.
+    FILE is a ground motion; without it El Centro 1940 is taken. Of a folder, or of a file with several components of which
+    none is chosen, it tells what is in it, and the spectra RotD50 and RotD100 of each pair of horizontal components.
     """
     from dampyr.ground_motions import measures, spectrum
+    from dampyr.ground_motions.motion_files import component_names
     from dampyr.show.pages import motion_page
     from dampyr.show.pages.result_page import write_page
 
+    if file is not None and (file.is_dir() or (ground.component is None and len(component_names(file)) > 1)):
+        _print_folder(file, ground, {"--baseline": baseline, "--report": report}, dampings, periods, as_json)
+        return
     motion = ground.motion(file, baseline)
     table_periods, ratios = periods or motion_page.TABLE, [ratio(text) for text in dampings]
     motion_measures = measures(motion)
@@ -61,6 +73,40 @@ def command(
     print_result(motion)
     click.echo()
     print_result(peaks)
+
+
+def _print_folder(
+    path: Path,
+    ground: Ground,
+    flags: dict[str, Any],
+    dampings: tuple[str, ...],
+    periods: tuple[float, ...],
+    as_json: bool,
+) -> None:
+    """What is in a folder, or in a file with several components; ``flags`` are options that take one motion."""
+    from dampyr.ground_motions import read_folder, rotated_spectrum
+    from dampyr.show.pages.motion_page import TABLE
+
+    of_one = flags | {f"--{name}": getattr(ground, name) for name in ("component", "scale", "pga", "sa")}
+    wrong = [option for option, value in of_one.items() if value not in (None, False)]
+    if wrong:
+        repair = "name one of its files" if path.is_dir() else "choose one with --component"
+        raise InputError(f"{path}: {wrong[0]} is of one motion; {repair}")
+    table = read_folder(path, ground.unit, ground.dt)
+    ratios = [ratio(text) for text in dampings] or [0.05]
+    spectra = [
+        rotated_spectrum(first, second, periods or TABLE, damping)
+        for first, second in table.horizontal_pairs
+        for damping in ratios
+    ]
+    if as_json:
+        print_json({**table.as_dict(), "rotated": [spectrum.as_dict() for spectrum in spectra]})
+        return
+    entries = tuple(replace(entry, problem=in_option_words(entry.problem)) for entry in table.entries)
+    print_result(replace(table, entries=entries))
+    for spectrum in spectra:
+        click.echo()
+        print_result(spectrum)
 
 
 def _as_dict(motion: GroundMotion, motion_measures: Measures, peaks: Spectrum) -> dict[str, Any]:

@@ -78,6 +78,13 @@ def read_components(path: str | Path, units: str | None = None, dt: float | None
     return {channel.component: motion_of_channel(file, channel, units, dt) for channel in read_channels(file, module)}
 
 
+def component_names(path: str | Path) -> list[str]:
+    """What a file calls the components in it, to choose from with `read`; none where its format names none."""
+    file = _existing(path)
+    _, module = format_of(file)
+    return [channel.component for channel in read_channels(file, module)] if hasattr(module, "channels") else []
+
+
 def read_channels(file: Path, module: ModuleType) -> list[MotionChannel]:
     """The components in a file of a format that is recognised by its content."""
     lines = LINE_ENDS.split(_text(file.read_bytes()))
