@@ -6,13 +6,17 @@ some files have the offsets of ``x_F`` removed; the velocity is the second colum
 recorded. ``f`` is 1.5 in every file and is not the test's frequency, so it is not read.
 
 Of any other file ``columns`` gives each channel its variable, ``{"force": "F"}``; or, with ``variable``, its column of that
-one matrix by number, from 0, ``{"force": 2}``. Samples are rows; units are declared; ``dt`` where no column is the time.
-Version 5 is written.
+one matrix by number, from 0, ``{"force": 2}``. A member of a structure has a dotted name, ``test.force`` or
+``tests[1].force`` (:mod:`dampyr.records.files.mat_members`); a ``variable`` that is a structure has its members of one length
+as named columns, and the only such structure of a file needs no ``variable``. Samples are rows; units are declared; ``dt``
+where no column is the time. Version 5 is written.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +26,9 @@ from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError, one_line
 from dampyr.input_kinds import NO_INPUT
 from dampyr.origin import ORIGIN_KINDS
-from dampyr.records.files.column_table import ColumnTable, record_of
+from dampyr.phrases import listing
+from dampyr.records.files.column_table import MAX_NAMED, ColumnTable, record_of
+from dampyr.records.files.mat_members import canonical, object_class, refuse_object, unfolded, unfolded_hdf5
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.self_contained import check_contained
 from dampyr.records.record import CHANNELS, COMMENTS, GROUPS, Array, Record, stated
@@ -37,16 +43,36 @@ NEEDED = ("Ts", "dist", "forc", "x_F")
 
 @dataclass(frozen=True)
 class _Stored:
-    """What is needed of a file, by name; the names of all of its variables; and its version in words."""
+    """What is needed of a file, by name; the names of all of its variables and members; and its version in words.
+
+    ``objects`` are the variables that only MATLAB reads, and of which class each is.
+    """
 
     variables: dict[str, Any]
     names: tuple[str, ...]
     version: str
+    objects: dict[str, str]
 
     @property
     def listed(self) -> str:
         """The variables that a person can choose from."""
-        return ", ".join(self.names) or "none"
+        return listing(self.names, MAX_NAMED) if self.names else "none"
+
+    def members(self, structure: str) -> dict[str, Array]:
+        """The vectors in a structure by their names, those of the length that most of them have; none where it is not one."""
+        inside = {
+            name.removeprefix(f"{structure}."): value
+            for name, value in self.variables.items()
+            if name.startswith(f"{structure}.")
+        }
+        vectors = {name: np.asarray(value, dtype=float).ravel() for name, value in inside.items() if _is_vector(value)}
+        lengths = Counter(vector.size for vector in vectors.values())
+        return {name: vector for name, vector in vectors.items() if vector.size == lengths.most_common(1)[0][0]}
+
+    def structures(self) -> list[str]:
+        """The structures that hold two vectors or more of one length."""
+        stems = dict.fromkeys(name.rpartition(".")[0] for name in self.names if "." in name)
+        return [stem for stem in stems if len(self.members(stem)) > 1]
 
     def groups(self) -> dict[str, str]:
         """The session, the specimen, the origin and that there is no input, where the file has them as text."""
@@ -63,10 +89,32 @@ def read(path: Path, request: ReadOptions) -> Record:
     request.refuse(path, header="a MATLAB file has none")
     import h5py
 
-    named = {column for column in request.columns.values() if isinstance(column, str)} - {"", "-"}
-    wanted = {*NEEDED, "Tout", *COMMENTS, *named, *([request.variable] if request.variable else [])}
-    stored = _version_7_3(path, wanted) if h5py.is_hdf5(path) else _version_5(path)
-    declared = any(column not in (None, "", "-") for column in request.columns.values())
+    columns = {
+        channel: canonical(column) if isinstance(column, str) else column for channel, column in request.columns.items()
+    }
+    variable = None if request.variable is None else canonical(request.variable)
+    request = replace(request, columns=columns, variable=variable)
+    named = {column for column in columns.values() if isinstance(column, str)} - {"", "-"}
+    declared = any(column not in (None, "", "-") for column in columns.values())
+    wanted = {*NEEDED, "Tout", *COMMENTS, *named, *([variable] if variable else [])}
+
+    def is_wanted(name: str) -> bool:
+        undeclared = not named and variable is None and "." in name
+        return name in wanted or undeclared or (variable is not None and name.startswith(f"{variable}."))
+
+    stored = _version_7_3(path, is_wanted) if h5py.is_hdf5(path) else _version_5(path)
+    if not set(NEEDED) <= set(stored.names) and not named and variable is None:
+        structures = stored.structures()
+        if len(structures) > 1:
+            raise FileError(
+                path,
+                f"holds the structures {listing(structures, MAX_NAMED)}; name one, --variable {structures[0]} or "
+                f"variable={structures[0]!r}",
+            )
+        if structures:
+            request = replace(request, variable=structures[0])
+        elif stored.objects and not stored.names:
+            raise refuse_object(path, *next(iter(stored.objects.items())))
     if request.variable is not None or (declared and not set(NEEDED) <= set(stored.names)):
         return record_of(path, _table(path, stored, request), request, stored.version)
     request.refuse(path, dt="its Ts is the sampling interval")
@@ -75,6 +123,12 @@ def read(path: Path, request: ReadOptions) -> Record:
 
 def _table(path: Path, stored: _Stored, request: ReadOptions) -> ColumnTable:
     """One matrix, or one column for each variable that is declared."""
+    if request.variable is not None and (members := stored.members(request.variable)):
+        note = f"members of {request.variable}"
+        return ColumnTable(
+            tuple(members), ("",) * len(members), np.column_stack(list(members.values())), groups=stored.groups(),
+            notes=(note,),
+        )  # fmt: skip
     if request.variable is not None:
         matrix = _real(path, stored, request.variable)
         matrix = matrix.reshape(matrix.shape[0], -1) if matrix.ndim < 2 else matrix
@@ -183,6 +237,8 @@ def _campaign_variables(path: Path, stored: _Stored) -> dict[str, Array]:
 
 def _real(path: Path, stored: _Stored, name: str) -> Array:
     """A variable as real numbers."""
+    if name in stored.objects:
+        raise refuse_object(path, name, stored.objects[name])
     if name not in stored.names:
         raise FileError(path, f"there is no variable {name!r}; choose from {stored.listed}")
     value = np.asarray(stored.variables[name])
@@ -200,8 +256,20 @@ def _version_5(path: Path) -> _Stored:
         raise FileError(
             path, f"is not a readable MATLAB v5 file ({one_line(problem)}); fetch or export it again"
         ) from problem
+    objects = {}
+    for name, value in [*variables.items()]:
+        if kind := object_class(value):
+            del variables[name]  # whatever scipy calls it: its own name is in it
+            text = np.ravel(value)[0]["s0"]
+            objects[text.decode("latin-1") if isinstance(text, bytes) else str(text)] = kind
     variables = {name: _text(value) for name, value in variables.items() if not name.startswith("__")}
-    return _Stored(variables, tuple(sorted(variables)), "MATLAB v5")
+    if any(getattr(value, "dtype", None) is not None and value.dtype.hasobject for value in variables.values()):
+        simple = loadmat(path, appendmat=False, simplify_cells=True, variable_names=list(variables))
+        for name, value in [*variables.items()]:
+            if getattr(value, "dtype", None) is not None and value.dtype.hasobject:
+                variables |= dict(unfolded(name, simple[name]))
+                del variables[name]
+    return _Stored(variables, tuple(sorted(variables)), "MATLAB v5", objects)
 
 
 def _text(value: Any) -> Any:
@@ -213,15 +281,24 @@ def _text(value: Any) -> Any:
     )
 
 
-def _version_7_3(path: Path, wanted: set[str]) -> _Stored:
+def _is_vector(value: Any) -> bool:
+    """Whether a member is a column or a row of real numbers."""
+    array = np.asarray(value)
+    return array.dtype.kind in "fiub" and array.ndim > 0 and array.size == max(array.shape) > 1
+
+
+def _version_7_3(path: Path, wanted: Callable[[str], bool]) -> _Stored:
     """Version 7.3 is HDF5; MATLAB keeps a matrix there with its dimensions in the opposite order."""
     import h5py
 
     try:
         with h5py.File(path, "r") as file:
             check_contained(path, file)
-            names = tuple(sorted(name for name in file if not name.startswith("#")))
-            return _Stored({name: _dataset(file[name]) for name in names if name in wanted}, names, "MATLAB v7.3")
+            objects = {name: kind for name, item in file.items() if (kind := object_class(item))}
+            tops = [name for name in file if not name.startswith("#") and name not in objects]
+            items = {full: item for name in tops for full, item in unfolded_hdf5(name, file[name])}
+            values = {name: _dataset(item) for name, item in items.items() if wanted(name)}
+            return _Stored(values, tuple(sorted(items)), "MATLAB v7.3", objects)
     except InputError:
         raise
     except MemoryError as problem:
