@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +32,7 @@ def read_folder(folder: Path, options: ReadOptions, incomplete: bool = False) ->
     records, few = [], []
     for path in selected:
         try:
-            records.append(_read(path, options))
+            records += [_read(path, part) for part in _parts(path, options)]
         except h5.FewSamples as problem:
             few.append(f"{path.name} ({problem.samples})")
     if few:
@@ -109,6 +110,13 @@ def _read(path: Path, options: ReadOptions) -> Record:
             path,
             f"{str(problem).removeprefix(f'{path}: ')} (for all files at once: {NAME}; not a record? ignore it in {NAME})",
         ) from problem
+
+
+def _parts(path: Path, options: ReadOptions) -> list[ReadOptions]:
+    """The options of each record in a file: those of the folder, or one ``variable`` after the other of a file with several."""
+    module = registry.member(REGISTRY, path.suffix.lower().removeprefix("."))
+    variables = module.parts(path) if hasattr(module, "parts") and options.variable is None else []
+    return [replace(options, variable=variable) for variable in variables] or [options]
 
 
 def _check_names(folder: Path, records: list[Record]) -> None:

@@ -71,7 +71,8 @@ class ReadOptions(Options):
     variable: Annotated[
         str | None,
         Terminal(metavar="NAME"),
-        "Matrix of a MATLAB file, of which the columns are given by number; sheet of an Excel file; group of a TDMS file",
+        "Matrix of a MATLAB file, of which the columns are given by number, or structure of one; sheet of an Excel file; group "
+        "of a TDMS file; block of an MTS file, by number",
     ] = None
     force_sign: Annotated[
         int | None,

@@ -22,6 +22,8 @@ from dampyr.records.record import GROUPS, Record
 from dampyr.source_file import check_name, source_file
 
 REGISTRY = "dampyr.records.formats"
+SAVED_AS = {".xls": "an Excel workbook of before 2007, which is not read; open it and save it as .xlsx or as .csv"}
+"""Suffixes that people bring, and what they do with such a file."""
 
 
 @takes(ReadOptions)
@@ -81,6 +83,8 @@ def read_file(path: Path, options: ReadOptions) -> Record:
     if kind not in available:
         if not path.exists():
             raise MissingData(f"{path}: there is no such file or folder; check the path")
+        if path.suffix.lower() in SAVED_AS:
+            raise FileError(path, f"is {SAVED_AS[path.suffix.lower()]}")
         raise FileError(path, f"the suffix {path.suffix!r} is not known; choose from {_suffixes(available)}")
     if not path.is_file():
         raise MissingData(f"{path}: there is no such file; check the path")

@@ -1,8 +1,12 @@
-"""Columns of plain text as testing machines write them, see :mod:`dampyr.records.files.text_columns`: as ``.txt``."""
+"""Columns of plain text as testing machines write them, see :mod:`dampyr.records.files.text_columns`: as ``.txt``.
+
+A file of an MTS controller may hold several blocks, see :mod:`dampyr.records.files.mts_blocks`: each is a record, and
+``variable`` is the number of one.
+"""
 
 from pathlib import Path
 
-from dampyr.records.files import text_columns
+from dampyr.records.files import mts_blocks, text_columns
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import Record
 
@@ -11,5 +15,11 @@ PLAIN_TEXT = True
 
 
 def read(path: Path, request: ReadOptions) -> Record:
-    """The record in a ``.dat`` file, in SI."""
-    return text_columns.read(path, request, "text")
+    """The record in a ``.dat`` file, or in one of its blocks, in SI."""
+    blocks = mts_blocks.blocks_of(path)
+    return mts_blocks.read_block(path, blocks, request) if blocks else text_columns.read(path, request, "text")
+
+
+def parts(path: Path) -> list[str]:
+    """What ``variable`` is of each record in a file that holds several; none where it holds one."""
+    return [str(k + 1) for k in range(len(mts_blocks.blocks_of(path)))]
