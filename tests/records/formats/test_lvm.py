@@ -1,8 +1,12 @@
 """LabVIEW's measurement files, in the layout of their header: separators, decimal marks, columns of time, several packets."""
 
+import json
+
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
+from dampyr.cli import cli
 from dampyr.errors import FileError
 from dampyr.records import read
 
@@ -99,6 +103,14 @@ def test_a_file_of_something_else_and_options_that_it_answers_itself(tmp_path):
     path.write_text(path.read_text().replace("\tTab", "\tPipe"))
     with pytest.raises(FileError, match="its Separator is 'Pipe'; it must be Tab, Comma, Semicolon or Space"):
         read(path)
+
+
+def test_a_strangers_folder_in_one_command_without_an_option(tmp_path):
+    for k in (1, 2):
+        lvm(tmp_path / f"test {k}.lvm", one(count=20), one(first=20, count=20, x0=DT * 20))
+    result = CliRunner().invoke(cli, ["records", str(tmp_path), "--json"])
+    assert result.exit_code == 0, result.stderr
+    assert [record["name"] for record in json.loads(result.stdout)["records"]] == ["test 1", "test 2"]
 
 
 def test_a_file_that_people_brought(first_day_cases):
