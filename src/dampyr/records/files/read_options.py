@@ -72,7 +72,7 @@ class ReadOptions(Options):
         str | None,
         Terminal(metavar="NAME"),
         "Matrix of a MATLAB file, of which the columns are given by number, or structure of one; sheet of an Excel file; group "
-        "of a TDMS file; block of an MTS file, by number",
+        "of a TDMS file; dimension of a NetCDF file; block of an MTS file, by number",
     ] = None
     force_sign: Annotated[
         int | None,
