@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -37,11 +38,13 @@ def recognises(lines: Sequence[str]) -> bool:
 
 def channels(path: Path, lines: Sequence[str]) -> list[MotionChannel]:
     """The components of the file whose samples are accelerations."""
-    found, kinds = [], []
+    found: list[MotionChannel] = []
+    kinds: list[str] = []
     for start in (number for number, line in enumerate(lines) if HEAD.search(line)):
         channel, kind = _channel(path, lines, start)
         kinds.append(kind)
-        found += [channel] if channel else []
+        if channel:
+            found.append(channel if channel.component else replace(channel, component=f"{len(found) + 1}"))
     if not found:
         raise FileError(path, f"holds {', '.join(dict.fromkeys(kinds))}; fetch the file of the acceleration")
     return found
