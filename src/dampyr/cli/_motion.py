@@ -14,6 +14,7 @@ from dampyr.errors import InputError
 
 if TYPE_CHECKING:
     from dampyr.ground_motions import GroundMotion
+    from dampyr.ground_motions.motion_options import MotionReadOptions
 
 
 @dataclass(frozen=True)
@@ -26,15 +27,22 @@ class Ground:
     pga: str | None
     sa: str | None
 
-    def motion(self, path: Path | None, baseline: bool = False) -> GroundMotion:
+    def motion(
+        self, path: Path | None, baseline: bool = False, options: MotionReadOptions | None = None
+    ) -> GroundMotion:
         """The motion in the file, or El Centro 1940; less its ``baseline`` where asked for; as strong as asked for."""
         from dampyr import ground_motions
+        from dampyr.options import command_words
 
-        if path is None and (self.unit is not None or self.dt is not None):
-            raise InputError(
-                "--motion-unit and --dt belong to a file that is given with --motion; those of El Centro 1940 are fixed"
-            )
-        motion = ground_motions.el_centro() if path is None else ground_motions.read(path, units=self.unit, dt=self.dt)
+        declared = [] if options is None else command_words(options)
+        if path is None and (self.unit is not None or self.dt is not None or declared):
+            flag = f"{declared[0]} belongs" if declared else "--motion-unit and --dt belong"
+            raise InputError(f"{flag} to a file that is given with --motion; those of El Centro 1940 are fixed")
+        motion = (
+            ground_motions.el_centro()
+            if path is None
+            else ground_motions.read(path, units=self.unit, dt=self.dt, options=options)
+        )
         return self._scaled(ground_motions.corrected(motion) if baseline else motion)
 
     def _scaled(self, motion: GroundMotion) -> GroundMotion:

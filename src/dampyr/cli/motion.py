@@ -9,17 +9,24 @@ import click
 
 from dampyr.cli._examples import examples
 from dampyr.cli._motion import Ground, motion_options, ratio
+from dampyr.cli._options import OptionsCommand
 from dampyr.cli._output import as_json_option, print_json, print_result
 from dampyr.cli._report import report_options
 
 if TYPE_CHECKING:
     from dampyr.ground_motions import GroundMotion
     from dampyr.ground_motions.intensity_measures import Measures
+    from dampyr.ground_motions.motion_options import MotionReadOptions
     from dampyr.ground_motions.response_spectrum import Spectrum
 
 
 @click.command(
-    epilog=examples("dampyr motion --pga 0.3g --report motion.html", "dampyr motion kobe.csv --motion-unit g --dt 0.02")
+    cls=OptionsCommand,
+    options={"options": "dampyr.ground_motions.motion_options:MotionReadOptions"},
+    first=2,
+    epilog=examples(
+        "dampyr motion --pga 0.3g --report motion.html", "dampyr motion kobe.csv --motion-unit g --dt 0.02"
+    ),
 )
 @click.argument("file", required=False, type=click.Path(path_type=Path))
 @motion_options
@@ -35,6 +42,7 @@ if TYPE_CHECKING:
 def command(
     file: Path | None,
     ground: Ground,
+    options: MotionReadOptions,
     baseline: bool,
     dampings: tuple[str, ...],
     periods: tuple[float, ...],
@@ -49,7 +57,7 @@ def command(
     from dampyr.show.pages import motion_page
     from dampyr.show.pages.result_page import write_page
 
-    motion = ground.motion(file, baseline)
+    motion = ground.motion(file, baseline, options)
     table_periods, ratios = periods or motion_page.TABLE, [ratio(text) for text in dampings]
     motion_measures = measures(motion)
     peaks = spectrum(motion, table_periods, ratios or [0.05])

@@ -50,7 +50,12 @@ def test_at2_in_both_styles(tmp_path, header):
         ("NPTS=   4, DT=   .0100 SEC,", VALUES, {}, r"NPTS = 4 but 5 values follow"),
         ("somewhere else", VALUES, {}, r"line 4 is 'somewhere else'; it must give NPTS and DT"),
         ("NPTS=   5, DT=   .0000 SEC,", VALUES, {}, r"DT > 0"),
-        ("NPTS=   5, DT=   .0100 SEC,", VALUES.replace(".3", "x.3"), {}, r"line 5 is .* numbers only"),
+        (
+            "NPTS=   5, DT=   .0100 SEC,",
+            VALUES.replace(".3", "x.3"),
+            {},
+            r"line 5: 'x.3000000E-02' is not a number; repair",
+        ),
         (
             "NPTS=   5, DT=   .0100 SEC,",
             VALUES.replace("-.2000000E-02", "nan"),

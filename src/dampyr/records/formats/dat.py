@@ -1,8 +1,8 @@
-"""Columns of plain text as testing machines write them, see :mod:`dampyr.records.files.text_columns`: as ``.txt``."""
+"""Columns of plain text as testing machines write them, see :mod:`dampyr.text_table`: as ``.txt``."""
 
 from pathlib import Path
 
-from dampyr.records.files import text_columns
+from dampyr.records.files.column_table import read_text
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import Record
 
@@ -12,4 +12,4 @@ PLAIN_TEXT = True
 
 def read(path: Path, request: ReadOptions) -> Record:
     """The record in a ``.dat`` file, in SI."""
-    return text_columns.read(path, request, "text")
+    return read_text(path, request, "text")

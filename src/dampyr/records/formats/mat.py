@@ -22,10 +22,11 @@ from dampyr.atomic_write import whole_file
 from dampyr.errors import FileError, InputError, one_line
 from dampyr.input_kinds import NO_INPUT
 from dampyr.origin import ORIGIN_KINDS
-from dampyr.records.files.column_table import ColumnTable, record_of
+from dampyr.records.files.column_table import record_of
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.self_contained import check_contained
 from dampyr.records.record import CHANNELS, COMMENTS, GROUPS, Array, Record, stated
+from dampyr.text_table import ColumnTable
 from dampyr.units import to_si
 
 TITLE = "MATLAB"
@@ -60,7 +61,7 @@ class _Stored:
 
 def read(path: Path, request: ReadOptions) -> Record:
     """The record in a MATLAB file: that of the campaign, whose header is checked against the data, or as declared."""
-    request.refuse(path, header="a MATLAB file has none")
+    request.refuse(path, header="a MATLAB file has none", thousands="a MATLAB file holds numbers")
     import h5py
 
     named = {column for column in request.columns.values() if isinstance(column, str)} - {"", "-"}
@@ -69,7 +70,8 @@ def read(path: Path, request: ReadOptions) -> Record:
     declared = any(column not in (None, "", "-") for column in request.columns.values())
     if request.variable is not None or (declared and not set(NEEDED) <= set(stored.names)):
         return record_of(path, _table(path, stored, request), request, stored.version)
-    request.refuse(path, dt="its Ts is the sampling interval")
+    fixed = "its channels are those of the campaign; declare their variables, --column force=NAME"
+    request.refuse(path, dt="its Ts is the sampling interval", factors=fixed, offsets=fixed)
     return _of_the_campaign(path, stored, request)
 
 

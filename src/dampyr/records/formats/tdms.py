@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 
 from dampyr.errors import FileError, InputError, install_line, one_line
-from dampyr.records.files.column_table import NAMES, ColumnTable, name_and_unit, record_of
+from dampyr.records.files.column_table import record_of
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import GROUPS, Record
+from dampyr.text_table import NAMES, ColumnTable, name_and_unit
 
 TITLE = "TDMS"
 UNIT, INTERVAL, START, OFFSET = "unit_string", "wf_increment", "wf_start_time", "wf_start_offset"
@@ -26,7 +27,7 @@ SAME_START = 1e-3  # of an interval: what stamps are rounded by; a thousandth of
 
 def read(path: Path, request: ReadOptions) -> Record:
     """The record in one group of channels of a ``.tdms`` file."""
-    request.refuse(path, header="a TDMS file names its channels")
+    request.refuse(path, header="a TDMS file names its channels", thousands="a TDMS file holds numbers")
     try:
         from nptdms import TdmsFile
     except ImportError as problem:
