@@ -46,6 +46,7 @@ THOUSANDS = (",", ".", "'", " ")
 DAY = r"(\d{4})[-/](\d{1,2})[-/](\d{1,2})"
 CLOCK = r"(\d{1,2}):(\d{2}):(\d{2}(?:\.\d*)?)"
 DECIMAL_COMMA = rf"[+-]?\d+(,\d+)?([eEdD][+-]?\d+)?|{DAY}|\d{{1,2}}:\d{{2}}:\d{{2}}(,\d*)?"
+GROUPED_BY_COMMAS = r"[+-]?(\d{1,3}(,\d{3})+|\d*)(\.\d*)?"
 KINDS = {
     "clock": re.compile(CLOCK),
     "date": re.compile(DAY),
@@ -54,7 +55,7 @@ KINDS = {
 """What a cell may be besides a number."""
 KIND_NAMES = {"number": "a number", "clock": "a time of day", "date": "a date", "stamp": "a date with a time of day"}
 FORTRAN = re.compile(r"([+-]?\d*\.?\d*)[dD]([+-]?\d+)")
-BLANK_LINE = re.compile(r"\n[ \t]+(?=\n|$)")
+BLANK_LINE = re.compile(r"\n[ \t]*(?=\n|$)")
 TOUCHING = re.compile(
     r"(?:[+-]?\d*[.]\d*(?:[eEdD][+-]?\d{1,2})?){2,}"
 )  # fields of one width without blanks between them
@@ -152,9 +153,13 @@ class TextOptions(Options):
     def factor(self, channel: str) -> tuple[float, bool]:
         """The factor of a channel, 1 where none is stated, and whether it has a unit: it is then in SI."""
         stated = self.factors.get(channel, 1.0)
-        with suppress(ValueError):
-            return _not_zero(channel, float(stated)), False
-        return _not_zero(channel, _parsed(f"factors[{channel!r}]", stated, self.CHANNELS[channel])), True
+        try:
+            factor, has_unit = float(stated), False
+        except ValueError:
+            factor, has_unit = _parsed(f"factors[{channel!r}]", stated, self.CHANNELS[channel]), True
+        if not math.isfinite(factor) or factor == 0.0:
+            raise InputError(f"factors[{channel!r}] = {factor:g} is not allowed; it must be finite and not 0")
+        return factor, has_unit
 
     def offset(self, channel: str) -> float:
         """What is added to a channel, in SI."""
@@ -181,12 +186,6 @@ def _parsed(where: str, stated: str | float, si: str) -> float:
     if not math.isfinite(value):
         raise InputError(f"{where} = {stated!r} is not finite; give a number, with its unit")
     return value
-
-
-def _not_zero(channel: str, factor: float) -> float:
-    if not math.isfinite(factor) or factor == 0.0:
-        raise InputError(f"factors[{channel!r}] = {factor:g} is not allowed; it must be finite and not 0")
-    return factor
 
 
 @dataclass(frozen=True)
@@ -576,9 +575,10 @@ def _delimiter(line: str) -> str | None:
     plain = re.sub(r'"[^"]*"', "0", line) if '"' in line else line
     delimiter = next((mark for mark in DELIMITERS if mark in plain.strip()), None)
     parts = plain.split()
-    # a comma inside columns of white space, such as 0,01  1,5, is a decimal mark
-    if delimiter == "," and len(parts) > 1 and all(re.fullmatch(DECIMAL_COMMA, part) for part in parts):
-        return None
+    # a comma inside columns of white space, such as 0,01  1,5 or 0.01  1,507.964, is a mark
+    if delimiter == "," and len(parts) > 1:
+        marked = (all(re.fullmatch(number, part) for part in parts) for number in (DECIMAL_COMMA, GROUPED_BY_COMMAS))
+        return None if any(marked) else delimiter
     return delimiter
 
 
@@ -623,10 +623,11 @@ def table_of_rows(
     Blank lines and comments are left out.
     """
     text = text.rstrip(" \n")
-    numbers: Sequence[int] = range(first + 1, first + 2 + text.count("\n"))
-    if any(mark in text for mark in ("#", "%", "\n\n")) or (
-        ("\n " in text or "\n\t" in text) and BLANK_LINE.search(text)
-    ):
+    characters = np.frombuffer(text.encode(), dtype=np.uint8)
+    ends = np.flatnonzero(characters == ord("\n"))
+    numbers: Sequence[int] = range(first + 1, first + 2 + len(ends))
+    indented = len(ends) and np.any(characters[ends + 1] <= ord(" "))
+    if "#" in text or "%" in text or (indented and BLANK_LINE.search(text)):
         kept = [(k, row) for k, row in zip(numbers, text.split("\n")) if (bare := row.strip()) and bare[0] not in "#%"]
         numbers, text = [k for k, _ in kept], "\n".join(row for _, row in kept)
     rows = text.split("\n", SAMPLE)[:SAMPLE]
@@ -636,35 +637,33 @@ def table_of_rows(
     cells = _cells(rows[0], delimiter)
     kinds = tuple(kind if kind in KINDS else "number" for kind in (_kind(cell, delimiter) for cell in cells))
     stamps = {k: cells[k] for k, kind in enumerate(kinds) if kind != "number"}
-    quoted = '"' in text
+    quoted, whole = '"' in text, text
     rest: list[str] = []
     if series and len(_cells(text[text.rfind("\n") + 1 :], delimiter)) < len(cells):
         text, _, last = text.rpartition("\n")
         rest = _cells(last, delimiter)
     decimal, thousands = _marks(path, text, numbers, delimiter, quoted, request.thousands)
-    commas = ("decimal commas",) * (decimal == ",")
-    plain, count = not (stamps or thousands), len(numbers) - bool(rest)
-    values = _numbers(text, delimiter, decimal, quoted, count, len(cells)) if plain else None
-    empty: Mapping[int, int] = {}
-    notes: tuple[str, ...] = (*commas, *((f"thousands marks {thousands!r} left out",) if thousands else ()))
+    values, empty, count = None, dict[int, int](), len(numbers) - bool(rest)
+    if not (stamps or thousands or any(map(TOUCHING.fullmatch, rest))):
+        values = _numbers(text, delimiter, decimal, quoted, count, len(cells))
+    notes = ("decimal commas",) * (decimal == ",")
     if values is None:
-        split: list[list[str]] | None = None
-        if delimiter is None and any(TOUCHING.fullmatch(cell) for row in rows for cell in row.split()):
-            split, field_width = _fixed_width(path, text.split("\n"), numbers)
-            kinds, notes = ("number",) * len(split[0]), (*notes, f"fields of {field_width} characters")
-            if series and len(split) > 1 and len(split[-1]) < len(split[0]):
-                rest = split.pop()
-        values, empty = _cell_by_cell(
-            path, split or (_cells(row, delimiter) for row in text.split("\n")), numbers, kinds, decimal, thousands
-        )
+        if not thousands and (delimiter != "," or quoted) and (twice := _twice(text)):
+            decimal, thousands = twice
+        notes = ("decimal commas",) * (decimal == ",") + (f"thousands marks {thousands!r} left out",) * bool(thousands)
+        parted = [_cells(row, delimiter) for row in text.split("\n")]
+        if delimiter is None and any(TOUCHING.fullmatch(cell) for row in parted for cell in row):
+            parted, field_width = _fixed_width(path, whole.split("\n"), numbers)
+            kinds, notes = ("number",) * len(parted[0]), (*notes, f"fields of {field_width} characters")
+            rest = parted.pop() if series and len(parted[-1]) < len(kinds) else []
+        values, empty = _cell_by_cell(path, parted, numbers, kinds, decimal, thousands)
+    short = len(kinds) - len(rest) if rest else 0
     if rest:
-        ending, _ = _cell_by_cell(path, [rest], numbers[-1:], ("number",) * len(rest), decimal, thousands)
-        short = values.shape[1] - len(rest)
+        ending, _ = _cell_by_cell(path, [rest], numbers[-1:], kinds[: len(rest)], decimal, thousands)
         values = np.vstack([values, np.r_[ending[0], np.full(short, np.nan)]])
-        return ColumnTable(
-            (), (), values, kinds, lines=numbers, empty=empty, short=short, notes=notes, delimiter=delimiter
-        )
-    return ColumnTable((), (), values, kinds, stamps, lines=numbers, empty=empty, notes=notes, delimiter=delimiter)
+    return ColumnTable(
+        (), (), values, kinds, stamps, lines=numbers, empty=empty, short=short, notes=notes, delimiter=delimiter
+    )
 
 
 def _is_decimal_column(rows: list[str]) -> bool:
@@ -688,15 +687,14 @@ def _marks(
     if has_comma and has_point and (match := BOTH_MARKS.search(text)):
         decimal = "," if match[0].rfind(",") > match[0].rfind(".") else "."
         return decimal, "," if decimal == "." else "."
-    if (has_comma != has_point or quoted) and (match := TWICE.search(text)):
-        return ("." if match[1] == "," else ","), match[1]
     if has_comma and has_point:  # of the stamps, or a line that is wrong: the mark of most numbers is the decimal one
         commas, points = (len(re.findall(rf"(?<!:\d\d){mark}\d", text)) for mark in (",", r"\."))
         return ("," if commas > points else "."), ""
     mark = "," if has_comma else "." if has_point and (delimiter == ";" or quoted) else ""
     if mark and not re.search(NO_GROUP.format(re.escape(mark)), text):
-        match = re.search(rf"\d+{re.escape(mark)}\d+", text)
-        if match:
+        if twice := _twice(text):
+            return twice
+        if match := re.search(rf"\d+{re.escape(mark)}\d+", text):
             line = numbers[text.count("\n", 0, match.start())]
             value = match[0].replace(mark, ".")
             raise FileError(
@@ -705,6 +703,12 @@ def _marks(
                 f"thousands, --thousands {mark} or --thousands {'.' if mark == ',' else ','} (thousands= in Python)",
             )
     return ("," if has_comma else "."), ""
+
+
+def _twice(text: str) -> tuple[str, str] | None:
+    """The decimal mark and the mark between thousands, by a number in which the latter stands twice; None without one."""
+    match = TWICE.search(text)
+    return None if match is None else ("." if match[1] == "," else ",", match[1])
 
 
 def _has(text: str, mark: str, delimiter: str | None) -> bool:
@@ -770,7 +774,7 @@ def _fixed_width(path: Path, rows: list[str], numbers: Sequence[int]) -> tuple[l
 
 
 def _cell_by_cell(
-    path: Path, rows: Any, numbers: Sequence[int], kinds: tuple[str, ...], decimal: str, thousands: str
+    path: Path, rows: list[list[str]], numbers: Sequence[int], kinds: tuple[str, ...], decimal: str, thousands: str
 ) -> tuple[Array, dict[int, int]]:
     """The values ``(n, m)`` as numbers or s, and the line of the first empty cell of each column, which is NaN: a column that
     says something once, in the first row, may be left out of a record.

@@ -32,6 +32,7 @@ _SAMPLES = (
 )
 _UNIT = re.compile(r"\bUNITS?\s*(?:OF|ARE|:|=)\s*\(?\s*([^\s()]+?)\s*\)?[.,;]*(?:\s|$)", re.IGNORECASE)
 _FIRST_LINE = re.compile(rf"^[ \t]*(\d+)[ \t,;]+{_NUMBER}[ \t]*$", re.MULTILINE)
+HEAD = 10_000  # characters in which the numbers begin
 _FIRST_NUMBER = re.compile(r"\s*[-+]?[\d.]")
 
 
@@ -71,7 +72,7 @@ def _table(path: Path, text: str, request: MotionReadOptions, note: str = "") ->
 
 def _with_count_in_words(path: Path, text: str, request: MotionReadOptions) -> str:
     """The text, its first line of numbers as a comment where it says how many numbers follow and their step: 1203 0.0100."""
-    match = _FIRST_LINE.search(text)
+    match = _FIRST_LINE.search(text, 0, HEAD)
     if match is None or int(match[1]) < 2 or any(map(_FIRST_NUMBER.match, text[: match.start()].split("\n"))):
         return text
     in_words = f"{text[: match.start()]}# NPTS= {match[1]}, DT= {match[2]} SEC{text[match.end() :]}"
