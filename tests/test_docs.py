@@ -22,13 +22,13 @@ import pytest
 from click.testing import CliRunner
 
 from dampyr import registry
+from dampyr.channel_columns import NAMES
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning
 from dampyr.models import Constant, Damper, Polynomial, available_parts
 from dampyr.models.part import part
 from dampyr.records.record import CHANNELS
 from dampyr.structures import available_control_laws, control_law
-from dampyr.text_table import NAMES
 
 Array = np.ndarray
 ROOT = Path(__file__).resolve().parents[1]

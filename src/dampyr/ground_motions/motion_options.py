@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from dampyr.text_table import TextOptions
+from dampyr.channel_columns import TextOptions
 
 ACCELERATION = "acceleration"
 

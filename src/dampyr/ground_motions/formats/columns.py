@@ -15,12 +15,12 @@ from pathlib import Path
 
 import numpy as np
 
-from dampyr import text_table
+from dampyr import channel_columns, text_table
+from dampyr.channel_columns import ColumnTable
 from dampyr.errors import FileError
 from dampyr.ground_motions.motion import GroundMotion
 from dampyr.ground_motions.motion_options import ACCELERATION, MotionReadOptions
 from dampyr.ground_motions.samples import motion_of, step_of
-from dampyr.text_table import ColumnTable
 
 SUFFIXES = (".txt", ".csv", ".dat", ".acc")
 TAKES_OPTIONS = True
@@ -116,19 +116,19 @@ def motion_of_table(
             path,
             "no unit is known for the acceleration; declare it, such as --motion-unit g, units='g' or units='m/s^2'",
         )
-    in_si, said = text_table.in_si(path, series, ACCELERATION, 0, request)
+    in_si, said = channel_columns.in_si(path, series, ACCELERATION, 0, request)
     if time is None:
         step = _agreed(path, stated.dt, dt)
     else:
         timed = request if table.unit(time) or "time" in request.units or "time" in request.factors else None
         timed = timed or replace(request, units={**request.units, "time": "s"})
-        seconds, more = text_table.in_si(path, table, "time", time, timed)
+        seconds, more = channel_columns.in_si(path, table, "time", time, timed)
         try:
             step = step_of(path, seconds, None)
         except FileError:
             if dt is None:
                 raise
-            step, more = dt, (text_table.check_interval(path, table, time, seconds, dt),)
+            step, more = dt, (channel_columns.check_interval(path, table, time, seconds, dt),)
         else:
             step = step_of(path, seconds, dt)
         said = (*said, *more)
@@ -141,7 +141,7 @@ def _acceleration(
 ) -> tuple[int, int | None, np.ndarray, tuple[str, ...]]:
     """The column of the acceleration and that of the time or None, the accelerations (n,), and what the history says."""
     width = table.values.shape[1]
-    used = text_table.columns_of(path, table, request)
+    used = channel_columns.columns_of(path, table, request)
     if (
         ACCELERATION not in used
         and not request.columns
@@ -156,7 +156,7 @@ def _acceleration(
                 f"no column is the acceleration (there: {table.listed()}); declare which, --column acceleration=NAME or "
                 "columns={'acceleration': NAME}",
             )
-        text_table.check_cells(path, table, used)
+        channel_columns.check_cells(path, table, used)
         if table.short and stated.count is None:
             raise FileError(
                 path,

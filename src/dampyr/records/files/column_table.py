@@ -1,6 +1,6 @@
 """From columns of numbers to a record: which column is which channel, and each channel in SI.
 
-The columns come from a text (:mod:`dampyr.text_table`), a sheet, a TDMS or a MATLAB file.
+What records and ground motions have in common is in :mod:`dampyr.channel_columns`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from dampyr import text_table
+from dampyr import channel_columns, text_table
+from dampyr.channel_columns import ColumnTable
 from dampyr.errors import FileError
 from dampyr.input_kinds import NO_INPUT
 from dampyr.origin import ORIGIN_KINDS
@@ -21,7 +22,6 @@ from dampyr.records.conditioning.integrated_displacement import with_integrated_
 from dampyr.records.conditioning.nominal_input import MEASURED, SOURCE
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import CHANNELS, GROUPS, Array, Record
-from dampyr.text_table import ColumnTable
 
 HALF_A_DAY = 43200.0  # s: a clock that goes back by more has passed midnight, one that goes back by less is wrong
 GROUP = re.compile(
@@ -45,16 +45,16 @@ def read_text(path: Path, request: ReadOptions, kind: str, text: str | None = No
 
 def record_of(path: Path, table: ColumnTable, request: ReadOptions, kind: str) -> Record:
     """The record in a table, every channel in SI; ``kind`` is the name of the format."""
-    used = text_table.columns_of(path, table, request)
+    used = channel_columns.columns_of(path, table, request)
     _check_needed(path, table, used, request)
     measuring = {channel: column for channel, column in used.items() if channel != "time" or request.dt is None}
-    text_table.check_cells(path, table, measuring)
-    text_table.check_units(path, table, measuring, request)
+    channel_columns.check_cells(path, table, measuring)
+    channel_columns.check_units(path, table, measuring, request)
     channels: dict[str, Any] = {}
     said: list[str] = []
     for name, column in used.items():
         if name != "time":
-            channels[name], notes = text_table.in_si(path, table, name, column, request)
+            channels[name], notes = channel_columns.in_si(path, table, name, column, request)
             said += notes
     time, stamp, notes = _time(path, table, used.get("time"), request)
     measured = {name: channels.pop(name, None) for name in ("voltage", "current")}
@@ -87,7 +87,7 @@ def guess_channels(path: Path, table: ColumnTable) -> dict[str, int]:
     guessed: dict[str, int] = {}
     for channel in CHANNELS:
         with suppress(FileError):
-            column = text_table.column_by_name(path, table, channel, set(guessed.values()))
+            column = channel_columns.column_by_name(path, table, channel, set(guessed.values()))
             guessed |= {} if column is None else {channel: column}
     return guessed
 
@@ -122,14 +122,14 @@ def _time(
         known = table.unit(column) or request.units.get("time") or request.factor("time")[1]
         if even is not None and not known:
             return even, {}, (f"time from the sampling interval, {request.dt:g} s, in the place of the stamps",)
-        time, notes = text_table.in_si(path, table, "time", column, request)
+        time, notes = channel_columns.in_si(path, table, "time", column, request)
     else:
         time, stamp, midnight = _stamps(path, table, column)
         notes = (notes[0] + midnight,)
     if even is not None:
         assert request.dt is not None
-        return even, stamp, (text_table.check_interval(path, table, column, time, request.dt),)
-    text_table.check_stamps(path, table, time)
+        return even, stamp, (channel_columns.check_interval(path, table, column, time, request.dt),)
+    channel_columns.check_stamps(path, table, time)
     return time, stamp, notes
 
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
+from dampyr.channel_columns import TextOptions
 from dampyr.errors import InputError
 from dampyr.input_kinds import INPUTS
 from dampyr.options import Terminal
@@ -17,7 +18,6 @@ from dampyr.records.conditioning.moving_average import Declaration
 from dampyr.records.conditioning.nominal_input import agrees
 from dampyr.records.record import CHANNELS, GROUPS, as_group
 from dampyr.records.record_thresholds import RecordThresholds
-from dampyr.text_table import TextOptions
 from dampyr.units import Quantity
 
 

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from dampyr.atomic_write import whole_file
+from dampyr.channel_columns import ColumnTable
 from dampyr.errors import FileError, InputError, one_line
 from dampyr.input_kinds import NO_INPUT
 from dampyr.origin import ORIGIN_KINDS
@@ -26,7 +27,6 @@ from dampyr.records.files.column_table import record_of
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.self_contained import check_contained
 from dampyr.records.record import CHANNELS, COMMENTS, GROUPS, Array, Record, stated
-from dampyr.text_table import ColumnTable
 from dampyr.units import to_si
 
 TITLE = "MATLAB"

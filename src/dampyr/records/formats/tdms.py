@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
+from dampyr.channel_columns import NAMES, ColumnTable, name_and_unit
 from dampyr.errors import FileError, InputError, install_line, one_line
 from dampyr.records.files.column_table import record_of
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import GROUPS, Record
-from dampyr.text_table import NAMES, ColumnTable, name_and_unit
 
 TITLE = "TDMS"
 UNIT, INTERVAL, START, OFFSET = "unit_string", "wf_increment", "wf_start_time", "wf_start_offset"
