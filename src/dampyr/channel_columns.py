@@ -82,7 +82,7 @@ class TextOptions(Options):
     ] = field(default_factory=dict)
     offsets: Annotated[
         Mapping[str, str | float],
-        Terminal("--offset", "CHANNEL=VALUE"),
+        Terminal("--channel-offset", "CHANNEL=VALUE"),
         "What is added to the channels, after their factors, such as force='-12 N'",
     ] = field(default_factory=dict)
     header: Annotated[

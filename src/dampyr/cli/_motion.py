@@ -13,8 +13,7 @@ import click
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.ground_motions import GroundMotion
-    from dampyr.ground_motions.motion_options import MotionReadOptions
+    from dampyr.ground_motions import GroundMotion, MotionReadOptions
 
 
 @dataclass(frozen=True)

@@ -14,15 +14,14 @@ from dampyr.cli._output import as_json_option, print_json, print_result
 from dampyr.cli._report import report_options
 
 if TYPE_CHECKING:
-    from dampyr.ground_motions import GroundMotion
+    from dampyr.ground_motions import GroundMotion, MotionReadOptions
     from dampyr.ground_motions.intensity_measures import Measures
-    from dampyr.ground_motions.motion_options import MotionReadOptions
     from dampyr.ground_motions.response_spectrum import Spectrum
 
 
 @click.command(
     cls=OptionsCommand,
-    options={"options": "dampyr.ground_motions.motion_options:MotionReadOptions"},
+    options={"options": "dampyr.ground_motions:MotionReadOptions"},
     first=2,
     epilog=examples(
         "dampyr motion --pga 0.3g --report motion.html", "dampyr motion kobe.csv --motion-unit g --dt 0.02"

@@ -24,7 +24,7 @@ from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.ground_motions.motion_options import MotionReadOptions
+    from dampyr.ground_motions import MotionReadOptions
     from dampyr.structures import RespondOptions
 
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     cls=OptionsCommand,
     options={
         "options": "dampyr.structures:RespondOptions",
-        "reading": "dampyr.ground_motions.motion_options:MotionReadOptions",
+        "reading": "dampyr.ground_motions:MotionReadOptions",
     },
     first=7,
     epilog=examples(

@@ -16,13 +16,15 @@ from dampyr.ground_motions.filters import filtered
 from dampyr.ground_motions.intensity_measures import measures, pgd, pgv, sa
 from dampyr.ground_motions.motion import GroundMotion
 from dampyr.ground_motions.motion_files import available_formats, read
+from dampyr.ground_motions.motion_options import MotionReadOptions
 from dampyr.ground_motions.resampling import resampled
 from dampyr.ground_motions.response_spectrum import spectrum
 from dampyr.ground_motions.soils import FIRM, MEDIUM, SOFT, Soil
 from dampyr.ground_motions.synthetic import kanai_tajimi, synthetic_motions
 
 __all__ = [
-    "GroundMotion", "el_centro", "read", "available_formats", "spectrum", "measures", "pgv", "pgd", "sa", "corrected",
+    "GroundMotion", "MotionReadOptions",
+    "el_centro", "read", "available_formats", "spectrum", "measures", "pgv", "pgd", "sa", "corrected",
     "filtered", "resampled",
     "trimmed", "padded", "followed_by_rest", "kanai_tajimi", "synthetic_motions", "Soil", "FIRM", "MEDIUM", "SOFT",
     "RisePlateauDecay", "ShinozukaSato", "stationary",
