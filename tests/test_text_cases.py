@@ -181,7 +181,7 @@ def test_equal_stamps_are_refused_in_one_line_that_says_how_to_read_them(tmp_pat
     path.write_text(
         table([f"time{f' [{unit}]' * bool(unit)},displacement [mm],force [N]"], rows, ["{:.0f}", "{:.4f}", "{:.4f}"])
     )
-    with pytest.raises(FileError, match=r"lines 2 and 3 have the same time stamp \(600 such pairs\): .*--dt 0.004996"):
+    with pytest.raises(FileError, match=r"lines 2 and 3 have the same time stamp \(600 such pairs\); .*--dt 0.004996"):
         read(path, units={} if unit else {"time": "ms"})
     record = read(path, dt=0.005, no_input=True)
     assert measure(record).energy_per_cycle == pytest.approx(ENERGY, rel=RIGHT)

@@ -375,8 +375,9 @@ def check_stamps(path: Path, table: ColumnTable, time: Array) -> None:
         where = f"lines {table.lines[k]} and {table.lines[k + 1]}" if len(table.lines) else f"rows {k} and {k + 1}"
         raise FileError(
             path,
-            f"{where} have the same time stamp ({len(repeated)} such pairs): the clock is coarser than the samples; give their "
-            f"interval, such as --dt {interval} or dt={interval} (s), which goes before the stamps",
+            f"{where} have the same time stamp ({len(repeated)} such pair{'s' * (len(repeated) > 1)}); cut out one of two "
+            f"equal lines, or, where the clock is coarser than the samples, give their interval, such as --dt {interval} or "
+            f"dt={interval} (s), which goes before the stamps",
         )
 
 
