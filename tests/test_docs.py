@@ -22,11 +22,11 @@ import pytest
 from click.testing import CliRunner
 
 from dampyr import registry
+from dampyr.channel_columns import NAMES
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning
 from dampyr.models import Constant, Damper, Polynomial, available_parts
 from dampyr.models.part import part
-from dampyr.records.files.column_table import NAMES
 from dampyr.records.record import CHANNELS
 from dampyr.structures import available_control_laws, control_law
 
@@ -510,8 +510,8 @@ def test_the_reference_names_every_channel_of_a_file() -> None:
     record_file = (DOCS / "reference" / "record-file.md").read_text(encoding="utf-8")
     columns = (DOCS / "reference" / "csv.md").read_text(encoding="utf-8")
     assert not [channel for channel in CHANNELS if f"/calibrated/{channel}`" not in record_file]
-    for channel, words in NAMES.items():
-        assert f"| {channel} | {', '.join(f'`{word}`' for word in words)} | {CHANNELS[channel]} |" in columns
+    for channel, unit in CHANNELS.items():
+        assert f"| {channel} | {', '.join(f'`{word}`' for word in NAMES[channel])} | {unit} |" in columns
 
 
 def test_the_reference_of_the_record_file_is_what_is_written(tmp_path: Path) -> None:

@@ -345,6 +345,7 @@ def takes(cls: type[Options]) -> Callable[[Call], Call]:
         keywords = [
             inspect.Parameter(option.name, inspect.Parameter.KEYWORD_ONLY, default=option.default)
             for option in options_of(cls)
+            if option.name not in signature.parameters
         ]
         call.__signature__ = signature.replace(parameters=[*declared, *keywords])  # type: ignore[attr-defined]
         call.__doc__ = f"{inspect.cleandoc(call.__doc__ or '')}\n\n{_docstring(cls)}"

@@ -116,7 +116,73 @@ def _scale(unit: str, si: str) -> tuple[float, float]:
     return (EVERYDAY[unit, si], 0.0) if (unit, si) in EVERYDAY else _by_pint(unit, si)
 
 
-OF_GRAVITY = {"g": "standard_gravity", "%g": "centistandard_gravity", "mg": "millistandard_gravity", "gal": "cm/s**2"}
+AS_WRITTEN: dict[str, dict[str, str]] = {
+    "s": dict.fromkeys(("sec", "secs", "second", "seconds"), "s") | dict.fromkeys(("msec", "msecs"), "ms"),
+    "m": dict.fromkeys(("inch", "inches", "in"), "inch") | dict.fromkeys(("mil", "mils"), "thou") | {"MM": "mm"},
+    "m/s": dict.fromkeys(("ips", "inch/s", "in/sec", "in/s"), "inch/s") | dict.fromkeys(("fps", "ft/sec"), "ft/s"),
+    "m/s^2": {
+        **dict.fromkeys(("g", "g's", "gs"), "standard_gravity"),
+        **{"%g": "centistandard_gravity", "mg": "millistandard_gravity"},
+        **dict.fromkeys(("gal", "gals", "cm/s/s", "cm/sec/sec"), "cm/s**2"),
+    },
+    "N": {
+        **dict.fromkeys(("newton", "newtons"), "N"),
+        **dict.fromkeys(("lb", "lbs", "lbf", "lbsf", "pound", "pounds"), "lbf"),  # a pound of a force is no mass
+        **dict.fromkeys(("klb", "klbs", "klbf", "kip", "kips"), "kip"),
+        **dict.fromkeys(("kgf", "kp"), "kgf"),
+    },
+    "V": dict.fromkeys(("volt", "volts"), "V"),
+    "A": dict.fromkeys(("amp", "amps", "ampere", "amperes"), "A"),
+    "degC": {
+        **dict.fromkeys(
+            ("degc", "°c", "deg c", "deg_c", "celsius", "c"), "degC"
+        ),  # C and F are no coulomb and no farad
+        **dict.fromkeys(("degf", "°f", "deg f", "deg_f", "fahrenheit", "f"), "degF"),
+        **dict.fromkeys(("k", "kelvin"), "kelvin"),
+    },
+}
+"""Units as people and testing machines write them, by the SI unit they measure: in lower case, with pint's spelling."""
+UNIT_WORDS = {
+    *(
+        "s",
+        "ms",
+        "us",
+        "min",
+        "m",
+        "cm",
+        "mm",
+        "um",
+        "µm",
+        "ft",
+        "n",
+        "kn",
+        "dan",
+        "mn",
+        "v",
+        "mv",
+        "a",
+        "ma",
+        "tonf",
+        "tf",
+    ),
+    *(
+        "m/s",
+        "cm/s",
+        "mm/s",
+        "ft/s",
+        "m/sec",
+        "mm/sec",
+        "cm/sec",
+        "m/s2",
+        "m/s^2",
+        "mm/s2",
+        "mm/s^2",
+        "cm/s2",
+        "cm/s^2",
+    ),
+    *(word.lower() for words in AS_WRITTEN.values() for word in words),
+}
+"""What a cell in a line of units below names may be, in lower case and without a full stop."""
 # as drawings and programs write them: (what is written, how pint reads it)
 SPELLINGS = (
     (r"·", "*"),
@@ -137,9 +203,9 @@ def _spelled(unit: str, si: str) -> str:
         allowed = "tf, short_ton*g_0 or long_ton*g_0" if force else "t, short_ton or long_ton"
         which = f"1000 kg, 907.2 kg or 1016 kg{' of weight' if force else ''}"
         raise InputError(f"{match[0]} in the unit {unit!r} may be {which}; write {allowed}")
-    plain = unit.strip()
-    if si == "m/s^2" and (of_gravity := OF_GRAVITY.get(plain if plain == "mg" else plain.lower())):
-        return of_gravity
+    plain, words = unit.strip().rstrip("."), AS_WRITTEN.get(si, {})
+    if word := words.get(plain, words.get(plain.lower())):
+        return word
     for written, read in SPELLINGS:
         unit = re.sub(written, read, unit)
     return unit
@@ -169,8 +235,9 @@ def _by_pint(unit: str, si: str) -> tuple[float, float]:
         at_zero = registry.Quantity(0.0, source).to(target).magnitude
         at_one = registry.Quantity(1.0, source).to(target).magnitude
     except pint.errors.PintError as problem:
+        weight = "; for the weight of a mass write kgf" if si == "N" and source == registry.kilogram else ""
         raise InputError(
-            f"the unit {unit!r} does not measure what {si!r} measures; write a unit such as {si}"
+            f"the unit {unit!r} does not measure what {si!r} measures; write a unit such as {si}{weight}"
         ) from problem
     return float(at_one - at_zero), float(at_zero)
 

@@ -49,6 +49,22 @@ def test_machines_get_what_the_room_computes() -> None:
     assert (output["samples"], output["dt_s"], output["history"]) == (1560, 0.02, [])
 
 
+def test_a_table_of_a_motion_is_declared(tmp_path: Path) -> None:
+    path = tmp_path / "quake.csv"
+    rows = "".join(f"{10 * k},{(37 * k) % 100 - 50},{k}\n" for k in range(400))
+    path.write_text(f"Clock,Channel 3,Other\n{rows}")
+    declared = ("--column", "time=Clock", "--column", "acceleration=Channel 3", "--unit", "time=ms")
+    assert "no unit is known for the acceleration" in run("motion", path, *declared).stderr
+    output = run_json("motion", path, *declared, "--motion-unit", "gal")
+    assert (output["samples"], output["dt_s"], output["pga_m_s2"]) == (400, 0.01, pytest.approx(0.5))
+    factor = run_json("motion", path, *declared, "--factor", "acceleration=0.002 g", "--header", "1")
+    assert factor["pga_m_s2"] == pytest.approx(0.1 * G)
+    assert factor["history"] == ["acceleration is 0.002 g times 'Channel 3' in the file, as declared"]
+    simulated = run_json("simulate", "--motion", path, *declared, "--motion-unit", "gal", "--without-damper")
+    assert list(simulated) == ["no damper"]
+    assert "--unit belongs to a file that is given with --motion" in run("motion", *declared).stderr
+
+
 def test_people_get_tables_in_their_units(file: Path) -> None:
     shown = run("motion").stdout
     assert "El Centro 1940 NS: 1560 samples every 0.02 s, 31.18 s" in shown

@@ -86,7 +86,9 @@ def test_a_file_without_names_is_read_with_the_columns_that_were_chosen(client):
 def test_what_the_form_of_uploads_offers_is_taken(client):
     offered = [option["name"] for option in client.get("/api/records/uploads/options").json()]
     assert offered == [
-        option.name for option in options_of(records.ReadOptions) if option.name not in ("units", "columns", "cut")
+        option.name
+        for option in options_of(records.ReadOptions)
+        if option.name not in ("units", "columns", "factors", "offsets", "cut")
     ]
     untimed = "x [mm],f [N]\n" + "".join(f"{x:.5f},{f:.4f}\n" for _, x, f in ROWS)
     said = {"dt": 0.01, "column": ["displacement=x", "force=f"], "smoothed": "3 samples, not undone", "lowpass": "20"}

@@ -54,6 +54,7 @@ def fields() -> list[tuple[type[Options], Option]]:
 TEXTS = {
     "models": "dahl + spring", "add_ons": "spring", "laws": "constant", "units": "mm", "columns": "Load cell",
     "limits": "12mm", "smoothed": "0.1 periods, trailing", "lowpass": "15 f", "cut": "events",
+    "factors": "250 N", "offsets": "-12 N", "thousands": ",",
 }  # fmt: skip
 
 
@@ -71,7 +72,7 @@ def another(option: Option) -> Any:
     elif option.kind in (int, float):
         low = option.quantity.low if option.quantity and option.quantity.low > -1e9 else 0.0
         single = max(int(low), option.default or 0) + 3 if option.kind is int else low + 0.3125
-    named = {"force" if option.name in ("units", "columns") else "dahl.kx": single}
+    named = {"force" if option.name in ("units", "columns", "factors", "offsets") else "dahl.kx": single}
     return named if option.pairs else (single,) if option.several else single
 
 

@@ -66,10 +66,16 @@ def test_an_interval_in_the_place_of_a_coarse_clock(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text(NAMES + stamped(["10:00:00"] * 10))
     assert read(path, columns={"time": "-"}, dt="5 ms").time == pytest.approx(0.005 * np.arange(10))
+    record = read(path, dt=0.005)  # a clock that stands still does not contradict it
+    assert record.time == pytest.approx(0.005 * np.arange(10))
+    assert "time from the sampling interval, 0.005 s, in the place of the stamps 'Time'" in record.history
+    path.write_text(NAMES + stamped([f"10:00:0{k}" for k in range(10)]))
     with pytest.raises(
-        FileError, match=r"dt = 0.005 s was given, but the column 'Time' is the time; leave one of them out"
+        FileError,
+        match=r"dt = 0.005 s was given, but the column 'Time' is the time and steps by 1 s on average; correct dt",
     ):
         read(path, dt=0.005)
+    path.write_text(NAMES + stamped(["10:00:00"] * 10))
     with pytest.raises(FileError, match=r"the column of the force holds '10:00:00', which is not a number"):
         read(path, columns={"force": 0, "time": None}, dt=0.005)
 
@@ -128,12 +134,12 @@ def test_an_empty_cell_is_wrong_only_where_a_channel_has_it(tmp_path):
 
 def test_every_channel_that_no_column_is_stands_in_one_message(tmp_path):
     path = tmp_path / "a.csv"
-    path.write_text("Zeit [s];Weg [mm];Kraft [kN]\n" + lines(";", ","))
-    words = r"no column is the time, the displacement or the force \(there: Zeit, Weg, Kraft\); declare which, "
+    path.write_text("Uhr [s];Hub [mm];Zug [kN]\n" + lines(";", ","))
+    words = r"no column is the time, the displacement or the force \(there: Uhr, Hub, Zug\); declare which, "
     options = r"--column time=NAME --column displacement=NAME --column force=NAME or columns=.*--dt 0.001"
     with pytest.raises(FileError, match=words + options):
         read(path)
     with pytest.raises(
         FileError, match=r"no column is the displacement or the force .*, --column displacement=NAME --c"
     ):
-        read(path, columns={"time": "Zeit"})
+        read(path, columns={"time": "Uhr"})

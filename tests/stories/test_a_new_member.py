@@ -144,11 +144,11 @@ from dampyr.errors import FileError
 from dampyr.ground_motions.motion import GroundMotion
 from dampyr.ground_motions.samples import motion_of
 
-SUFFIXES = (".acc",)
+SUFFIXES = (".shake",)
 
 
 def read(path: Path, units: str | None = None, dt: float | None = None) -> GroundMotion:
-    """The ground motion of an .acc file."""
+    """The ground motion of a .shake file."""
     try:
         first, *rest = path.read_text("utf-8").splitlines()
         step, unit = first.split()
@@ -277,7 +277,7 @@ from dampyr.models import published
 from dampyr.structures import control_law
 
 ROOT = Path(__file__).resolve().parents[1]
-LISTED = ["bent_dashpot", "standstill", "passive_on", ".json", ".acc", "one_spring", "table", "parts"]
+LISTED = ["bent_dashpot", "standstill", "passive_on", ".json", ".shake", "one_spring", "table", "parts"]
 REFERENCE = {
     "models": "## `bent_dashpot`", "campaign-file": "## `standstill`", "control-laws": "## `passive_on`",
     "published": "## `example_2026`", "studies": "## `one_spring`", "commands": "## `dampyr parts`",
@@ -291,7 +291,7 @@ def data(tmp_path):
     t = np.linspace(0.0, 4.0, 800)
     record = records.Record(t, 0.01 * np.sin(6 * t), 50 * np.cos(6 * t), voltage=1.0)
     records.write(record, tmp_path / "one.json")
-    (tmp_path / "motions" / "weak.acc").write_text("0.01 g\\n" + "\\n".join(f"{0.1 * np.sin(k):.6f}" for k in range(500)))
+    (tmp_path / "motions" / "weak.shake").write_text("0.01 g\\n" + "\\n".join(f"{0.1 * np.sin(k):.6f}" for k in range(500)))
     return tmp_path
 
 
@@ -313,7 +313,7 @@ def test_the_reference_describes_it(page):
 
 def test_the_page_of_the_formats_has_three():
     text = (ROOT / "docs" / "reference" / "formats.md").read_text("utf-8")
-    assert all(f"| `{name}` |" in text for name in (".json", ".acc", "table"))
+    assert all(f"| `{name}` |" in text for name in (".json", ".shake", "table"))
 
 
 def run(*args):
@@ -326,7 +326,7 @@ def test_the_command_line_takes_them(data, tmp_path):
     assert run("parts", "--containing", "bent") == ["bent_dashpot"]
     [record] = run("records", str(data / "one.json"))["records"]
     assert record["name"] == "one"
-    assert run("motion", str(data / "motions" / "weak.acc"))["dt_s"] == 0.01
+    assert run("motion", str(data / "motions" / "weak.shake"))["dt_s"] == 0.01
     (tmp_path / "one.toml").write_text(STEP)
     assert "standstill" in json.dumps(run("run", str(tmp_path / "one.toml"), "--dry-run"))
     published.damper("example_2026").save(tmp_path / "card.toml")
@@ -339,7 +339,7 @@ def test_the_command_line_takes_them(data, tmp_path):
 def test_python_takes_them(data):
     assert control_law("passive_on", high=2.0).high == 2.0
     assert studies.published_damper("one_spring").composition.names == ("spring",)
-    assert ground_motions.read(data / "motions" / "weak.acc").n == 500
+    assert ground_motions.read(data / "motions" / "weak.shake").n == 500
     assert records.read_campaign(data)[0].voltage == 1.0
     assert kind("standstill")(place=0.004).place == 0.004
 
@@ -351,7 +351,7 @@ def test_the_console_offers_them(client):
     offered = client.get("/api/building/choices").json()
     assert "passive_on" in offered["laws"]
     assert {"example_2026", "one_spring"} <= {one["name"] for one in offered["dampers"]}
-    assert offered["motions"] == ["weak.acc"]
+    assert offered["motions"] == ["weak.shake"]
     formats = client.get("/api/records/formats").json()
     assert all("json" in [one["name"] for one in formats[side]] for side in ("read", "written"))
     assert [one["key"] for one in client.get("/api/records/list").json()] == ["data/one.json"]

@@ -13,7 +13,7 @@ import click
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.ground_motions import GroundMotion
+    from dampyr.ground_motions import GroundMotion, MotionReadOptions
 
 
 @dataclass(frozen=True)
@@ -27,19 +27,21 @@ class Ground:
     sa: str | None
     component: str | None = None
 
-    def motion(self, path: Path | None, baseline: bool = False) -> GroundMotion:
+    def motion(
+        self, path: Path | None, baseline: bool = False, options: MotionReadOptions | None = None
+    ) -> GroundMotion:
         """The motion in the file, or El Centro 1940; less its ``baseline`` where asked for; as strong as asked for."""
         from dampyr import ground_motions
+        from dampyr.options import command_words
 
-        if path is None and any(option is not None for option in (self.unit, self.dt, self.component)):
-            raise InputError(
-                "--motion-unit, --dt and --component belong to a file that is given with --motion; those of El Centro 1940 are "
-                "fixed"
-            )
+        declared = [] if options is None else command_words(options)
+        if path is None and (declared or any(option is not None for option in (self.unit, self.dt, self.component))):
+            flag = f"{declared[0]} belongs" if declared else "--motion-unit, --dt and --component belong"
+            raise InputError(f"{flag} to a file that is given with --motion; those of El Centro 1940 are fixed")
         motion = (
             ground_motions.el_centro()
             if path is None
-            else ground_motions.read(path, units=self.unit, dt=self.dt, component=self.component)
+            else ground_motions.read(path, units=self.unit, dt=self.dt, component=self.component, options=options)
         )
         return self._scaled(ground_motions.corrected(motion) if baseline else motion)
 

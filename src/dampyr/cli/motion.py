@@ -11,22 +11,26 @@ import click
 from dampyr.cli._examples import examples
 from dampyr.cli._frame import in_option_words
 from dampyr.cli._motion import Ground, motion_options, ratio
+from dampyr.cli._options import OptionsCommand
 from dampyr.cli._output import as_json_option, print_json, print_result
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.ground_motions import GroundMotion
+    from dampyr.ground_motions import GroundMotion, MotionReadOptions
     from dampyr.ground_motions.intensity_measures import Measures
     from dampyr.ground_motions.response_spectrum import Spectrum
 
 
 @click.command(
+    cls=OptionsCommand,
+    options={"options": "dampyr.ground_motions:MotionReadOptions"},
+    first=2,
     epilog=examples(
         "dampyr motion --pga 0.3g --report motion.html",
         "dampyr motion kobe.csv --motion-unit g --dt 0.02",
         "dampyr motion motions --period 0.5",
-    )
+    ),
 )
 @click.argument("file", required=False, type=click.Path(path_type=Path))
 @motion_options
@@ -42,6 +46,7 @@ if TYPE_CHECKING:
 def command(
     file: Path | None,
     ground: Ground,
+    options: MotionReadOptions,
     baseline: bool,
     dampings: tuple[str, ...],
     periods: tuple[float, ...],
@@ -55,13 +60,15 @@ def command(
     """
     from dampyr.ground_motions import measures, spectrum
     from dampyr.ground_motions.motion_files import component_names
+    from dampyr.options import command_words
     from dampyr.show.pages import motion_page
     from dampyr.show.pages.result_page import write_page
 
     if file is not None and (file.is_dir() or (ground.component is None and len(component_names(file)) > 1)):
-        _print_folder(file, ground, {"--baseline": baseline, "--report": report}, dampings, periods, as_json)
+        declared = dict.fromkeys(command_words(options)[:1], True)
+        _print_folder(file, ground, {"--baseline": baseline, "--report": report} | declared, dampings, periods, as_json)
         return
-    motion = ground.motion(file, baseline)
+    motion = ground.motion(file, baseline, options)
     table_periods, ratios = periods or motion_page.TABLE, [ratio(text) for text in dampings]
     motion_measures = measures(motion)
     peaks = spectrum(motion, table_periods, ratios or [0.05])

@@ -24,12 +24,16 @@ from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
+    from dampyr.ground_motions import MotionReadOptions
     from dampyr.structures import RespondOptions
 
 
 @click.command(
     cls=OptionsCommand,
-    options={"options": "dampyr.structures:RespondOptions"},
+    options={
+        "options": "dampyr.structures:RespondOptions",
+        "reading": "dampyr.ground_motions:MotionReadOptions",
+    },
     first=7,
     epilog=examples(
         "dampyr simulate damper.toml --voltage 0 --voltage 1.98 --report building.html",
@@ -66,6 +70,7 @@ def command(
     storey: int | None,
     between: tuple[str, str] | None,
     options: RespondOptions,
+    reading: MotionReadOptions,
     motion: Path | None,
     ground: Ground,
     temperature: float | None,
@@ -89,7 +94,7 @@ def command(
     dampers = None if damper is None else {place_of(storey, between): damper}
     inputs: dict[str, Any] = {"voltage": []} if damper is None else inputs_by_kind(damper, voltages, currents, controls)
     with findings_below():
-        result = respond(building, ground.motion(motion), dampers, **inputs, options=options)
+        result = respond(building, ground.motion(motion, options=reading), dampers, **inputs, options=options)
     if report:
         from dampyr.show.pages.result_page import write_page
 

@@ -18,7 +18,7 @@ from dampyr.records.datasets import available_data_sets, data_set
 from dampyr.records.files.campaign_folder import TABLE, campaign_rows, read_row
 from dampyr.records.files.folder import natural
 from dampyr.records.files.folder_metadata import reading_of
-from dampyr.records.files.text_columns import has_numbers
+from dampyr.text_table import has_numbers
 
 OWN = "data"
 NOT_RECORDS = ("ensembles/", "motions/", "structures/")  # folders of the data folder that hold other files

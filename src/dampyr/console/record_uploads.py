@@ -26,8 +26,8 @@ from dampyr.console.state import AppState, CurrentApp
 from dampyr.errors import FileError, InputError
 from dampyr.records import ReadOptions
 from dampyr.records.files.column_table import guess_channels
-from dampyr.records.files.text_columns import read_table
 from dampyr.records.record import CHANNELS
+from dampyr.text_table import read_table
 
 UPLOADS = "uploads"
 ORIGINALS = f"{safe_paths.OWN}/originals"
@@ -40,7 +40,7 @@ BODY = {
     }
 }
 Name = Annotated[str, InPath(max_length=255, description="The file's name; its suffix gives the format.")]
-UPLOAD_LEAVES_OUT = ("units", "columns", "cut")
+UPLOAD_LEAVES_OUT = ("units", "columns", "factors", "offsets", "cut")
 """Options of reading that an upload has in another form, and the one that makes several records of a file."""
 Text = Annotated[str | None, Field(max_length=200)]
 
@@ -103,6 +103,8 @@ class UploadRequest(request_of(ReadOptions, UPLOAD_LEAVES_OUT)):  # type: ignore
 
     unit: list[str] = Field(default=[], max_length=8, description="Such as displacement=mm.")
     column: list[str] = Field(default=[], max_length=8, description="Such as force=Load cell.")
+    factor: list[str] = Field(default=[], max_length=8, description="Such as displacement=0.005 mm.")
+    offset: list[str] = Field(default=[], max_length=8, description="Such as force=-12 N.")
     ticket: str = Field(default="", max_length=40, description="By which its place in the queue can be asked for.")
 
 
@@ -115,7 +117,8 @@ def list_options() -> list[dict[str, Any]]:
 @router.put("/uploads/{name}", status_code=201, openapi_extra=BODY)
 async def take(app: CurrentApp, request: Request, name: Name, query: Annotated[UploadRequest, Query()]) -> Taken:
     """Upload a record: it is read in a process with limits and saved as an .h5 file in the folder ``uploads``."""
-    options = query.options(units=_pairs(query.unit), columns=_pairs(query.column))
+    pairs = {"units": query.unit, "columns": query.column, "factors": query.factor, "offsets": query.offset}
+    options = query.options(**{name: _pairs(texts) for name, texts in pairs.items()})
     stored = _name_of_upload(name)
     target = safe_paths.inside(app.data, f"{UPLOADS}/{Path(stored).stem}.h5")
     if target.exists():
@@ -211,7 +214,7 @@ def columns_of(path: Path, header: int | None, part: bool) -> dict[str, Any]:
         content = path.read_bytes()
         path.write_bytes(content[: content.rfind(b"\n") + 1] or content)
     try:
-        table = read_table(path, header, by_number=True)
+        table = read_table(path, ReadOptions(header=header), by_number=True)
     except FileError as problem:
         return {"problem": str(problem).replace(f"{path}", path.name)}
     guessed = {column: channel for channel, column in guess_channels(path, table).items()}

@@ -17,6 +17,7 @@ from dampyr.ground_motions.intensity_measures import measures, pgd, pgv, sa
 from dampyr.ground_motions.motion import GroundMotion
 from dampyr.ground_motions.motion_files import available_formats, read, read_components
 from dampyr.ground_motions.motion_folder import read_folder
+from dampyr.ground_motions.motion_options import MotionReadOptions
 from dampyr.ground_motions.resampling import resampled
 from dampyr.ground_motions.response_spectrum import spectrum
 from dampyr.ground_motions.rotated_components import rotated_spectrum
@@ -24,9 +25,9 @@ from dampyr.ground_motions.soils import FIRM, MEDIUM, SOFT, Soil
 from dampyr.ground_motions.synthetic import kanai_tajimi, synthetic_motions
 
 __all__ = [
-    "GroundMotion", "el_centro", "read", "read_components", "read_folder", "available_formats", "spectrum",
-    "rotated_spectrum", "measures", "pgv", "pgd", "sa",
-    "corrected",
+    "GroundMotion", "MotionReadOptions",
+    "el_centro", "read", "read_components", "read_folder", "available_formats", "spectrum", "rotated_spectrum",
+    "measures", "pgv", "pgd", "sa", "corrected",
     "filtered", "resampled",
     "trimmed", "padded", "followed_by_rest", "kanai_tajimi", "synthetic_motions", "Soil", "FIRM", "MEDIUM", "SOFT",
     "RisePlateauDecay", "ShinozukaSato", "stationary",

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from dampyr import registry
 from dampyr.errors import FileError, MissingData
 from dampyr.ground_motions.channels import MotionChannel, chosen, motion_of_channel
 from dampyr.ground_motions.motion import GroundMotion
+from dampyr.ground_motions.motion_options import ACCELERATION, MotionReadOptions
+from dampyr.options import takes
 from dampyr.source_file import check_name
 
 REGISTRY = "dampyr.ground_motions.formats"
@@ -22,8 +27,14 @@ def available_formats() -> dict[str, tuple[str, ...]]:
     return {name: module.SUFFIXES for name, module in registry.members(REGISTRY)}
 
 
+@takes(MotionReadOptions)
 def read(
-    path: str | Path, units: str | None = None, dt: float | None = None, component: str | None = None
+    path: str | Path,
+    units: str | Mapping[str, str] | None = None,
+    dt: float | None = None,
+    component: str | None = None,
+    options: MotionReadOptions | None = None,
+    **keywords: Any,
 ) -> GroundMotion:
     """The ground motion in a file.
 
@@ -32,11 +43,13 @@ def read(
     path
         The file; its first lines say which format it is, and where they do not, its suffix.
     units
-        Unit of the acceleration, such as "g" or "m/s^2"; needed where the file does not name it.
+        Unit of the acceleration, such as "g" or "m/s^2", or units by channel; needed where the file does not name it.
     dt
         Seconds between samples; needed where the file holds accelerations only.
     component
         Of a file with several: what the file calls it, such as "N-S", or a word of that which no other has.
+    options
+        the further arguments as one object; those that are given by name take their places.
 
     Raises
     ------
@@ -56,13 +69,20 @@ def read(
     >>> motion.n, round(motion.dt, 6), round(motion.pga, 2)
     (200, 0.01, 3.92)
     """
+    request = MotionReadOptions.of("read", options, keywords)
+    stated = {**request.units, **(units if isinstance(units, Mapping) else {ACCELERATION: units} if units else {})}
+    unit = stated.pop(ACCELERATION, None)
+    request = replace(request, units=stated)
     file = _existing(path)
     _, module = format_of(file)
+    takes_options = getattr(module, "TAKES_OPTIONS", False)
+    if not takes_options:
+        request.refuse(file, **dict.fromkeys(request.as_keywords(), "this format has no columns to declare"))
     if hasattr(module, "channels"):
-        return motion_of_channel(file, chosen(file, read_channels(file, module), component), units, dt)
+        return motion_of_channel(file, chosen(file, read_channels(file, module), component), unit, dt)
     if component is not None:
         raise FileError(file, f"component = {component!r} was given, but the file has one acceleration; leave it out")
-    motion: GroundMotion = module.read(file, units, dt)
+    motion: GroundMotion = module.read(file, unit, dt, *((request,) if takes_options else ()))
     return motion
 
 

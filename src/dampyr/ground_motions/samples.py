@@ -32,17 +32,19 @@ def step_of(path: Path, time: Array, dt: float | None) -> float:
         raise FileError(path, f"time is not finite at sample {bad[0] + 1}; repair or cut the record")
     steps = np.diff(time)
     mean = float((time[-1] - time[0]) / (len(time) - 1))
+    instead = f", or give the step in the place of the times: --dt {mean:.4g}, dt={mean:.4g}" * (mean > 0)
     if np.any(steps <= 0):
         k = int(np.argmax(steps <= 0))
         raise FileError(
             path,
-            f"time does not increase from sample {k + 1} ({time[k]:g} s) to {k + 2} ({time[k + 1]:g} s); sort the rows",
+            f"time does not increase from sample {k + 1} ({time[k]:g} s) to {k + 2} ({time[k + 1]:g} s); "
+            f"sort the rows{instead}",
         )
     if np.max(np.abs(steps - mean)) > 0.01 * mean:
         k = int(np.argmax(np.abs(steps - mean)))
         raise FileError(
             path,
-            f"the step is {steps[k]:g} s after sample {k + 1} but {mean:g} s on average; resample to an even step",
+            f"the step is {steps[k]:g} s after sample {k + 1} but {mean:g} s on average; resample to an even step{instead}",
         )
     if dt is not None and abs(dt - mean) > 1e-3 * mean:
         raise FileError(path, f"dt = {dt:g} s contradicts its time column, {mean:g} s; leave dt out")

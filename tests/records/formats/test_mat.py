@@ -149,9 +149,10 @@ def test_a_variable_for_each_channel(tmp_path, variables, version):
     assert np.array_equal(record.force, variables["forc"].ravel())
     assert record.displacement == pytest.approx(1e-3 * variables["dist"].ravel())
     with pytest.raises(
-        FileError, match=r"dt = 0.01 s was given, but the column 'clock' is the time; leave one of them out"
+        FileError,
+        match=r"dt = 0.02 s was given, but the column 'clock' is the time and steps by 0.01 s on average; correct dt",
     ):
-        read(path, columns=columns, dt=0.01)
+        read(path, columns=columns, units={"time": "s", "displacement": "mm", "force": "N"}, dt=0.02)
 
 
 def test_a_file_of_version_7_3_that_points_out_of_itself_is_refused(tmp_path, variables):

@@ -18,6 +18,8 @@ from dampyr.records.record_cache import cached_by_record
 from dampyr.records.record_thresholds import USUAL, RecordThresholds
 from dampyr.shown import Shown
 
+MAX_GAPS = 3  # that are told one by one
+UNEVEN_SHARE = 0.02  # of the intervals that are long: a recorder that loses samples loses fewer
 MAX_PLATEAU = 5  # equal samples: a smooth extreme has fewer
 SPIKE_WINDOW = 5  # samples of the running median: a false value of one or two samples stands out of it
 SPIKE_OVER_REST = 5.0  # times what 99 of 100 samples differ from the running median: steep loops are not spikes
@@ -64,6 +66,8 @@ class Quality(Shown):
         8 % of it in each cycle; 0 else.
     stroke
         m from the least displacement to the greatest.
+    mean_interval
+        The mean sampling interval, s.
     """
 
     samples: int
@@ -77,6 +81,7 @@ class Quality(Shown):
     leaps: tuple[float, ...] = ()
     run_away: float = 0.0
     stroke: float = 0.0
+    mean_interval: float = 0.0
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -94,8 +99,10 @@ class Quality(Shown):
     def judged(self, thresholds: RecordThresholds) -> dict[str, list[str]]:
         """The notes by their kind, by other thresholds than the usual ones."""
         return {
-            "gap": [f"gap of {length:.4g} s at {at:.4g} s" for at, length in self.gaps],
-            "jitter": [f"sampling jitter of {100 * self.jitter:.2g} % rms"] if self.jitter > thresholds.jitter else [],
+            "gap": self._gap_notes(),
+            "jitter": [f"sampling jitter of {100 * self.jitter:.2g} % rms"]
+            if self.jitter > thresholds.jitter and not self._is_uneven
+            else [],
             "saturated": [
                 f"{channel} may be saturated: {count} samples stand at its extreme"
                 for channel, count in self.saturated.items()
@@ -127,6 +134,25 @@ class Quality(Shown):
             if self.per_cycle is not None and self.per_cycle < thresholds.samples_per_cycle
             else [],
         }
+
+    @property
+    def _is_uneven(self) -> bool:
+        """Whether so many intervals are long that these are stamps that jitter, and no samples that are missing."""
+        return len(self.gaps) > max(MAX_GAPS, UNEVEN_SHARE * self.samples)
+
+    def _gap_notes(self) -> list[str]:
+        """Each gap; of more than a few one sentence for all."""
+        if len(self.gaps) <= MAX_GAPS:
+            return [f"gap of {length:.4g} s at {at:.4g} s" for at, length in self.gaps]
+        times = _first_three([at for at, _ in self.gaps])
+        longest = max(length for _, length in self.gaps)
+        if not self._is_uneven:
+            return [f"{len(self.gaps)} gaps of up to {longest:.4g} s, at {times} s"]
+        return [
+            f"the time stamps jitter: {len(self.gaps)} of {self.samples - 1} intervals are long, up to {longest:.4g} s for "
+            f"{self.dt:.4g} s in the median; where the samples were taken evenly, read them with their interval, "
+            f"--dt {self.mean_interval:.4g} or dt={self.mean_interval:.4g} (s), which goes before the stamps"
+        ]
 
 
 def _first_three(times: Sequence[float]) -> str:
@@ -163,6 +189,7 @@ def quality(record: Record) -> Quality:
         leaps=tuple(map(float, record.time[leaps(record)])),
         run_away=_run_away(record, spans),
         stroke=float(np.ptp(record.displacement)),
+        mean_interval=record.duration / (record.n - 1),
     )
 
 

@@ -13,9 +13,9 @@ from dampyr.errors import DampyrWarning, FileError, InputError, MissingData
 from dampyr.records.files.folder_metadata import DECIMAL, NAME, reading_of
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.record_files import REGISTRY, read_file, warn_of_integrated
-from dampyr.records.files.text_columns import has_numbers
 from dampyr.records.formats import h5
 from dampyr.records.record import Record, commonest_name
+from dampyr.text_table import has_numbers
 
 DAMPYR = ".h5"  # the suffix of dampyr's own files
 

@@ -16,6 +16,9 @@
     [columns]
     force = "Load cell"
 
+    [factors]                      # what one in the files is: of counts, volts
+    displacement = "0.005 mm"
+
     [smoothed]                     # files that a moving average went over: its window in s, or in samples or periods
     "earthquake*" = 0.3
     "sine*" = "0.1 periods"        # also "15 samples", and after a comma: trailing, not undone, channels such as force
@@ -58,7 +61,7 @@ from dampyr.records.record import CHANNELS
 NAME = "reading.toml"
 TABLE = "campaign.csv"  # names the files of a campaign (`dampyr.records.files.campaign_folder`)
 INPUTS = ("voltage", "current", "no_input")  # of which a record has one
-TABLES = ("units", "columns")  # options that hold a value for each channel
+TABLES = ("units", "columns", "factors", "offsets")  # options that hold a value for each channel
 DECIMAL = re.compile(r"[,pPxX]")
 """What stands for the point of a number in a file's name."""
 
@@ -299,6 +302,9 @@ def _smoothed(name: str, setting: Any) -> Any:
 KEYS: Mapping[str, Callable[[str, Any], Any]] = {
     "units": _table,
     "columns": _table,
+    "factors": _table,
+    "offsets": _table,
+    "thousands": _option,
     "voltage": _input,
     "current": _input,
     "no_input": _no_input,

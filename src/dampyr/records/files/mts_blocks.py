@@ -11,9 +11,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from dampyr.errors import FileError
-from dampyr.records.files.column_table import record_of
+from dampyr.records.files.column_table import read_text
 from dampyr.records.files.read_options import ReadOptions
-from dampyr.records.files.text_columns import is_by_number, table_of_text
 from dampyr.records.record import Record
 
 ACQUISITION, HEADER = (
@@ -71,6 +70,5 @@ def read_block(path: Path, blocks: list[str], request: ReadOptions) -> Record:
         )
     if wanted not in [str(k + 1) for k in range(count)]:
         raise FileError(path, f"there is no block {wanted!r}; choose a number from 1 to {count}")
-    table = table_of_text(path, blocks[int(wanted) - 1], None, is_by_number(request))
-    record = record_of(path, table, replace(request, variable=None), "text")
+    record = read_text(path, replace(request, variable=None), "text", blocks[int(wanted) - 1])
     return record.replace(note=f"block {wanted} of {count}", name=f"{path.stem} block {wanted}")

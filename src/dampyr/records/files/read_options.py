@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Annotated, Any
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from dampyr.errors import FileError, InputError
+from dampyr.channel_columns import TextOptions
+from dampyr.errors import InputError
 from dampyr.input_kinds import INPUTS
-from dampyr.options import Options, Terminal
+from dampyr.options import Terminal
 from dampyr.records.conditioning.cut_record import check_cut
 from dampyr.records.conditioning.lowpass import as_lowpass
 from dampyr.records.conditioning.moving_average import Declaration
@@ -22,13 +22,15 @@ from dampyr.units import Quantity
 
 
 @dataclass(frozen=True)
-class ReadOptions(Options):
+class ReadOptions(TextOptions):
     """Options of `read` and `read_campaign`; ``cut``, which makes several records of one, is of `read_campaign` alone.
 
     ``thresholds`` say from when on what a record shows is a finding; they are an argument of the call alone.
 
     ``smoothed`` is kept as a `dampyr.records.Declaration`, ``lowpass`` in Hz or as a text such as ``"15 f"``.
     """
+
+    CHANNELS: ClassVar[Mapping[str, str]] = CHANNELS
 
     voltage: Annotated[
         float | None,
@@ -45,28 +47,11 @@ class ReadOptions(Options):
         "The damper has no voltage and no current, as one of friction, oil or rubber; a measured column that is 0, to 0.05 V "
         "or A, gives way to it",
     ] = False
-    units: Annotated[
-        Mapping[str, str],
-        Terminal("--unit", "CHANNEL=UNIT"),
-        "Units of the channels of which the files state none, such as displacement=mm",
-    ] = field(default_factory=dict)
-    columns: Annotated[
-        Mapping[str, str | int | None],
-        Terminal("--column", "CHANNEL=NAME"),
-        "Columns of the channels, where the header's own words do not tell: force='Load cell', with its unit as in "
-        "'displacement=Displacement (mm)', its number from 0, or - for none",
-    ] = field(default_factory=dict)
     dt: Annotated[
         float | None,
         Quantity("s", low=0, open_low=True),
         Terminal(metavar="TIME"),
-        "Sampling interval of files without a time, such as 2ms",
-    ] = None
-    header: Annotated[
-        int | None,
-        Quantity("", low=0),
-        Terminal(metavar="LINE"),
-        "Line of the names in a text, from 1; 0 where there is none",
+        "Sampling interval of files without a time, or with stamps that are coarser than it, such as 2ms",
     ] = None
     variable: Annotated[
         str | None,
@@ -113,12 +98,7 @@ class ReadOptions(Options):
 
     def check(self) -> None:
         """Refuse unknown channels, an empty name, and a sign or a duration that is not one."""
-        for argument in ("units", "columns"):
-            unknown = sorted(set(getattr(self, argument)) - set(CHANNELS))
-            if unknown:
-                raise InputError(
-                    f"{argument} names {unknown[0]!r}, which is not a channel; choose from {', '.join(CHANNELS)}"
-                )
+        super().check()
         for name in INPUTS.values():
             if self.no_input and (value := getattr(self, name)) is not None:
                 raise InputError(
@@ -135,12 +115,6 @@ class ReadOptions(Options):
             check_cut(self.cut)
         if self.thresholds is not None and not isinstance(self.thresholds, RecordThresholds):
             raise InputError(f"thresholds = {self.thresholds!r} are not allowed; give RecordThresholds(...)")
-
-    def refuse(self, path: str | Path, **reasons: str) -> None:
-        """Raise :class:`FileError` where an option is set that a format cannot use: ``variable="a text has none"``."""
-        for name, reason in reasons.items():
-            if (stated := getattr(self, name)) is not None:
-                raise FileError(path, f"{name} = {stated!r} was given, but {reason}; leave it out")
 
     def input_channels(self, voltage: Any = None, current: Any = None, no_input: bool = False) -> dict[str, Any]:
         """The input of the record, from that of the call and that of the file (``voltage``, ``current``, ``no_input``).

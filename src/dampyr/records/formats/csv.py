@@ -1,4 +1,4 @@
-"""Comma-separated columns, see :mod:`dampyr.records.files.text_columns`; semicolons and tabs are read too."""
+"""Comma-separated columns, see :mod:`dampyr.text_table`; semicolons and tabs are read too."""
 
 import io
 from pathlib import Path
@@ -7,7 +7,7 @@ import numpy as np
 
 from dampyr.atomic_write import write_whole
 from dampyr.errors import FileError
-from dampyr.records.files import text_columns
+from dampyr.records.files.column_table import read_text
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import CHANNELS, Record, stated
 
@@ -17,7 +17,7 @@ PLAIN_TEXT = True
 
 def read(path: Path, request: ReadOptions) -> Record:
     """The record in a ``.csv`` file, in SI."""
-    return text_columns.read(path, request, "CSV")
+    return read_text(path, request, "CSV")
 
 
 def write(record: Record, path: Path) -> Path:

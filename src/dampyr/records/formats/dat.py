@@ -1,4 +1,4 @@
-"""Columns of plain text as testing machines write them, see :mod:`dampyr.records.files.text_columns`: as ``.txt``.
+"""Columns of plain text as testing machines write them, see :mod:`dampyr.text_table`: as ``.txt``.
 
 A file of an MTS controller may hold several blocks, see :mod:`dampyr.records.files.mts_blocks`: each is a record, and
 ``variable`` is the number of one.
@@ -6,7 +6,8 @@ A file of an MTS controller may hold several blocks, see :mod:`dampyr.records.fi
 
 from pathlib import Path
 
-from dampyr.records.files import mts_blocks, text_columns
+from dampyr.records.files import mts_blocks
+from dampyr.records.files.column_table import read_text
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import Record
 
@@ -17,7 +18,7 @@ PLAIN_TEXT = True
 def read(path: Path, request: ReadOptions) -> Record:
     """The record in a ``.dat`` file, or in one of its blocks, in SI."""
     blocks = mts_blocks.blocks_of(path)
-    return mts_blocks.read_block(path, blocks, request) if blocks else text_columns.read(path, request, "text")
+    return mts_blocks.read_block(path, blocks, request) if blocks else read_text(path, request, "text")
 
 
 def parts(path: Path) -> list[str]:

@@ -114,7 +114,7 @@ def read(path: Path, request: ReadOptions) -> Record:
     beside it, and its kind :class:`FewSamples` where the test ended too early for a record.
     """
     reason = "dampyr's own file says it itself"
-    request.refuse(path, dt=reason, variable=reason, header=reason)
+    request.refuse(path, dt=reason, variable=reason, header=reason, factors=reason, offsets=reason, thousands=reason)
     with _open(path) as file:
         attributes = attributes_of(file)
         root = attributes["/"]

@@ -14,8 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
+from dampyr.channel_columns import Array, ColumnTable, name_and_unit
 from dampyr.errors import FileError
-from dampyr.records.files.column_table import Array, ColumnTable, name_and_unit, record_of
+from dampyr.records.files.column_table import record_of
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import Record
 

@@ -23,11 +23,12 @@ from typing import Any
 import numpy as np
 
 from dampyr.atomic_write import whole_file
+from dampyr.channel_columns import MAX_NAMED, ColumnTable
 from dampyr.errors import FileError, InputError, one_line
 from dampyr.input_kinds import NO_INPUT
 from dampyr.origin import ORIGIN_KINDS
 from dampyr.phrases import listing
-from dampyr.records.files.column_table import MAX_NAMED, ColumnTable, record_of
+from dampyr.records.files.column_table import record_of
 from dampyr.records.files.mat_members import canonical, object_class, refuse_object, unfolded, unfolded_hdf5
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.self_contained import check_contained
@@ -86,7 +87,7 @@ class _Stored:
 
 def read(path: Path, request: ReadOptions) -> Record:
     """The record in a MATLAB file: that of the campaign, whose header is checked against the data, or as declared."""
-    request.refuse(path, header="a MATLAB file has none")
+    request.refuse(path, header="a MATLAB file has none", thousands="a MATLAB file holds numbers")
     import h5py
 
     columns = {
@@ -117,7 +118,8 @@ def read(path: Path, request: ReadOptions) -> Record:
             raise refuse_object(path, *next(iter(stored.objects.items())))
     if request.variable is not None or (declared and not set(NEEDED) <= set(stored.names)):
         return record_of(path, _table(path, stored, request), request, stored.version)
-    request.refuse(path, dt="its Ts is the sampling interval")
+    fixed = "its channels are those of the campaign; declare their variables, --column force=NAME"
+    request.refuse(path, dt="its Ts is the sampling interval", factors=fixed, offsets=fixed)
     return _of_the_campaign(path, stored, request)
 
 

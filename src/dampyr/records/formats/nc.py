@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from dampyr.channel_columns import MAX_NAMED, Array, ColumnTable
 from dampyr.errors import FileError, InputError, one_line
 from dampyr.phrases import listing
-from dampyr.records.files.column_table import MAX_NAMED, Array, ColumnTable, record_of
+from dampyr.records.files.column_table import record_of
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.self_contained import check_contained
 from dampyr.records.record import GROUPS, Record

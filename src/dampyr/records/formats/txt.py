@@ -1,8 +1,8 @@
-"""Columns of plain text, see :mod:`dampyr.records.files.text_columns`: white space, tabs, commas or semicolons."""
+"""Columns of plain text, see :mod:`dampyr.text_table`: white space, tabs, commas or semicolons."""
 
 from pathlib import Path
 
-from dampyr.records.files import text_columns
+from dampyr.records.files.column_table import read_text
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import Record
 
@@ -12,4 +12,4 @@ PLAIN_TEXT = True
 
 def read(path: Path, request: ReadOptions) -> Record:
     """The record in a ``.txt`` file, in SI."""
-    return text_columns.read(path, request, "text")
+    return read_text(path, request, "text")

@@ -1,6 +1,6 @@
 """Excel workbooks: a sheet is read as columns of text are, ``variable`` names the sheet.
 
-What stands above the numbers is the header, as in `dampyr.records.files.text_columns`; ``header`` is its row. A cell with a
+What stands above the numbers is the header, as in `dampyr.text_table`; ``header`` is its row. A cell with a
 formula gives the value that was saved with it. Read with openpyxl, the extra ``interop``.
 """
 
@@ -12,9 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from dampyr.errors import FileError, InputError, install_line, one_line
-from dampyr.records.files.column_table import record_of
+from dampyr.records.files.column_table import read_text
 from dampyr.records.files.read_options import ReadOptions
-from dampyr.records.files.text_columns import is_by_number, table_of_text
 from dampyr.records.record import Record
 
 TITLE = "Excel"
@@ -25,7 +24,7 @@ def read(path: Path, request: ReadOptions) -> Record:
     """The record in one sheet of an ``.xlsx`` file."""
     name, text, formula = _sheet(path, request.variable)
     try:
-        table = table_of_text(path, text, request.header, is_by_number(request))
+        record = read_text(path, request, "Excel", text)
     except FileError as problem:
         if formula:
             raise FileError(
@@ -33,7 +32,6 @@ def read(path: Path, request: ReadOptions) -> Record:
                 f"the formula in {formula} has no saved value and reads as an empty cell; open the file in Excel and save it",
             ) from problem
         raise
-    record = record_of(path, table, request, "Excel")
     return record.replace(note=f"the sheet {name!r}")
 
 

@@ -170,7 +170,7 @@ def test_time_stamps_are_seconds_from_the_first(tmp_path, head, times, expected)
     [
         (
             ["10:00:00"] * 5 + ["10:00:01"] * 5,
-            r"lines 2 and 3 have the same time stamp \(8 such pairs\): the clock is coarser",
+            r"lines 2 and 3 have the same time stamp \(8 such pairs\); cut out one .* where the clock is coarser",
         ),
         (
             [f"10:00:0{k}" for k in range(9)] + ["10:60:00"],
