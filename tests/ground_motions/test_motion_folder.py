@@ -80,7 +80,7 @@ def test_the_table_has_every_file_and_says_why_one_is_refused(tmp_path):
     assert "no unit is known" in table.entries[1].problem
     shown = CliRunner().invoke(cli, ["motion", str(tmp_path), "--damping", "2%", "--period", "0.5"]).stdout
     assert "record2.asc: HNE: the samples peak at 100 cm/s^2 and the header says 120 cm/s^2" in shown
-    assert "record3.txt: No unit is known for the acceleration; declare it with --motion-unit g" in shown
+    assert "record3.txt: No unit is known for the acceleration; declare it, such as --motion-unit g" in shown
     assert "Pseudo-acceleration over all angles, record10 N-S and record10 E-W, damping 2 %" in shown
     # unit and step are for the plain files alone
     stated = read_folder(tmp_path, units="g", dt=0.01)

@@ -195,6 +195,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "show.LawPanel": lambda made: law_figures.LawPanel(
         style.Axis("kx", "N s/mm", 1e-3), curve=(np.linspace(0, 2, 200), np.linspace(800, 2600, 200))
     ),
+    "ground_motions.MotionReadOptions": lambda made: dp.ground_motions.MotionReadOptions(columns={"acceleration": "a"}),
     "ground_motions.GroundMotion": lambda made: made.motion,
     "ground_motions.Measures": lambda made: dp.ground_motions.measures(made.motion),
     "ground_motions.RisePlateauDecay": lambda made: dp.ground_motions.RisePlateauDecay(0.1, 0.5, 0.05),

@@ -65,8 +65,8 @@ def command(
     from dampyr.show.pages.result_page import write_page
 
     if file is not None and (file.is_dir() or (ground.component is None and len(component_names(file)) > 1)):
-        declared = dict.fromkeys(command_words(options)[:1], True)
-        _print_folder(file, ground, {"--baseline": baseline, "--report": report} | declared, dampings, periods, as_json)
+        of_one = {"baseline": baseline, "report": report, **{f"{w[2:]}": True for w in command_words(options)[:1]}}
+        _print_folder(file, ground, of_one, dampings, periods, as_json)
         return
     motion = ground.motion(file, baseline, options)
     table_periods, ratios = periods or motion_page.TABLE, [ratio(text) for text in dampings]
@@ -85,17 +85,17 @@ def command(
 def _print_folder(
     path: Path,
     ground: Ground,
-    flags: dict[str, Any],
+    given: dict[str, Any],
     dampings: tuple[str, ...],
     periods: tuple[float, ...],
     as_json: bool,
 ) -> None:
-    """What is in a folder, or in a file with several components; ``flags`` are options that take one motion."""
+    """What is in a folder, or in a file with several components; ``given`` are options that are of one motion."""
     from dampyr.ground_motions import read_folder, rotated_spectrum
     from dampyr.show.pages.motion_page import TABLE
 
-    of_one = flags | {f"--{name}": getattr(ground, name) for name in ("component", "scale", "pga", "sa")}
-    wrong = [option for option, value in of_one.items() if value not in (None, False)]
+    given |= {name: getattr(ground, name) for name in ("component", "scale", "pga", "sa")}
+    wrong = [f"--{name}" for name, value in given.items() if value not in (None, False)]
     if wrong:
         repair = "name one of its files" if path.is_dir() else "choose one with --component"
         raise InputError(f"{path}: {wrong[0]} is of one motion; {repair}")
