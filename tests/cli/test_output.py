@@ -61,6 +61,11 @@ def test_a_table_keeps_every_word_and_number(capsys: pytest.CaptureFixture[str])
         ("give the seconds between samples, such as dt=0.02", "give the seconds between samples with --dt 0.02"),
         ("give one, --dt 0.001 or dt=0.001", "give one, --dt 0.001"),
         ("name one, --variable NAME or variable=NAME", "name one, --variable NAME"),
+        ("name one, --variable 1 or variable='1', or read all", "name one, --variable 1, or read all"),
+        ("declare it, such as --motion-unit g, units='g' or units='m/s^2'", "declare it, such as --motion-unit g"),
+        ("say --column time=0 --column force=1 or columns={'time': 0, 'force': 1}", "say --column time=0 --column force=1"),
+        ("give --factor force='0.005 N' or factors={'force': '0.005 N'}; 2 N", "give --factor force='0.005 N'; 2 N"),
+        ("--dt 0.01 or dt=0.01 (s), which goes before", "--dt 0.01 (s), which goes before"),
     ],
 )  # fmt: skip
 def test_a_terminal_is_told_options_and_not_arguments_of_python(sentence: str, typed: str) -> None:

@@ -36,6 +36,10 @@ def test_what_is_wrong_with_a_file_is_said_without_options(tmp_path, header):
     [
         ("runs/a is used by another; wait, or give another --out", "runs/a is used by another; wait, or choose another folder"),
         ("no unit is known; declare it, such as units='g' or units='m/s^2'", "no unit is known; write it in the header"),
+        ("no unit is known; declare it, such as --motion-unit g, units='g' or units='m/s^2'",
+         "no unit is known; write it in the header"),
+        ("give the seconds between samples, such as --dt 0.02 or dt=0.02",
+         "give the seconds between samples in the first column"),
         ("a moving average shows: declare it, --smoothed '5 samples'",
          'a moving average shows: declare it in reading.toml: smoothed = "5 samples"'),
         ("leave it as it is", "leave it as it is"),

@@ -123,6 +123,7 @@ def with_notes(problem: BaseException) -> str:
 
 
 # Messages that name arguments of Python, and the options that a terminal has for them.
+ARGUMENT = r"\w+=(?:\{[^}]*\}|'[^']*'|[\w.]*)"
 OPTIONS = tuple(
     (re.compile(pattern), words)
     for pattern, words in (
@@ -131,8 +132,8 @@ OPTIONS = tuple(
         (r"\bis read with no_input=True", "is declared with --no-input"),
         (r"\bdeclare it, such as units='([^']*)'( or units='[^']*')?", r"declare it with --motion-unit \1"),
         (r"\bgive the seconds between samples, such as dt=([\d.]+)", r"give the seconds between samples with --dt \1"),
-        (r"(--\w[\w-]* [\w.]+)(,| or) \w+=[\w.]+", r"\1"),
-        (r"(--component '[^']*') or component='[^']*'", r"\1"),
+        # "--dt 0.02 or dt=0.02", "--motion-unit g, units='g' or units='m/s^2'", "--column a=0 --column b=1 or columns={...}"
+        (rf"(--\w[\w-]*(?: (?:'[^']*'|[^\s,;]+)){{1,4}}?)(?:,| or) {ARGUMENT}(?: or {ARGUMENT})?", r"\1"),
     )
 )
 

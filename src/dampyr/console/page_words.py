@@ -25,8 +25,8 @@ WORDS = tuple(
         (r", or ask for it by name: mixed_origins=True \(--mixed-origins\)", ""),
         (r"pass allow_extrapolation=True", "allow extrapolation"),
         (r"give another --out", "choose another folder"),
-        (r"declare it, such as units='[^']*'( or units='[^']*')?", "write it in the header"),
-        (r", such as dt=[\d.]+", " in the first column"),
+        (r"declare it, such as (--motion-unit \w+, )?units='[^']*'( or units='[^']*')?", "write it in the header"),
+        (r", such as (--dt [\d.]+ or )?dt=[\d.]+", " in the first column"),
         (r"declare it, --smoothed '([^']*)'", r'declare it in reading.toml: smoothed = "\1"'),
         (
             r"state a low-pass, --lowpass ([\d.e+-]+) \(Hz\), leaves",
