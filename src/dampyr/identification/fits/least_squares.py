@@ -22,7 +22,7 @@ from dampyr.identification.search.initial_guess import begin, search_several_sta
 from dampyr.identification.search.parametrisation import columns, held_twins
 from dampyr.identification.search.problem import Problem, checked_nuisances
 from dampyr.identification.search.robust import iteratively_reweighted
-from dampyr.identification.search.variable_projection import search
+from dampyr.identification.search.variable_projection import Outcome, search
 from dampyr.identification.search.work import Work
 from dampyr.input_kinds import NO_INPUT
 from dampyr.models import Damper, compose
@@ -46,11 +46,23 @@ def fit_model(
     """
     options = options or FitOptions()
     listed = [records] if isinstance(records, Record) else list(records)
+    outcome, starts = search_model(model, listed, options, progress)
+    with one_thread():
+        return build_fit(outcome, tuple(listed), options, starts)
+
+
+def search_model(
+    model: str | Composition | Damper,
+    records: Sequence[Record],
+    options: FitOptions,
+    progress: Callable[[int, float], None] | None = None,
+) -> tuple[Outcome, tuple[int, int]]:
+    """The end of the search of `fit_model`, and the starts: how many there were, and how many ended in the same optimum."""
     deadline = math.inf if options.seconds is None else time.perf_counter() + options.seconds
     work = Work(math.inf if options.budget is None else options.budget, deadline)
     if not options.mixed_origins:
-        check_one_kind(listed)
-    problem = prepared(model, listed, options)
+        check_one_kind(records)
+    problem = prepared(model, records, options)
     starts = options.starts
     # A step to where the force is no number, such as beyond a gas column, has no cost and is not taken.
     with one_thread(), np.errstate(over="ignore", invalid="ignore"):
@@ -60,9 +72,7 @@ def fit_model(
         outcome = search(problem, point, progress, max_iterations=options.steps, work=work)
         if options.loss != "squares":
             outcome = iteratively_reweighted(outcome, options.loss, progress, work)
-        outcome = replace(outcome, work=work.spent)
-    with one_thread():
-        return build_fit(outcome, tuple(listed), options, (starts, agreed))
+    return replace(outcome, work=work.spent), (starts, agreed)
 
 
 def check_records_and_model(call: str, records: Any, model: Any) -> None:

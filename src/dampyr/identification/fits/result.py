@@ -284,12 +284,11 @@ def build_fit(
     stderr = _label_errors(labels, uncertainties.covariance, outcome.at_limit)
     few = zip(labels, uncertainties.within, uncertainties.records, strict=True)
     within = {label: int(count) for label, cycles_only, count in few if cycles_only and np.isfinite(stderr[label])}
-    damper, trouble = _make_damper(optimum, uncertainties, records, options, tuple(within))
+    damper, trouble = make_damper(outcome, records, options, uncertainties, tuple(within))
     levels = None
     if damper is not None and all(np.all(np.isfinite(force)) for force in optimum.forces):
         levels, error = estimate_levels(optimum, uncertainties, records, options.session_prior)
         damper = replace(damper, prediction_error=error)
-    trouble = trouble or explain_trouble(outcome)
     states = list(problem.composition.states)
     of_starts = [f"{starts[1]} of {starts[0]} starts ended in the same optimum"] if starts[0] > 1 else []
     sheets = {record.provenance.get("data_sheet", "") for record in records} & set(SHEETS)
@@ -374,14 +373,18 @@ def _correlate(covariance: Array) -> Array:
     return np.asarray(out)
 
 
-def _make_damper(
-    optimum: Optimum,
-    uncertainty: Uncertainty,
+def make_damper(
+    outcome: Outcome,
     records: tuple[Record, ...],
     options: FitOptions,
-    within: tuple[str, ...],
+    uncertainty: Uncertainty | None = None,
+    within: tuple[str, ...] = (),
 ) -> tuple[Damper | None, str]:
-    """The damper that the coefficients make, or None and why they make none."""
+    """The damper at the end of a search, or None, and what is wrong with it, if anything.
+
+    Without ``uncertainty`` it has no covariance: for a prediction that has no band.
+    """
+    optimum = outcome.optimum
     problem = optimum.problem
     inputs = np.concatenate([np.ravel(p.levels) for p in problem.pieces])
     unit = problem.pieces[0].unit
@@ -395,7 +398,7 @@ def _make_damper(
             },
             input=unit,
             ranges=_measure_ranges(records, problem.pieces),
-            covariance=mapped_covariance(optimum.law_matrix, uncertainty.covariance),
+            covariance=None if uncertainty is None else mapped_covariance(optimum.law_matrix, uncertainty.covariance),
             bandwidth=options.bandwidth,
             within_records=within,
             provenance=_state_provenance(records, options.thresholds),
@@ -407,7 +410,7 @@ def _make_damper(
             "; between the inputs it is fitted at a polynomial may go anywhere: lower its degree" if between else ""
         )
         return None, f"the fitted numbers make no damper: {problem_}{repair}"
-    return damper, ""
+    return damper, explain_trouble(outcome)
 
 
 def _measure_ranges(records: tuple[Record, ...], pieces: list[Piece]) -> dict[str, tuple[float, float]]:

@@ -16,7 +16,8 @@ import numpy as np
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.fits.fit_options import FitOptions
-from dampyr.identification.fits.least_squares import check_records_and_model, fit_model, one_thread
+from dampyr.identification.fits.least_squares import check_records_and_model, one_thread, search_model
+from dampyr.identification.fits.result import make_damper
 from dampyr.identification.scoring.score import Score, score
 from dampyr.identification.scoring.scoring_window import list_unscorable
 from dampyr.identification.scoring.splits import FoldTask, Target, split_tasks
@@ -177,26 +178,28 @@ def _run_fold_on_one_thread(*arguments: Any) -> Fold:
 def _run_fold(
     model: str | Composition | Damper, task: FoldTask, not_scored: Mapping[str, str], options: FitOptions
 ) -> Fold:
-    fit_result = fit_model(model, list(task.fitted), options)
+    outcome, _ = search_model(model, task.fitted, options)
+    damper, trouble = make_damper(outcome, tuple(task.fitted), options)
+    converged, reason = outcome.converged and not trouble, trouble or outcome.reason
     names = tuple(_name_fitted(r, task) for r in task.fitted)
     skipped = tuple(t.record.name for t in task.predicted if t.record.name in not_scored)
     scores: dict[str, Score] = {}
     outside: dict[str, str] = {}
-    work = fit_result.outcome.work
-    if fit_result.damper is None:
-        return Fold(names, scores, fit_result.converged, fit_result.reason, outside, work=work)
+    work = outcome.work
+    if damper is None:
+        return Fold(names, scores, converged, reason, outside, work=work)
     for target in task.predicted:
         if target.record.name in not_scored:
             continue
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", DampyrWarning)
             try:
-                scores[target.record.name] = _predict(fit_result.damper, target, options.settling)
+                scores[target.record.name] = _predict(damper, target, options.settling)
             except InputError as problem:  # a law that leaves its allowed values beyond the fitted inputs
                 return Fold(names, {}, False, str(problem), outside, work=work)
         if caught:
             outside[target.record.name] = "; ".join(str(w.message) for w in caught)
-    return Fold(names, scores, fit_result.converged, fit_result.reason, outside, skipped, work)
+    return Fold(names, scores, converged, reason, outside, skipped, work)
 
 
 def _name_fitted(record: Record, task: FoldTask) -> str:
