@@ -182,7 +182,7 @@ def upload(folder: Path) -> bytes:
     return write(Record(t, x, force), folder / "made.csv").read_bytes()
 
 
-@pytest.mark.prove
+@pytest.mark.by_hand  # in real time
 @pytest.mark.endure
 def test_a_campaign_in_real_time_beside_plans_uploads_fits_and_two_pages(
     data: Path, tmp_path: Path, endurance: Endurance

@@ -353,10 +353,16 @@ def test_the_medians_of_wide_draws_are_the_fitted_numbers() -> None:
     np.testing.assert_allclose(medians[1:], one.coefficients[1:], rtol=0.25)
 
 
+#: a model of each kind; the kernels of the others take long to compile
+OF_EACH_KIND = {"dahl + sigmoid", "bouc_wen", "lugre", "dahl + place_friction", "dahl + triple_pendulum"}
+
+
 @pytest.mark.parametrize(
     "model",
     [
-        pytest.param(model, marks=[] if model == "dahl + spring" else pytest.mark.prove)
+        model
+        if model == "dahl + spring"
+        else pytest.param(model, marks=pytest.mark.prove if model in OF_EACH_KIND else pytest.mark.by_hand)
         for model in COMPOSITIONS
         if "hardening" not in model
     ],

@@ -549,7 +549,7 @@ def test_any_sequence() -> None:
 @pytest.mark.prove
 @pytest.mark.endure
 def test_many_sequences(endurance: Endurance) -> None:
-    count = 2000 if endurance.full else 8
+    count = 2000 if endurance.full else 4
     run(Bench, count, 16)
     endurance.report(
         "what a person may do with a rig in random order, with faults between, from anywhere",
@@ -561,7 +561,7 @@ def test_many_sequences(endurance: Endurance) -> None:
 @pytest.mark.prove
 @pytest.mark.endure
 def test_many_sequences_over_the_wires(endurance: Endurance) -> None:
-    count = 100 if endurance.full else 3
+    count = 100 if endurance.full else 1
     run(WiredBench, count, 10)
     endurance.report(
         "the same over the wires of the simulated rig",

@@ -294,7 +294,16 @@ def test_a_damper_over_the_current_takes_laws_too(damper):
 
 
 @pytest.mark.prove  # its kernels take long to compile
-@pytest.mark.parametrize("parts", ["dahl + delay", "dahl + compliance", "hyperbolic_tangent + spring"])
+@pytest.mark.parametrize(
+    "parts",
+    [
+        "dahl + delay",
+        *(
+            pytest.param(name, marks=pytest.mark.by_hand)
+            for name in ("dahl + compliance", "hyperbolic_tangent + spring")
+        ),
+    ],
+)
 def test_other_dampers_settle_with_the_step(damper, parts):
     values = {"delay.tau": 0.0073, "compliance.s": 5e-6, "spring.k0": 900.0}
     tanh = {"hyperbolic_tangent.c": 1500.0, "hyperbolic_tangent.v0": 0.0032, "hyperbolic_tangent.s": 0.13}

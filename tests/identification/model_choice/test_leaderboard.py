@@ -194,7 +194,10 @@ def test_the_campaign_without_its_velocity(campaign_folder: Path, bandwidth: flo
 @pytest.mark.prove
 @pytest.mark.parametrize(
     "models",
-    [("shutting_bleed", "hysteretic_biviscous"), pytest.param((), marks=pytest.mark.by_hand)],
+    [  # minutes of two cores each
+        pytest.param(("shutting_bleed", "hysteretic_biviscous"), marks=pytest.mark.by_hand),
+        pytest.param((), marks=pytest.mark.by_hand),
+    ],
     ids=["of two", "of all"],
 )
 def test_one_call_meets_the_floors_on_the_campaign(campaign_folder: Path, models: tuple[str, ...]) -> None:
