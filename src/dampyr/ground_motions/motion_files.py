@@ -16,6 +16,7 @@ from dampyr.ground_motions.motion import GroundMotion
 from dampyr.ground_motions.motion_options import ACCELERATION, MotionReadOptions
 from dampyr.options import takes
 from dampyr.source_file import check_name
+from dampyr.text_table import decoded
 
 REGISTRY = "dampyr.ground_motions.formats"
 HEAD = 1 << 14  # bytes, in which a format shows what it is
@@ -107,7 +108,7 @@ def component_names(path: str | Path) -> list[str]:
 
 def read_channels(file: Path, module: ModuleType) -> list[MotionChannel]:
     """The components in a file of a format that is recognised by its content."""
-    lines = LINE_ENDS.split(_text(file.read_bytes()))
+    lines = decoded(file)[0].split("\n")
     if not module.recognises(lines):
         raise FileError(
             file,
@@ -124,7 +125,8 @@ def read_channels(file: Path, module: ModuleType) -> list[MotionChannel]:
 def format_of(file: Path) -> tuple[str, ModuleType]:
     """The name and the module of the file's format, by its first lines, else by its suffix."""
     with file.open("rb") as stream:
-        head = LINE_ENDS.split(_text(stream.read(HEAD)))
+        # any bytes are Latin-1, and numbers and words of a header are ASCII
+        head = LINE_ENDS.split(stream.read(HEAD).removeprefix(b"\xef\xbb\xbf").decode("latin-1"))
     available = list(registry.members(REGISTRY))
     for name, module in available:
         if hasattr(module, "recognises") and module.recognises(head):
@@ -142,8 +144,3 @@ def _existing(path: str | Path) -> Path:
         raise MissingData(f"{file}: there is no such file; check the path of the ground motion")
     check_name(file)
     return file
-
-
-def _text(content: bytes) -> str:
-    """Latin-1, as these files are: numbers and the names in their headers are ASCII."""
-    return content.removeprefix(b"\xef\xbb\xbf").decode("latin-1")

@@ -37,7 +37,7 @@ def lvm(path, *packets, separator="Tab", mark=".", columns="No", special=False):
     header += [f"Decimal_Separator{mid}{mark}", f"X_Columns{mid}{columns}", "***End_of_Header***", ""]
     block = ["***Start_Special***", "1 2 3", "***End_Special***", ""] if special else []
     text = "\n".join([*header, *block, *(line for lines in packets for line in lines)])
-    path.write_text(text.replace(".", mark) if mark != "." else text)
+    path.write_text(text.replace(".", mark) if mark != "." else text, "utf-8")
     return path
 
 
@@ -61,6 +61,15 @@ def test_every_dialect_without_an_option(tmp_path, columns, separator, mark):
     record = read(lvm(tmp_path / "a.lvm", lines, separator=separator, mark=mark, columns=columns, special=True))
     assert is_test(record)
     assert record.provenance["header"] == "time [s], displacement [mm], force [N]"
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "cp1252", "utf-16"])
+def test_units_are_read_in_the_encoding_of_the_file(tmp_path, encoding):
+    path = lvm(tmp_path / "a.lvm", one(units=("\u00b5m", "N")))
+    path.write_text(path.read_text("utf-8").replace("\n", "\r\r\n"), encoding, newline="")
+    record = read(path)
+    assert record.displacement == pytest.approx(1e-6 * X, rel=1e-12)
+    assert any("text" in entry for entry in record.history) == (encoding != "utf-8")
 
 
 @pytest.mark.parametrize("starts", ["its own X0", "the same X0"])

@@ -14,6 +14,7 @@ from dampyr.errors import FileError
 from dampyr.records.files.column_table import read_text
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import Record
+from dampyr.text_table import decoded
 
 ACQUISITION, HEADER = (
     re.compile(r"\s*Data Acquisition\s*:", re.IGNORECASE),
@@ -23,7 +24,7 @@ ACQUISITION, HEADER = (
 
 def blocks_of(path: Path) -> list[str]:
     """The text of each block, below as many empty lines as the file has above it; none where it has fewer than two."""
-    lines = path.read_bytes().decode("utf-8-sig", errors="replace").splitlines()
+    lines = decoded(path)[0].split("\n")
     starts = [
         k - 1 if k and HEADER.match(lines[k - 1]) else k for k, line in enumerate(lines) if ACQUISITION.match(line)
     ]

@@ -19,6 +19,7 @@ from dampyr.errors import FileError
 from dampyr.records.files.column_table import record_of
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import Record
+from dampyr.text_table import decoded
 
 TITLE = "LabVIEW"
 SIGNATURE, END = "LabVIEW Measurement", "***End_of_Header***"
@@ -44,7 +45,8 @@ def read(path: Path, request: ReadOptions) -> Record:
     request.refuse(
         path, variable="an .lvm has no variables", header="an .lvm names its channels", dt="an .lvm has a time"
     )
-    packets = list(_packets(path, path.read_bytes().decode("utf-8-sig", errors="replace").splitlines()))
+    text, note = decoded(path)
+    packets = _packets(path, text.splitlines())
     if not packets:
         raise FileError(path, f"has no packet of samples after {END}; export the measurement again")
     first = packets[0]
@@ -56,6 +58,7 @@ def read(path: Path, request: ReadOptions) -> Record:
                 "measurement in a file of its own",
             )
     time, notes = _joined(path, packets)
+    notes = (*filter(None, (note,)), *notes)
     table = ColumnTable(
         names=("time", *first.names), units=("s", *first.units),
         values=np.column_stack([time, np.concatenate([packet.values for packet in packets])]), notes=notes,
