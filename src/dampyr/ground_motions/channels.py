@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -24,13 +25,7 @@ Array = NDArray[np.float64]
 PEAK_TOLERANCE = 0.005  # of the header's peak: files that are read rightly agree to 0.2 %
 SAME_UNIT = 1e-6  # relative: gal, cm/s2 and cm/sec/sec are one unit
 VERTICAL = re.compile(r"\b(U-?D|up|down|vert\w*|Z|[A-Z]{2}Z)\b", re.IGNORECASE)
-UNITS = {
-    **dict.fromkeys(("cm/s^2", "cm/s2", "cm/s/s", "cm/sec2", "cm/sec^2", "cm/sec/sec", "cms/sec/sec", "gal"), "cm/s^2"),
-    **dict.fromkeys(("mm/s^2", "mm/s2", "mm/s/s", "mm/sec/sec"), "mm/s^2"),
-    **dict.fromkeys(("m/s^2", "m/s2", "m/s/s", "m/sec/sec"), "m/s^2"),
-    "g": "g",
-}
-"""Units of an acceleration as these files spell them, in lower case."""
+UNITS = ("cm/s^2", "mm/s^2", "m/s^2", "g")  # that such files are in, however they spell them
 
 
 @dataclass(frozen=True)
@@ -74,14 +69,14 @@ class MotionChannel:
 
 def unit_of(path: Path, text: str) -> str:
     """The unit that a file states, in dampyr's spelling; :class:`FileError` for one that is not an acceleration's."""
-    unit = UNITS.get(text.strip().rstrip(".").lower())
-    if unit is None:
-        raise FileError(
-            path,
-            f"its samples are in {text.strip()!r}, which is not a unit of acceleration that dampyr knows of such a file "
-            "(cm/s^2, mm/s^2, m/s^2, g); fetch the record in physical units",
-        )
-    return unit
+    sizes = {round(float(to_si(1.0, unit, "m/s^2")), 9): unit for unit in UNITS}
+    with suppress(InputError, KeyError):
+        return sizes[round(float(to_si(1.0, text.lower().replace("cms", "cm"), "m/s^2")), 9)]  # USC writes cms/sec/sec
+    raise FileError(
+        path,
+        f"its samples are in {text.strip()!r}, which is not a unit of acceleration that dampyr knows of such a file "
+        f"({', '.join(UNITS)}); fetch the record in physical units",
+    )
 
 
 def motion_of_channel(
