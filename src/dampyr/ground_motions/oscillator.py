@@ -157,6 +157,17 @@ def raise_peak_inside(
     return peak
 
 
+def step_responses(
+    omega: float, zeta: float, s: float
+) -> tuple[float, float, float, float, float, float, float, float]:
+    """Displacement and velocity after a step of ``s`` s from a unit displacement, velocity, acceleration and its slope."""
+    uu, vu = solution(1.0, 0.0, 0.0, 0.0, omega, zeta, s)
+    uv, vv = solution(0.0, 1.0, 0.0, 0.0, omega, zeta, s)
+    up, vp = solution(0.0, 0.0, 1.0, 0.0, omega, zeta, s)
+    us, vs = solution(0.0, 0.0, 0.0, 1.0, omega, zeta, s)
+    return uu, vu, uv, vv, up, vp, us, vs
+
+
 def fill_peaks(a: Array, h: float, omegas: Array, zetas: Array, sampled: bool, peaks: Array) -> None:
     """Fill ``peaks`` (3, m, p): displacement, velocity (relative to the ground) and absolute acceleration of each oscillator.
 
@@ -172,10 +183,7 @@ def fill_one(a: Array, h: float, omega: float, zeta: float, sampled: bool, peaks
     """One oscillator from rest through the whole motion."""
     parts = substeps(omega, zeta, h)
     s = h / parts
-    uu, vu = solution(1.0, 0.0, 0.0, 0.0, omega, zeta, s)
-    uv, vv = solution(0.0, 1.0, 0.0, 0.0, omega, zeta, s)
-    up, vp = solution(0.0, 0.0, 1.0, 0.0, omega, zeta, s)
-    us, vs = solution(0.0, 0.0, 0.0, 1.0, omega, zeta, s)
+    uu, vu, uv, vv, up, vp, us, vs = step_responses(omega, zeta, s)
     c, k = 2 * zeta * omega, omega * omega
     u = v = max_u = max_v = max_a = 0.0
     b = -a[0]
@@ -215,10 +223,7 @@ def fill_rotated(
             continue
         parts = substeps(omega, zeta, h)
         s = h / parts
-        uu, vu = solution(1.0, 0.0, 0.0, 0.0, omega, zeta, s)
-        uv, vv = solution(0.0, 1.0, 0.0, 0.0, omega, zeta, s)
-        up, vp = solution(0.0, 0.0, 1.0, 0.0, omega, zeta, s)
-        us, vs = solution(0.0, 0.0, 0.0, 1.0, omega, zeta, s)
+        uu, vu, uv, vv, up, vp, us, vs = step_responses(omega, zeta, s)
         c, k = 2 * zeta * omega, omega * omega
         x, v, y, w = 0.0, 0.0, 0.0, 0.0  # displacement and velocity of the first, of the second
         least = 0.0
