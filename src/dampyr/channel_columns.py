@@ -34,23 +34,15 @@ NAMES = {
     ),
     "force": ("force", "forc", "load", "f", "kraft", "forca", "fuerza", "forza", "力", "荷重"),
     "velocity": (
-        *("velocity", "speed", "v", "vel", "geschwindigkeit", "velocidade", "velocidad", "vitesse", "velocita", "速度"),
+        *("velocity", "speed", "v", "vel", "geschwindigkeit", "velocidade", "velocidad", "vitesse", "velocita"),
+        "速度",
     ),
     "voltage": ("voltage", "u"),
     "current": ("current", "i", "strom", "corrente", "corriente", "courant", "电流", "電流"),
     "temperature": ("temperature", "temp", "temperatur", "temperatura", "温度"),
     "acceleration": (
-        *(
-            "acceleration",
-            "acc",
-            "accel",
-            "a",
-            "beschleunigung",
-            "aceleracao",
-            "aceleracion",
-            "accelerazione",
-            "加速度",
-        ),
+        *("acceleration", "acc", "accel", "a", "beschleunigung", "aceleracao", "aceleracion", "accelerazione"),
+        "加速度",
     ),
 }
 """What columns are called, by the channel: without accents, in lower case."""
@@ -159,8 +151,8 @@ class ColumnTable:
     midnight before the first. Empty: all are numbers. ``stamps`` are the first row's texts of those that are not numbers, by
     column, ``groups`` what the file says of its session, its specimen and of there being no input, ``lines`` the line of each
     row in the file, ``empty`` the line of the first empty cell of each column that has one, ``short`` how many cells the last
-    row lacks, ``above`` the lines above the numbers, ``delimiter`` what
-    parts the cells, and ``notes`` what the history says of how it was read.
+    row lacks, ``above`` the lines above the numbers, ``delimiter`` what parts the cells,
+    and ``notes`` what the history says of how it was read.
     """
 
     names: tuple[str, ...]

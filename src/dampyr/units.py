@@ -143,7 +143,7 @@ AS_WRITTEN: dict[str, dict[str, str]] = {
 }
 """Units as people and testing machines write them, by the SI unit they measure: in lower case, with pint's spelling."""
 UNIT_WORDS = {
-    *(
+    *[
         "s",
         "ms",
         "us",
@@ -158,28 +158,28 @@ UNIT_WORDS = {
         "kn",
         "dan",
         "mn",
+        "tonf",
+        "tf",
         "v",
         "mv",
         "a",
         "ma",
-        "tonf",
-        "tf",
-    ),
-    *(
+    ],
+    *[
         "m/s",
         "cm/s",
         "mm/s",
         "ft/s",
         "m/sec",
-        "mm/sec",
         "cm/sec",
+        "mm/sec",
         "m/s2",
-        "m/s^2",
-        "mm/s2",
-        "mm/s^2",
         "cm/s2",
+        "mm/s2",
+        "m/s^2",
         "cm/s^2",
-    ),
+        "mm/s^2",
+    ],
     *(word.lower() for words in AS_WRITTEN.values() for word in words),
 }
 """What a cell in a line of units below names may be, in lower case and without a full stop."""

@@ -50,7 +50,7 @@ def test_the_first_try_composition_beats_plain_dahl_by_far(records) -> None:
     assert 100 * np.mean([s.l1 for s in fit_result.scores.values()]) < 6.2
 
 
-WINNER = "shutting_bleed + compliance + place_friction"  # of `leaderboard`, which is run in `make prove`
+WINNER = "shutting_bleed + compliance + place_friction"  # of `leaderboard`, which `make endure` runs
 
 
 @pytest.mark.prove
