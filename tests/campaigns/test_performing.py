@@ -482,7 +482,7 @@ FORKING = textwrap.dedent("""
 @pytest.mark.endure
 def test_kills_in_campaigns(two: Path, tmp_path: Path, endurance: Endurance) -> None:
     """Hosts killed at random moments, over and over, until each campaign is complete: nothing acknowledged is lost."""
-    seed, wanted = 20201124, endurance.count(400, part=40)
+    seed, wanted = 20201124, endurance.count(400, part=80)
     draw, kills, number, rows = np.random.default_rng(seed), 0, 0, 0
     command = [sys.executable, "-c", FORKING]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as hosts:

@@ -144,7 +144,7 @@ def test_intervals_of_few_records_with_gains_of_their_own(
 
 @pytest.mark.prove
 def test_intervals_widen_as_records_become_fewer() -> None:
-    widths = [share_held((n,) * 4, 15)[1] for n in (3, 6)]
+    widths = [share_held((n,) * 4, 8)[1] for n in (3, 6)]
     for name in LIKE_THE_RIG:
         each = [w[name] for w in widths]
         assert each == sorted(each, reverse=True), (name, each)

@@ -134,7 +134,11 @@ def test_thirty_sines_and_a_random_record_of_another_laboratory(monkeypatch: pyt
 
 
 @pytest.mark.parametrize(
-    "model", [pytest.param(MODEL, marks=pytest.mark.by_hand), f"{MODEL} + compliance", f"{MODEL} + delay"]
+    "model",
+    [
+        f"{MODEL} + compliance",
+        *(pytest.param(model, marks=pytest.mark.by_hand) for model in (MODEL, f"{MODEL} + delay")),
+    ],
 )
 def test_the_published_campaign(model: str, campaign_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     records = [record for record in read_campaign(campaign_folder) if record.role != "validation"]

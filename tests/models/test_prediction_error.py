@@ -288,6 +288,8 @@ def with_covariance(one: Damper, size: float) -> Damper:
     return replace(one, covariance=root @ root.T, prediction_error=replace(error, directions=directions))
 
 
+#: a model of each kind; the kernels of the others take long to compile
+OF_EACH_KIND = {"dahl + sigmoid", "bouc_wen", "lugre", "dahl + place_friction", "dahl + triple_pendulum"}
 #: of the others each takes a second
 BRIEF = ((COMPOSITIONS[-3], "polynomial", False), (COMPOSITIONS[-2], "interpolation", True))
 
@@ -295,7 +297,14 @@ BRIEF = ((COMPOSITIONS[-3], "polynomial", False), (COMPOSITIONS[-2], "interpolat
 @pytest.mark.parametrize(
     ("model", "kind", "at_limit"),
     [
-        pytest.param(*case, marks=[] if case in BRIEF else [pytest.mark.prove])
+        pytest.param(
+            *case,
+            marks=[]
+            if case in BRIEF
+            else pytest.mark.prove
+            if case[0] in OF_EACH_KIND or case[1:] == ("polynomial", True)
+            else pytest.mark.by_hand,
+        )
         for case in product(COMPOSITIONS, ("constant", "interpolation", "polynomial"), (False, True))
     ],
 )
@@ -351,10 +360,6 @@ def test_the_medians_of_wide_draws_are_the_fitted_numbers() -> None:
     wide = replace(one, covariance=np.diag([1.0, 1e6, 1e4, 1e8]))
     medians = np.median([each.coefficients for each in wide.draws(4001, 1)], axis=0)
     np.testing.assert_allclose(medians[1:], one.coefficients[1:], rtol=0.25)
-
-
-#: a model of each kind; the kernels of the others take long to compile
-OF_EACH_KIND = {"dahl + sigmoid", "bouc_wen", "lugre", "dahl + place_friction", "dahl + triple_pendulum"}
 
 
 @pytest.mark.parametrize(

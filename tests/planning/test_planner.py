@@ -23,13 +23,13 @@ def perform(folder: Path, **given: object) -> Planned:
 @pytest.mark.prove
 def test_a_plan_goes_on_where_it_stopped_and_says_why_it_ends(tmp_path: Path) -> None:
     folder = tmp_path / "plan"
-    first = perform(folder, tests=8, per_round=4)
-    assert first.reason == "all 8 tests are performed"
+    first = perform(folder, tests=4, per_round=2)
+    assert first.reason == "all 4 tests are performed"
     assert not first.reached
-    assert [len(one.tests) for one in first.rounds] == [4, 4]
+    assert [len(one.tests) for one in first.rounds] == [2, 2]
     assert {each.name for each in (folder / "round-01").iterdir()} >= {CAMPAIGN, EXPECTED, "journal.sqlite"}
     written = {path: path.stat().st_mtime_ns for path in folder.rglob("*.h5")}
-    again = perform(folder, tests=8, per_round=4)
+    again = perform(folder, tests=4, per_round=2)
     assert again.fit.parameters == first.fit.parameters
     assert {path: path.stat().st_mtime_ns for path in folder.rglob("*.h5")} == written
     # a test that is missing is made again, with the same promise
@@ -37,12 +37,12 @@ def test_a_plan_goes_on_where_it_stopped_and_says_why_it_ends(tmp_path: Path) ->
     (folder / "round-02" / "journal.sqlite").unlink()
     lost.unlink()
     with pytest.warns(UserWarning, match="made anew from the files"):
-        repaired = perform(folder, tests=8, per_round=4)
+        repaired = perform(folder, tests=4, per_round=2)
     assert lost.is_file()
     assert repaired.rounds[1].expected == first.rounds[1].expected
     assert widths_figure(repaired).axes[0].get_ylabel() == "achieved half width [%]"
     with pytest.raises(InputError, match="holds another plan, which differs in tests; choose another folder"):
-        perform(folder, tests=9, per_round=4)
+        perform(folder, tests=5, per_round=2)
 
 
 @pytest.mark.prove

@@ -549,7 +549,7 @@ def test_any_sequence() -> None:
 @pytest.mark.prove
 @pytest.mark.endure
 def test_many_sequences(endurance: Endurance) -> None:
-    count = 2000 if endurance.full else 4
+    count = 2000 if endurance.full else 2
     run(Bench, count, 16)
     endurance.report(
         "what a person may do with a rig in random order, with faults between, from anywhere",
@@ -561,10 +561,10 @@ def test_many_sequences(endurance: Endurance) -> None:
 @pytest.mark.prove
 @pytest.mark.endure
 def test_many_sequences_over_the_wires(endurance: Endurance) -> None:
-    count = 100 if endurance.full else 1
-    run(WiredBench, count, 10)
+    count, steps = (100, 10) if endurance.full else (1, 4)
+    run(WiredBench, count, steps)
     endurance.report(
         "the same over the wires of the simulated rig",
         None,
-        f"{count} sequences of 10 steps; always safe, and usable again",
+        f"{count} sequences of {steps} steps; always safe, and usable again",
     )

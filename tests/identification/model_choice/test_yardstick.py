@@ -41,10 +41,15 @@ def sines(model: str, further: dict[str, float], count: int = 8) -> list[Record]
     return records
 
 
-def test_black_boxes_predict_a_damper_of_the_velocity_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("sklearn", reason=REASON)
+def shorten(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Black boxes that are trained briefly, on few samples."""
     for name, value in {"EPOCHS": 60, "SAMPLES": 300, "SCALE_SAMPLES": 100, "PROCESS_SAMPLES": 600}.items():
         monkeypatch.setattr(yardstick, name, value)
+
+
+def test_black_boxes_predict_a_damper_of_the_velocity_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("sklearn", reason=REASON)
+    shorten(monkeypatch)
     seen: list[float] = []
     boxes = train_yardsticks(sines("hyperbolic_tangent", {}, 10), 2, 0, 1.0, seen.append)
     assert [box.name for box in boxes] == ["a network of two layers", "a Gaussian process"]
@@ -83,8 +88,9 @@ def test_without_scikit_learn_the_search_does_not_begin(monkeypatch: pytest.Monk
 
 
 @pytest.mark.prove
-def test_the_black_boxes_are_the_last_rows_of_the_leaderboard() -> None:
+def test_the_black_boxes_are_the_last_rows_of_the_leaderboard(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("sklearn", reason=REASON)
+    shorten(monkeypatch)
     records = sines("hyperbolic_tangent + place_friction", PLACE, 6)
     board = leaderboard(
         records, FitOptions(models=("hyperbolic_tangent",), add_ons=(), finalists=1, yardstick=True, bandwidth=15.0)
@@ -97,7 +103,7 @@ def test_the_black_boxes_are_the_last_rows_of_the_leaderboard() -> None:
     assert sentence(board.what_is_left) in description_of(board).verdict
 
 
-@pytest.mark.prove
+@pytest.mark.by_hand  # of scikit-learn's training of minutes; what the model reaches is a proof
 def test_no_black_box_predicts_the_campaign_better(campaign_folder: Path) -> None:
     pytest.importorskip("sklearn", reason=REASON)
     records = [with_velocity(record, 18.2) for record in dp.records.read_campaign(campaign_folder)]

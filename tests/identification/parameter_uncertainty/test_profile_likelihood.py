@@ -48,7 +48,7 @@ def linear(records: list[Record]) -> Fit:
     return fit(records, "dahl", fixed={"dahl.rho": 4000.0}, nuisances=("offset",))
 
 
-@pytest.mark.parametrize("level", [pytest.param(0.8, marks=pytest.mark.prove), 0.95])
+@pytest.mark.parametrize("level", [pytest.param(0.8, marks=pytest.mark.by_hand), 0.95])
 def test_where_the_model_is_linear_the_profile_gives_the_intervals_of_the_fit(linear: Fit, level: float) -> None:
     for label, interval in linear.intervals(level).items():
         one = profile(linear, label, level)
@@ -154,7 +154,7 @@ def test_inverse_of_numbers_with_units_of_their_own() -> None:
     np.testing.assert_allclose(module.scaled_inverse(matrix), expected, rtol=1e-9)
 
 
-@pytest.mark.prove
+@pytest.mark.by_hand
 def test_on_the_campaign_profiles_agree_with_the_intervals_of_linear_numbers(
     published_fit_records: list[Record],
 ) -> None:

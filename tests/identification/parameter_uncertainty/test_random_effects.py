@@ -49,8 +49,14 @@ def test_the_mean_is_never_told_better_than_the_errors_allow() -> None:
 
 
 @pytest.mark.prove
-@pytest.mark.parametrize("k", [3, 4, 5, 8, 12])
-@pytest.mark.parametrize("spread", [0.4, 1.0, 5.0])
+@pytest.mark.parametrize(
+    ("k", "spread"),
+    [
+        pytest.param(k, spread, marks=[] if (k, spread) in ((3, 5.0), (5, 0.4), (12, 1.0)) else pytest.mark.by_hand)
+        for k in (3, 4, 5, 8, 12)
+        for spread in (0.4, 1.0, 5.0)
+    ],
+)
 def test_intervals_hold_a_new_group_as_often_as_they_say(k: int, spread: float) -> None:
     """Errors of 1: with the most likely spread alone, the interval of a new one held 84 to 92 %."""
     repeats = 400

@@ -59,7 +59,7 @@ def without_sessions(damper: Damper) -> Damper:
 )
 @pytest.mark.parametrize("each", [6])
 def test_bands_hold_the_peaks_of_another_session(each: int, repeated: bool, endurance: Endurance) -> None:
-    campaigns = endurance.count(1000, part=40)
+    campaigns = endurance.count(1000, part=80)
     peaks, energies, samples, before = [], [], [], []
     for seed in range(campaigns):
         done = fit(list(campaign(seed, repeated, each)), "dahl")
@@ -95,7 +95,7 @@ def test_bands_hold_the_peaks_of_another_session(each: int, repeated: bool, endu
 )
 def test_bands_of_two_sessions_whose_records_heat_up(true: float, endurance: Endurance) -> None:
     """Four records a voltage, two of each of two sessions; the unseen one is of a third session."""
-    campaigns = endurance.count(400, part=20)
+    campaigns = endurance.count(400, part=40)
     peaks, energies, samples, drifts = [], [], [], []
     for seed in range(campaigns):
         rng = np.random.default_rng([seed, 7])

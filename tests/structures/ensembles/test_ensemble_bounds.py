@@ -62,7 +62,7 @@ def exact(building: Building, motion: GroundMotion, place: object, damper: Dampe
 @pytest.mark.filterwarnings("ignore::dampyr.errors.DampyrWarning")
 def test_the_stated_bounds_hold(endurance: Endurance) -> None:
     """Two motions, one weak and one strong, for each damper in a building of its own."""
-    seed, cases = 20261123, 2000 if endurance.full else 14  # about two seconds each
+    seed, cases = 20261123, 2000 if endurance.full else 8  # about two seconds each
     worst, locked = {name: [0.0, 0.0] for name in BOUNDS}, 0
     for k in range(cases // 2):
         rng = np.random.default_rng((seed, k))
