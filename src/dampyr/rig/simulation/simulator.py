@@ -175,7 +175,7 @@ class Simulator:
     @property
     def time(self) -> float:
         """s, simulated."""
-        return float(self.counters[plant.N_STEP] * self.constants.dt)
+        return self.counters.item(plant.N_STEP) * self.constants.dt  # asked for at every step of the host
 
     @property
     def sampling(self) -> bool:
@@ -480,6 +480,8 @@ class Simulator:
 
     def _active_fault(self, *kinds: str) -> FaultSpec | None:
         """The active fault of one of these kinds."""
+        if not self.faults:
+            return None
         now = self.time + 1e-9
         return next((f for f in self.faults if f.kind in kinds and f.at <= now < f.until), None)
 
