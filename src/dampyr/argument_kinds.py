@@ -16,7 +16,7 @@ from dampyr.errors import InputError
 
 DAMPER = "give a Damper, such as fit.damper or dampyr.models.Damper.load('card.toml')"
 RECORD = "give a Record, such as dampyr.records.read('test.csv')"
-RECORDS = "give records, such as dampyr.records.read_campaign('folder') or [dampyr.records.read('test.csv')]"
+RECORDS = "give records, or the path of a file or of a folder of them, such as 'test.csv'"
 MOTION = "give a GroundMotion, such as dampyr.ground_motions.read('motion.AT2') or GroundMotion(acceleration, dt)"
 BUILDING = "give a Building, such as dampyr.structures.two_storey() or dampyr.structures.load('frame.toml')"
 MODEL = "give the name of a model, such as 'dahl', or a Damper"

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from dampyr.errors import DampyrWarning, InputError
+from dampyr.errors import DampyrWarning
 
 if TYPE_CHECKING:
     from dampyr.records import ReadOptions, Record
@@ -47,26 +46,8 @@ def gather(
     ``short``, where it is given, takes the sentence of each file that has too few samples for a record, and none is an error.
     """
     from dampyr import records
-    from dampyr.records.conditioning.cut_record import cut_all
-    from dampyr.records.formats.h5 import FewSamples
 
-    measured: list[Record] = []
-    whole = replace(reading, cut=None)
-    for path in paths:
-        if path.is_dir():
-            measured += records.read_campaign(path, role, options=whole)  # type: ignore[arg-type]
-        else:
-            try:
-                measured.append(records.read(path, whole))
-            except FewSamples as problem:
-                if short is None:
-                    raise
-                short.append(str(problem))
-    if not measured and not short:
-        where, which = ", ".join(map(str, paths)), f" whose role is {role}" if role else ""
-        raise InputError(f"no records{which} in {where}; name files, or a folder with records")
-    if reading.cut is not None:
-        measured = cut_all(measured, reading.cut)
+    measured = records.read_records(paths, role, reading, short)  # type: ignore[arg-type]
     nominal = records.nominal_inputs(measured, reference_inputs)
     tell_inputs(measured, nominal)
     if warn:

@@ -24,7 +24,7 @@ from dampyr.records.cycle_analysis.cycles import cut_cycles, cycle_average, cycl
 from dampyr.records.cycle_analysis.measure import amplitude_error, measure, total_harmonic_distortion
 from dampyr.records.datasets import fetch, locate
 from dampyr.records.description import describe
-from dampyr.records.files.campaign_folder import read_campaign
+from dampyr.records.files.campaign_folder import read_campaign, read_records
 from dampyr.records.files.conversion import convert
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.record_files import read, write
@@ -33,8 +33,8 @@ from dampyr.records.record_thresholds import RecordThresholds
 from dampyr.records.specimen_history import specimens
 
 __all__ = [
-    "Record", "ReadOptions", "read", "write", "convert", "cut", "read_campaign", "nominal_inputs", "fetch", "locate",
-    "cycles", "cut_cycles", "cycle_average", "differentiate", "with_velocity", "remove_offset", "remove_drift",
+    "Record", "ReadOptions", "read", "write", "convert", "cut", "read_campaign", "read_records", "nominal_inputs", "fetch",
+    "locate", "cycles", "cut_cycles", "cycle_average", "differentiate", "with_velocity", "remove_offset", "remove_drift",
     "estimate_delay", "correct_delay", "measure", "amplitude_error", "total_harmonic_distortion", "overview", "quality",
     "describe", "spectrum", "recognise_smoothing", "Declaration", "MovingAverage", "with_smoothing", "displacement_noise",
     "with_lowpass", "cycle_table", "RecordThresholds", "specimens",

@@ -20,6 +20,7 @@ from dampyr.models import Damper
 from dampyr.options import takes
 from dampyr.origin import Origin, combined
 from dampyr.records import Record, nominal_inputs
+from dampyr.records.files.campaign_folder import RecordsOrPaths, as_records
 from dampyr.shown import Shown
 
 
@@ -53,7 +54,7 @@ class Accepted(Shown):
 
 @takes(AcceptOptions)
 def accept(
-    records: Record | Sequence[Record],
+    records: RecordsOrPaths,
     reference: Damper | Record | Sequence[Record],
     options: AcceptOptions | None = None,
     name: str = "the reference",
@@ -73,7 +74,7 @@ def accept(
     Parameters
     ----------
     records
-        one record, or several.
+        one record, or several; or the files or folders that hold them.
     reference
         a damper, which runs freely along each record's own motion and input, both forces being read by the same cycles; or one
         record or several of a reference damper at the same input, whose points are interpolated over speed in each direction,
@@ -106,13 +107,14 @@ def accept(
     >>> dp.identification.accept(record, damper).verdict, dp.identification.accept(record, damper, tolerance="5 %").verdict
     ('passed', 'failed')
     """
+    records = as_records(records)
     check_kinds(
         "accept",
         Argument("records", records, (Record,), RECORDS, several=True),
         Argument("reference", reference, (Damper, Record), DAMPER, several=True),
     )
     options = AcceptOptions.of("accept", options, keywords)
-    judged = [records] if isinstance(records, Record) else list(records)
+    judged = list(records)
     if not judged:
         raise InputError("there are no records to judge; give one or more")
     against: Damper | list[Record]

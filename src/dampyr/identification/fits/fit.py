@@ -15,7 +15,7 @@ from dampyr.argument_kinds import RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.findings import Finding
 from dampyr.identification.fits.fit_options import BUDGET, FitOptions
-from dampyr.identification.fits.least_squares import check_records_and_model, fit_model
+from dampyr.identification.fits.least_squares import fit_model, read_and_check
 from dampyr.identification.fits.motion_coverage import list_motions_beyond
 from dampyr.identification.fits.result import Fit
 from dampyr.identification.model_choice.leaderboard import Leaderboard, leaderboard
@@ -32,6 +32,7 @@ from dampyr.origin import check_one_kind
 from dampyr.phrases import counted
 from dampyr.records import Record, nominal_inputs
 from dampyr.records.conditioning.velocity import check_bandwidth
+from dampyr.records.files.campaign_folder import RecordsOrPaths, as_records
 
 Progress = Callable[[str, float], None]
 
@@ -40,7 +41,7 @@ HALF_WAY = 20.0  # steps after which a fit's progress stands at one half: most f
 
 @takes(FitOptions)
 def fit(
-    records: Record | Sequence[Record],
+    records: RecordsOrPaths,
     model: str | Composition | Damper | None = None,
     options: FitOptions | None = None,
     progress: Progress | None = None,
@@ -56,7 +57,8 @@ def fit(
     Parameters
     ----------
     records
-        one record, or several for a joint fit.
+        one record, or several for a joint fit; or the files or folders that hold them (`dampyr.records.read_records`, which
+        takes what a file does not say itself).
     model
         parts of the catalogue, such as ``"dahl"`` or ``"dahl + spring + delay"``, or a damper of the same make. Without it
         the model is chosen that best predicts records and inputs that it was not fitted on, which takes minutes
@@ -102,12 +104,13 @@ def fit(
     (True, {'dahl.kx': 2576.0, 'dahl.kw': 380.6, 'dahl.rho': 13530.0})
     """
     if model is None:
+        records = as_records(records)
         check_kinds("fit", Argument("records", records, (Record,), RECORDS, several=True))
     else:
-        check_records_and_model("fit", records, model)
+        records = read_and_check("fit", records, model)
     chosen = FitOptions.of("fit", options, keywords)
     chosen.check_of_model(model)
-    nominal = nominal_inputs([records] if isinstance(records, Record) else records)
+    nominal = nominal_inputs(records)
     fitted = [record for record in nominal if record.role != "validation"]
     others = [record for record in nominal if record.role == "validation"]
     check_records(fitted, others, model, chosen)

@@ -31,6 +31,8 @@ from dampyr.origin import check_one_kind
 from dampyr.records import Record
 from dampyr.records.conditioning.nominal_input import mixed_inputs
 from dampyr.records.conditioning.velocity import check_bandwidth
+from dampyr.records.files.campaign_folder import as_records
+from dampyr.records.record import Role
 
 
 def fit_model(
@@ -75,13 +77,15 @@ def search_model(
     return replace(outcome, work=work.spent), (starts, agreed)
 
 
-def check_records_and_model(call: str, records: Any, model: Any) -> None:
-    """Raise InputError where ``call``, which takes records and then a model, is given something else."""
+def read_and_check(call: str, records: Any, model: Any, role: Role | None = None) -> list[Record]:
+    """The records, those of files read; InputError where ``call``, which takes records and a model, is given other things."""
     first = Argument("records", records, (Record,), RECORDS, several=True)
     second = Argument("model", model, (str, Composition, Damper), MODEL)
     if second.takes(records) and not second.takes(model):
         raise InputError(f"{call}: records come first since 0.4.0; write {call}(records, model)")
-    check_kinds(call, first, second)
+    read = as_records(records, role)
+    check_kinds(call, replace(first, value=read), second)
+    return read
 
 
 def prepared(

@@ -10,7 +10,7 @@ give, and that of a fit by least squares to the same record.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +28,7 @@ from dampyr.identification.scoring.score import Score, score, score_or_reason
 from dampyr.models import Damper
 from dampyr.origin import Origin, combined
 from dampyr.records import Record, cycles, nominal_inputs, with_velocity
+from dampyr.records.files.campaign_folder import RecordsOrPaths, as_records
 from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
@@ -69,7 +70,7 @@ class MethodComparison(Shown):
 
 
 def compare_method(
-    records: Record | Sequence[Record],
+    records: RecordsOrPaths,
     method: str,
     bandwidth: float | None = None,
     progress: Callable[[str, float], None] | None = None,
@@ -109,10 +110,11 @@ def compare_method(
     >>> abs(row.numbers["kw"] / row.least_squares["kw"] - 1.0) < 0.01
     True
     """
+    records = as_records(records)
     check_kinds("compare_method", Argument("records", records, (Record,), RECORDS, several=True))
     METHODS.check("method", method)
     options = FitOptions(bandwidth=bandwidth)
-    nominal = tuple(nominal_inputs([records] if isinstance(records, Record) else records))
+    nominal = tuple(nominal_inputs(records))
     if not nominal:
         raise InputError("there are no records to identify from; give one or more")
     results = []

@@ -77,6 +77,7 @@ from dampyr.origin import NOT_STATED, Origin, check_one_kind, combined
 from dampyr.phrases import counted, listing
 from dampyr.records import Record, cut, with_velocity
 from dampyr.records.conditioning.velocity import check_bandwidth
+from dampyr.records.files.campaign_folder import RecordsOrPaths, as_records
 from dampyr.shown import Shown
 
 FINAL_STEPS = 300  # of a finalist's fits: more than the default, as no start is chosen by hand
@@ -191,7 +192,7 @@ class SearchTimedOut(InputError):
 
 
 def leaderboard(
-    records: Sequence[Record],
+    records: RecordsOrPaths,
     options: FitOptions | None = None,
     executor: Executor | None = None,
     progress: Callable[[str, float], None] | None = None,
@@ -226,6 +227,7 @@ def leaderboard(
     model could be fitted.
     """
     parallel.refuse_forks(executor)
+    records = as_records(records)
     check_kinds("leaderboard", Argument("records", records, (Record,), RECORDS, several=True))
     options = options or FitOptions()
     if options.yardstick:

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.findings import Finding, Findings, handed_on, worst_first
 from dampyr.identification.fits.fit_options import FitOptions
-from dampyr.identification.fits.least_squares import check_records_and_model, fit_model
+from dampyr.identification.fits.least_squares import fit_model, read_and_check
 from dampyr.identification.fits.result import Fit
 from dampyr.identification.model_choice.screening import hold_pairs
 from dampyr.identification.parameter_uncertainty.profile_likelihood import variance_ratios
@@ -42,6 +42,7 @@ from dampyr.options import takes
 from dampyr.origin import Origin, check_one_kind, combined
 from dampyr.phrases import counted, listing
 from dampyr.records import Record, nominal_inputs
+from dampyr.records.files.campaign_folder import RecordsOrPaths
 from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
@@ -268,7 +269,7 @@ class Specimens(Shown):
 
 @takes(FitOptions)
 def fit_specimens(
-    records: Sequence[Record] | Mapping[str, Sequence[Record]],
+    records: RecordsOrPaths | Mapping[str, Sequence[Record]],
     model: str | Composition | Damper,
     options: FitOptions | None = None,
     level: float = 0.95,
@@ -281,7 +282,9 @@ def fit_specimens(
     Parameters
     ----------
     records
-        of all specimens, each naming its own (``record.specimen``), or specimen -> its records. All specimens need the same
+        of all specimens, each naming its own (``record.specimen``), or the files or folders that hold them, or
+        specimen -> its records. All
+        specimens need the same
         inputs, and three records or more at each, as a number without an error between records is left out. Inputs that agree
         between specimens but for noise count as one (`dampyr.records.nominal_inputs`); records of the role "validation" are
         left out.
@@ -310,7 +313,7 @@ def fit_specimens(
         raise InputError(f"{errors!r} is an unknown kind of errors; choose {' or '.join(ERRORS)}")
     chosen = FitOptions.of("fit_specimens", options, keywords)
     if not isinstance(records, Mapping):
-        check_records_and_model("fit_specimens", records, model)
+        records = read_and_check("fit_specimens", records, model)
     by_specimen = records if isinstance(records, Mapping) else group_by_specimen(records)
     # inputs that agree between specimens but for noise count as one, so all records are looked at together
     nominal = iter(nominal_inputs([record for own_records in by_specimen.values() for record in own_records]))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any
@@ -23,6 +23,7 @@ from dampyr.options import Options, ShownIn, takes
 from dampyr.origin import Origin, combined
 from dampyr.phrases import listing
 from dampyr.records import Record, nominal_inputs
+from dampyr.records.files.campaign_folder import RecordsOrPaths, as_records
 from dampyr.records.files.comparison import check_free, file_name, write_comparison
 from dampyr.shown import Shown
 from dampyr.units import Quantity
@@ -144,7 +145,7 @@ def _was_fitted(damper: Damper, record: Record) -> bool | None:
 @takes(ScoreOptions)
 def validate(
     damper: Damper,
-    records: Sequence[Record],
+    records: RecordsOrPaths,
     options: ScoreOptions | None = None,
     card: str = "the damper",
     progress: Callable[[str, float], None] | None = None,
@@ -160,7 +161,7 @@ def validate(
     damper
         that is validated.
     records
-        which it predicts, one or more.
+        which it predicts, one or more; or the files or folders that hold them.
     options
         the further arguments as one object; those that are given by name take their places.
     card
@@ -189,6 +190,7 @@ def validate(
     >>> round(dp.identification.validate(damper, [record]).scores["stronger"].l1, 2)
     0.09
     """
+    records = as_records(records)
     check_kinds(
         "validate",
         Argument("damper", damper, (Damper,), DAMPER),

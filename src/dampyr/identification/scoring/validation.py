@@ -16,7 +16,7 @@ import numpy as np
 
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.fits.fit_options import FitOptions
-from dampyr.identification.fits.least_squares import check_records_and_model, one_thread, search_model
+from dampyr.identification.fits.least_squares import one_thread, read_and_check, search_model
 from dampyr.identification.fits.result import make_damper
 from dampyr.identification.scoring.score import Score, score
 from dampyr.identification.scoring.scoring_window import list_unscorable
@@ -28,6 +28,7 @@ from dampyr.origin import NOT_STATED, Origin, check_one_kind, combined
 from dampyr.records import Record
 from dampyr.records.checks.quality import motion_start
 from dampyr.records.conditioning.velocity import check_bandwidth
+from dampyr.records.files.campaign_folder import RecordsOrPaths
 from dampyr.shown import Shown
 
 
@@ -100,7 +101,7 @@ def mean_relevelled(scores: Mapping[str, Score]) -> float:
 
 
 def cross_validate(
-    records: Sequence[Record],
+    records: RecordsOrPaths,
     model: str | Composition | Damper,
     split: str = "record",
     options: FitOptions | None = None,
@@ -148,13 +149,13 @@ def cross_validate(
 
 
 def validation_jobs(
-    records: Sequence[Record],
+    records: RecordsOrPaths,
     model: str | Composition | Damper,
     split: str = "record",
     options: FitOptions | None = None,
 ) -> tuple[list[Callable[[], Fold]], Callable[[Sequence[Fold]], Validation]]:
     """`cross_validate` as independent jobs, one a fold, and what makes their results a `Validation`."""
-    check_records_and_model("cross_validate", records, model)
+    records = read_and_check("cross_validate", records, model, "fit")
     options, listed = options or FitOptions(), list(records)
     if not options.mixed_origins:
         check_one_kind(listed)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import csv
 import hashlib
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib import resources
 from pathlib import Path
@@ -23,10 +23,13 @@ from dampyr.records.files.folder import read_folder
 from dampyr.records.files.folder_metadata import TABLE
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.record_files import read
+from dampyr.records.formats.h5 import FewSamples
 from dampyr.records.record import CHANNELS, GROUPS, Label, Record, Role, as_group, as_role
 from dampyr.shown import Shown
 from dampyr.units import round_trip, to_si
 
+RecordsOrPaths = Record | Sequence[Record] | str | Path | Sequence[str | Path]
+"""What a call takes that works on records: these, or the files and folders that hold them."""
 COLUMNS = ("file", "table", "row", "voltage_V", "peak_to_peak_mm", "frequency_Hz")
 PUBLISHED = {
     "kx_Ns_per_mm": ("kx", "N s/mm", "N s/m"),
@@ -124,6 +127,81 @@ def read_campaign(
     else:
         records = [record for record in read_folder(folder, uncut, incomplete) if wanted in (None, record.role)]
     return records if options.cut is None else cut_all(records, options.cut)
+
+
+@takes(ReadOptions)
+def read_records(
+    paths: str | Path | Sequence[str | Path],
+    role: Role | None = None,
+    options: ReadOptions | None = None,
+    short: list[str] | None = None,
+    **keywords: Any,
+) -> list[Record]:
+    """Every record of these files and folders, in their order.
+
+    Parameters
+    ----------
+    paths
+        a file is read as by `read`, a folder as by `read_campaign`.
+    role
+        "fit" or "validation" chooses among the records of a folder; None takes all.
+    options
+        the further arguments, for every file, as one object; those that are given by name take their places. ``cut`` cuts the
+        records of files, too.
+    short
+        takes the sentence of each file that has too few samples for a record; without it such a file is an error.
+
+    Raises
+    ------
+    MissingData
+        there is no such file or folder.
+    FileError
+        a file is wrong.
+    InputError
+        an argument is wrong, or there are no records of this role.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import dampyr as dp
+    >>> t = np.linspace(0.0, 1.0, 101)
+    >>> for k in (1, 2):
+    ...     record = dp.records.Record(t, 0.01 * np.sin(6 * k * t), 50.0 * np.cos(6 * k * t))
+    ...     path = dp.records.write(record, f"test{k}.csv")
+    >>> [record.name for record in dp.records.read_records(["test1.csv", "test2.csv"], voltage=1.98)]
+    ['test1', 'test2']
+    """
+    options = ReadOptions.of("read_records", options, keywords)
+    named = [Path(paths)] if isinstance(paths, str | Path) else [Path(path) for path in paths]
+    uncut, found = replace(options, cut=None), list[Record]()
+    for path in named:
+        if path.is_dir():
+            found += read_campaign(path, role, options=uncut)
+            continue
+        try:
+            found.append(read(path, uncut))
+        except FewSamples as problem:
+            if short is None:
+                raise
+            short.append(str(problem))
+    if not found and not short:
+        where, which = ", ".join(map(str, named)), f" whose role is {role}" if role else ""
+        raise InputError(f"no records{which} in {where or 'an empty list'}; name files, or a folder with records")
+    return found if options.cut is None else cut_all(found, options.cut)
+
+
+def as_records(given: RecordsOrPaths, role: Role | None = None) -> list[Record]:
+    """The records that a call was given, those of files read; what is neither is left as it is, for `check_kinds`.
+
+    ``role`` chooses among those of a folder.
+    """
+    if isinstance(given, Record):
+        return [given]
+    if isinstance(given, str | Path):
+        return read_records(given, role)
+    if isinstance(given, Sequence) and given and all(isinstance(item, str | Path) for item in given):
+        return read_records(given, role)  # type: ignore[arg-type]
+    return given  # type: ignore[return-value]
 
 
 def _check_no_input(folder: Path, options: ReadOptions) -> None:
