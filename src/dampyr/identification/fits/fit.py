@@ -18,8 +18,9 @@ from dampyr.identification.fits.fit_options import BUDGET, FitOptions
 from dampyr.identification.fits.least_squares import fit_model, read_and_check
 from dampyr.identification.fits.motion_coverage import list_motions_beyond
 from dampyr.identification.fits.result import Fit
+from dampyr.identification.model_choice.channel_delay import list_channel_delays
 from dampyr.identification.model_choice.leaderboard import Leaderboard, leaderboard
-from dampyr.identification.model_choice.missing_effect import list_missing_effects
+from dampyr.identification.model_choice.missing_effect import list_missing_effects, rank_effects
 from dampyr.identification.model_choice.screening import hold_pairs
 from dampyr.identification.scoring.score import score_or_reason
 from dampyr.identification.scoring.scoring_window import list_unscorable
@@ -80,7 +81,8 @@ def fit(
         also where the search did not converge: ``converged`` and ``reason`` say so. Where the model misses more than
         ``thresholds.unexplained`` of the force (L1 ratio), ``findings`` say which effect may be missing: those of
         `dampyr.identification.model_choice.missing_effect` are tried, which takes a second, or half a minute where the models
-        are compiled first.
+        are compiled first. Where the force was sampled later or earlier than the displacement, they say by how much
+        (`dampyr.identification.model_choice.channel_delay`).
 
     Raises
     ------
@@ -141,18 +143,19 @@ def fit(
 
 
 def _explain_misfit(result: Fit, options: FitOptions, chosen: bool, tell: Progress) -> list[Finding]:
-    """What may be missing where a fit misses more than `FitThresholds.unexplained` of the force."""
+    """What may be missing where a fit misses more than `FitThresholds.unexplained` of the force, and delays of its channels."""
     limit, rough = options.thresholds.unexplained, 0.0
+    delays = list_channel_delays(result, options)
     # of all that was fitted, in a hundredth of the time of the scores: a fit that is so good by it is good by them
     for piece, rest in zip(result.problem.pieces, result.optimum.residuals, strict=True):
         force = piece.force[piece.comparable]
         size = float(np.mean(np.abs(force - np.mean(force))))
         rough = max(rough, float(np.mean(np.abs(rest))) / size if size > 0.0 else math.inf)
     if rough <= 0.3 * limit or np.mean([score.l1 for score in result.scores.values()]) <= limit:
-        return []
+        return [delay.finding for delay in delays]
     effects = list_missing_effects(result, options, chosen, lambda done: tell("looking for what is missing", done))
     of_records = [effect for effect in effects if not np.isfinite(effect.l1)]
-    return [effect.finding for effect in of_records or effects[:1]]
+    return [effect.finding for effect in of_records or rank_effects([*delays, *effects])[:1]]
 
 
 def check_records(

@@ -312,6 +312,7 @@ KEYS: Mapping[str, Callable[[str, Any], Any]] = {
     "variable": _option,
     "header": _option,
     "force_sign": _option,
+    "force_delay": _option,
     "measurement_session": _by_pattern,
     "specimen": _by_pattern,
     "smoothed": _smoothed,

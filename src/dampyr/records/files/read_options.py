@@ -64,6 +64,12 @@ class ReadOptions(TextOptions):
         Terminal(metavar="SIGN"),
         "-1 turns the force, for files in which a positive force does not oppose a positive velocity",
     ] = None
+    force_delay: Annotated[
+        float | None,
+        Quantity("s"),
+        Terminal(metavar="TIME"),
+        "How much later the force was sampled than the displacement, such as 10ms; the motion is moved to meet it",
+    ] = None
     measurement_session: Annotated[
         str | None, Terminal(metavar="NAME"), "The records of one day on one mounting, for all files"
     ] = None

@@ -12,6 +12,7 @@ from dampyr import registry
 from dampyr.errors import DampyrWarning, FileError, InputError, MissingData, one_line
 from dampyr.options import takes
 from dampyr.phrases import listing
+from dampyr.records.conditioning.force_lag import correct_delay
 from dampyr.records.conditioning.integrated_displacement import INTEGRATED, is_integrated
 from dampyr.records.conditioning.lowpass import with_lowpass
 from dampyr.records.conditioning.smoothing import with_smoothing
@@ -127,11 +128,13 @@ def _merged(metadata: FolderReading, path: Path, options: ReadOptions) -> ReadOp
 
 
 def _with_request(record: Record, request: ReadOptions, metadata: FolderReading, path: Path) -> Record:
-    """The record with all that is stated of it: sign of the force, moving average, low-pass, session, specimen, role."""
+    """The record with all that is stated of it: its force, moving average, low-pass, session, specimen, role."""
     if request.thresholds is not None:
         record = replace(record, thresholds=request.thresholds)
     if request.force_sign == -1:
         record = record.replace(note="force turned, as its sign was declared", force=-record.force)
+    if request.force_delay:
+        record = correct_delay(record, request.force_delay)
     if request.smoothed is not None:
         record = with_smoothing(record, request.smoothed)
     if request.lowpass is not None:
