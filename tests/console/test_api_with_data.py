@@ -162,7 +162,7 @@ def operations(full_console, keep):
 
 def test_what_is_there_is_told_and_changed_without_a_fault(full_console):
     wanted = operations(full_console, lambda path: "/bench" not in path)
-    got = {f"{each.method.upper()} {each.path}": exercise(full_console, each, 14) for each in wanted}
+    got = {f"{each.method.upper()} {each.path}": exercise(full_console, each, 20) for each in wanted}
     silent = [name for name, statuses in got.items() if min(statuses) >= 300]
     assert silent == ["PUT /api/records/uploads/{name}"]  # its files are bytes: see test_record_uploads
     assert {path.parts[0] for path in everything(full_console.folder)} <= {
