@@ -19,6 +19,7 @@ from dampyr.records.conditioning.smoothing import with_smoothing
 from dampyr.records.conditioning.smoothing_recognition import recognise_smoothing
 from dampyr.records.conditioning.velocity import differentiate, with_velocity
 from dampyr.records.cycle_analysis.amplitude_spectrum import spectrum
+from dampyr.records.cycle_analysis.cycle_figures import cycles
 from dampyr.records.cycle_analysis.cycle_table import cycle_table
 from dampyr.records.cycle_analysis.cycles import cut_cycles, cycle_average, cycle_bounds
 from dampyr.records.cycle_analysis.measure import amplitude_error, measure, total_harmonic_distortion
@@ -37,5 +38,5 @@ __all__ = [
     "cycle_bounds", "cut_cycles", "cycle_average", "differentiate", "with_velocity", "remove_offset", "remove_drift",
     "estimate_delay", "correct_delay", "measure", "amplitude_error", "total_harmonic_distortion", "overview", "quality",
     "describe", "spectrum", "recognise_smoothing", "Declaration", "MovingAverage", "with_smoothing", "displacement_noise",
-    "with_lowpass", "cycle_table", "RecordThresholds", "specimens",
+    "with_lowpass", "cycle_table", "cycles", "RecordThresholds", "specimens",
 ]  # fmt: skip

@@ -161,7 +161,7 @@ def cut_part(record: Record, away: float | None = None) -> tuple[Cut, float]:
     With ``away``, which came with the cut of an earlier part of the same motion, a record that begins where a cycle of that
     part began is cut at the same position.
     """
-    points = _fine_turning_points(record)
+    points = fine_turning_points(record)
     if len(points) < 2:
         return Cut(), np.nan
     x = record.displacement
@@ -324,7 +324,7 @@ def _like_the_others(record: Record, points: Indices) -> list[tuple[int, int]]:
     return [(int(edges[k]), int(edges[k + 1])) for k in range(indices[0], indices[-1] + 1)]
 
 
-def _fine_turning_points(record: Record) -> Indices:
+def fine_turning_points(record: Record) -> Indices:
     """The turning points, and those of levels with small strokes before, after and between them."""
     x = record.displacement
     points = turning_points(record)
