@@ -44,6 +44,7 @@ DEVICES_WITH = {
     "loss_factor": frozenset({"displacement"}),
     "second_slope": frozenset({"displacement"}),
     "characteristic_strength": frozenset({"displacement", "switched"}),
+    "storage_stiffness": frozenset({"displacement", "switched"}),
     "viscous_coefficient": frozenset({"viscous", "switched"}),
 }
 """The figures that not every kind of device has, and the kinds that have them."""
@@ -150,8 +151,9 @@ class RecordFigures(Shown):
         return input_text(self.record.input_value, str(self.record.input)) if self.record.input in INPUTS else ""
 
     def figure(self, cycle: DeviceFigures, name: str) -> float | None:
-        """A figure of a cycle by its name; None where this kind of device does not have it."""
-        return float(getattr(cycle, name)) if self.device in DEVICES_WITH.get(name, OF_ALL) else None
+        """A figure of a cycle by its name; None where this kind of device, or this cycle, does not have it."""
+        value = float(getattr(cycle, name))
+        return value if self.device in DEVICES_WITH.get(name, OF_ALL) and np.isfinite(value) else None
 
     def fade(self, cycle: DeviceFigures, name: str) -> float | None:
         """How far a figure of a cycle is from that of the third one of its level, relative to it; None without a third."""

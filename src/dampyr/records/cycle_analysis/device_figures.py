@@ -13,6 +13,9 @@ harmonics over the cycle, by least squares beside a mean. Displacements count fr
 from the mean of the largest and the least, but for those that are said to be as recorded. The damping ratio and the loss factor
 belong to displacement-dependent devices: of a viscous one the stiffness goes to zero and both to infinity, so that they are
 asked for by name. docs/reference/cycle-figures.md has the sources.
+
+A loop that does not end where it began, by a drift or since the record ends early, is closed by a straight line: the energy is
+its area, and no force that is constant adds to it.
 """
 
 from __future__ import annotations
@@ -170,7 +173,7 @@ def _figures(number: int, level: int, in_level: int, time: Array, x: Array, reco
         level=level,
         in_level=in_level,
         amplitude=float(0.5 * (x[high] - x[low])),
-        energy=path_work(x, force),
+        energy=path_work(x, force) + 0.5 * float((force[0] + force[-1]) * (x[0] - x[-1])),
         largest_force=float(force.max()),
         effective_stiffness=float((abs(force[high]) + abs(force[low])) / (x[high] - x[low])),
         characteristic_strength=0.5 * (abs(out) + abs(back)),
@@ -187,19 +190,25 @@ def _figures(number: int, level: int, in_level: int, time: Array, x: Array, reco
 
 
 def _forces_at_middle(x: Array, force: Array) -> tuple[float, float]:
-    """The mean forces where the motion passes its middle upwards and downwards, N; 0 where it does not.
+    """The mean forces where the motion passes its middle upwards and downwards, N; NaN where it does not.
 
-    A cycle that is cut there ends with a pass and does not begin with one: the first begins at rest.
+    A cycle that is cut there ends with a pass; the one that it begins with counts only without that, for the first begins at
+    rest.
     """
     near = np.abs(x) <= AT_MIDDLE * float(np.max(np.abs(x)))
-    begin, end = int(np.argmin(near)), x.size - int(np.argmin(near[::-1]))  # x[begin:end] lies between near stretches
+    begin, end = (
+        int(np.argmin(near)),
+        x.size - int(np.argmin(near[::-1])),
+    )  # between them lies what is not near its ends
     k = np.flatnonzero(np.signbit(x[1:end]) != np.signbit(x[: end - 1]))
     k = k[k >= begin]
     part = x[k] / (x[k] - x[k + 1])
     at, up = force[k] + part * (force[k + 1] - force[k]), x[k + 1] > x[k]
     if end < x.size:
         at, up = np.r_[at, force[-1]], np.r_[up, x[end - 1] < 0.0]
-    return tuple(float(np.mean(at[way])) if way.any() else 0.0 for way in (up, ~up))  # type: ignore[return-value]
+    elif begin > 0:
+        at, up = np.r_[at, force[0]], np.r_[up, x[begin] > 0.0]
+    return tuple(float(np.mean(at[way])) if way.any() else np.nan for way in (up, ~up))  # type: ignore[return-value]
 
 
 def complex_stiffness(time: Array, x: Array, force: Array) -> tuple[float, float]:

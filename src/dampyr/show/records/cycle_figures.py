@@ -121,7 +121,7 @@ def cycle_table(result: CycleFigures) -> Table:
             "energy": cycle.energy,
             "effective stiffness": cycle.effective_stiffness,
             "equivalent damping": figures.figure(cycle, "damping_ratio"),
-            "storage stiffness": cycle.storage_stiffness,
+            "storage stiffness": figures.figure(cycle, "storage_stiffness"),
             "loss factor": figures.figure(cycle, "loss_factor"),
             "characteristic strength": figures.figure(cycle, "characteristic_strength"),
             "second slope": figures.figure(cycle, "second_slope"),
@@ -140,10 +140,10 @@ def force_table(result: CycleFigures) -> Table:
         _of(figures) | _place(cycle) | {
             "largest force": cycle.peak_out,
             "least force": cycle.peak_in,
-            "at middle, extension": cycle.zero_out,
-            "at middle, compression": cycle.zero_in,
-            "energy against third": figures.fade(cycle, "energy"),
-            "force against third": figures.fade(cycle, "largest_force"),
+            "at middle, extension": figures.figure(cycle, "zero_out"),
+            "at middle, compression": figures.figure(cycle, "zero_in"),
+            "energy against third": _rounded(figures.fade(cycle, "energy")),
+            "force against third": _rounded(figures.fade(cycle, "largest_force")),
             "travel": travel,
             "energy so far": energy,
         }
@@ -344,6 +344,11 @@ def _mean(values: Sequence[float | None]) -> float | None:
     return float(np.mean(numbers)) if numbers else None
 
 
+def _rounded(fade: float | None) -> float | None:
+    """Without what arithmetic leaves of none."""
+    return None if fade is None else round(fade, 6)
+
+
 def _ms(seconds: float | None) -> float | None:
     return None if seconds is None else 1e3 * seconds
 
@@ -369,7 +374,7 @@ def _table(
         [shown[name][0] for name in filled],
         caption=caption,
         notes=notes,
-        digits=4,
+        digits=5,
     )
 
 
