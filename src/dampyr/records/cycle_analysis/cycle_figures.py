@@ -21,6 +21,7 @@ from dampyr.findings import Finding, handed_on, worst_first
 from dampyr.input_kinds import INPUTS, input_text
 from dampyr.options import Options, ShownIn, Terminal, takes
 from dampyr.origin import Origin, combined
+from dampyr.records.conditioning.nominal_input import nominal_inputs
 from dampyr.records.cycle_analysis.cycle_table import cycle_table
 from dampyr.records.cycle_analysis.cycles import Cut, CutCycle, cut_cycles, fine_turning_points
 from dampyr.records.cycle_analysis.device_figures import DeviceFigures, device_figures, loop_between
@@ -148,7 +149,8 @@ class RecordFigures(Shown):
     @property
     def setting(self) -> str:
         """The input, such as "1.98 V"; empty where it varies or there is none."""
-        return input_text(self.record.input_value, str(self.record.input)) if self.record.input in INPUTS else ""
+        value = self.record.input_channel
+        return input_text(value, str(self.record.input)) if isinstance(value, float) else ""
 
     def figure(self, cycle: DeviceFigures, name: str) -> float | None:
         """A figure of a cycle by its name; None where this kind of device, or this cycle, does not have it."""
@@ -238,14 +240,15 @@ class CycleFigures(Shown):
 
     @cached_property
     def measured_speeds(self) -> tuple[SpeedForce, ...]:
-        """The force at the peak velocities of every level, by specimen and setting in the order of speeds."""
+        """The force at the peak velocities of every level, by specimen and setting in the order of speeds; none of records of
+        rests, nor of an input that varies."""
         found = [
             SpeedForce(
                 _specimen(figures), figures.setting, 0.5 * (level.speed_out - level.speed_in), level.force_out, level.force_in,
                 self.gas_forces.get(_specimen(figures)),
             )
             for figures in self.records
-            if figures.setting or figures.record.input not in INPUTS
+            if (figures.setting or figures.record.input not in INPUTS) and figures.gas_force is None
             for level in figures.levels
         ]  # fmt: skip
         order = list(dict.fromkeys((force.specimen, force.setting) for force in found))
@@ -296,6 +299,8 @@ class CycleFigures(Shown):
 def cycles(records: Record | Iterable[Record], options: CycleOptions | None = None, **keywords: Any) -> CycleFigures:
     """The figures of every full cycle of one record or several, and what they say of the device.
 
+    Measured inputs that are constant but for noise count as constants (`dampyr.records.nominal_inputs`).
+
     Raises
     ------
     InputError
@@ -317,6 +322,8 @@ def cycles(records: Record | Iterable[Record], options: CycleOptions | None = No
     tested = [records] if isinstance(records, Record) else list(records)
     if not tested:
         raise InputError("cycles() needs a record; give one or several")
+    if len({record.input for record in tested}) == 1:  # those of one kind alone can be compared
+        tested = nominal_inputs(tested)
     figures = tuple(_figures(record, chosen) for record in tested)
     found = worst_first(handed_on(tested), (finding for each in figures for finding in _notes(each, chosen)))
     return CycleFigures(figures, chosen, combined(record.origin for record in tested), found)
