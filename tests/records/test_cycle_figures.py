@@ -226,6 +226,8 @@ def test_the_gas_force_of_a_record_of_rests_is_taken_for_its_specimen() -> None:
     rests = Record(t, x, 112.0 + 20.0 * hold, voltage=0.0, specimen="SN 1", name="rests")
     result = cycles([rests, at_speed(0.1, 0.0)])
     assert result.gas_forces == {"SN 1": pytest.approx(112.0, abs=0.5)}
+    assert result[0].cycles == ()
+    assert "rests: it gives a gas force of 112 N" in result.findings[-1].words
     assert [point.ratio for point in result.measured_speeds] == [pytest.approx(2.0, rel=1e-2)]
 
 

@@ -8,6 +8,7 @@ zero (`dampyr.records.cycle_analysis.device_figures`). docs/reference/cycle-figu
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
@@ -248,7 +249,7 @@ class CycleFigures(Shown):
                 self.gas_forces.get(_specimen(figures)),
             )
             for figures in self.records
-            if (figures.setting or figures.record.input not in INPUTS) and figures.gas_force is None
+            if figures.setting or figures.record.input not in INPUTS
             for level in figures.levels
         ]  # fmt: skip
         order = list(dict.fromkeys((force.specimen, force.setting) for force in found))
@@ -330,11 +331,11 @@ def cycles(records: Record | Iterable[Record], options: CycleOptions | None = No
 
 
 def _figures(record: Record, options: CycleOptions) -> RecordFigures:
-    cut = cut_cycles(record)
-    try:
-        whole = tuple(device_figures(record))
-    except InputError:  # without a cycle
-        whole = ()
+    cut, gas_force = cut_cycles(record), _gas_force(record)
+    whole: tuple[DeviceFigures, ...] = ()
+    if gas_force is None:  # else a staircase from rest to rest
+        with suppress(InputError):  # without a cycle
+            whole = tuple(device_figures(record))
     ends = np.array([cycle.stop for cycle in whole])
     travel, energy = _cumulative(record)
     return RecordFigures(
@@ -346,10 +347,10 @@ def _figures(record: Record, options: CycleOptions) -> RecordFigures:
         total_energy=tuple(np.interp(ends, record.time, energy).tolist()),
         whole_travel=float(travel[-1]),
         whole_energy=float(energy[-1]),
-        half_cycles=_half_cycles(record, cut) if cut.graded else (),
-        backbone=_backbone(record, cut) if cut.graded else np.zeros((0, 2)),
+        half_cycles=_half_cycles(record, cut) if whole and cut.graded else (),
+        backbone=_backbone(record, cut) if whole and cut.graded else np.zeros((0, 2)),
         switches=_switches(record),
-        gas_force=_gas_force(record),
+        gas_force=gas_force,
     )
 
 
@@ -365,6 +366,9 @@ def _device(record: Record, cycles: Sequence[DeviceFigures], options: CycleOptio
 def _notes(figures: RecordFigures, options: CycleOptions) -> list[Finding]:
     """What a person should know of the figures of a record."""
     about = (figures.record.name,)
+    if figures.gas_force is not None:
+        words = f"a record of rests: it gives a gas force of {figures.gas_force:.4g} N and no figures of cycles"
+        return [Finding("note", words, about)]
     if not figures.cycles:
         return [Finding("note", "no full cycle, so that there are no figures of cycles", about)]
     share = float(np.median([cycle.stiffness_share for cycle in figures.cycles]))

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 Row = dict[str, Any]
 WAYS = {True: "extension", False: "compression"}
 RECORDS = "Whole records."
+SHARED = ("specimen", "input", "device")
 NUMBERS = ("number", "level", "in_level")
 OF_A_CYCLE = {
     "amplitude": "m",
@@ -358,10 +359,10 @@ def _table(
 ) -> Table:
     """A table of rows in SI, in the units of the result's options; a column that holds nothing is left out."""
     names = list(dict.fromkeys(name for row in rows for name in row))
-    named = len(result) > 1 or caption == RECORDS  # a single record need not be named in every row
-    filled = [
-        name for name in names if any(row.get(name) not in (None, "") for row in rows) and (named or name != "record")
-    ]
+    filled = [name for name in names if any(row.get(name) not in (None, "") for row in rows)]
+    if caption != RECORDS:  # what all records have in common need not stand in every row
+        alike = [name for name in SHARED if len({row.get(name) for row in rows}) == 1]
+        filled = [name for name in filled if name not in alike and (name != "record" or len(result) > 1)]
     shown = {name: _unit(units.get(name, ""), result.options.unit_system) for name in filled}
 
     def cell(row: Row, name: str) -> Cell:
