@@ -154,9 +154,10 @@ def test_a_rising_protocol_has_half_cycles_a_backbone_and_sums(offset: float) ->
 
 
 def test_noise_and_the_steps_of_an_encoder_add_no_travel() -> None:
-    record = rising()
-    rough = 2e-5 * np.round((record.displacement + np.random.default_rng(1).normal(0, 1e-5, record.n)) / 2e-5)
-    assert cycles(record.replace(note="rough", displacement=rough))[0].whole_travel == pytest.approx(0.252, rel=5e-3)
+    t, x, v = motion(4000, 3)
+    rough = 2e-5 * np.round((x + np.random.default_rng(1).normal(0, 1.5e-5, t.size)) / 2e-5)
+    assert float(np.sum(np.abs(np.diff(rough)))) > 0.2
+    assert cycles(Record(t, rough, 2000.0 * v, no_input=True))[0].whole_travel == pytest.approx(12 * D, rel=1e-2)
 
 
 def at_speed(speed: float, voltage: float, stroke: float = 0.02, gas: float = 112.0) -> Record:
