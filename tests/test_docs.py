@@ -68,6 +68,7 @@ NOT_RUN = {
     ("docs/how-to/rig.md", "dampyr doctor"): "needs a rig; on the simulated one tests/cli/test_doctor.py",
     ("docs/how-to/rig.md", "dampyr calibrate"): "needs a rig; on the simulated one tests/rig/test_calibration.py",
     ("docs/reference/commands.md", "dampyr accept"): "tests/cli/test_examples.py runs each of them",
+    ("docs/reference/cycle-figures.md", "dampyr cycles"): "tests/cli/test_examples.py runs it",
     ("docs/tutorials/newcomer.md", ""): "tests/stories/test_newcomer.py follows the page, in an environment of its own",
 }  # fmt: skip
 # Pages whose code compiles or runs for long: proofs.

@@ -146,3 +146,18 @@ def test_a_quantity_checks_its_range(quantity: units.Quantity, good: list[float]
 @pytest.mark.parametrize(("pair", "factor"), EVERYDAY.items())
 def test_everyday_units_are_those_of_pint(pair: tuple[str, str], factor: float) -> None:
     assert _by_pint(*pair) == pytest.approx((factor, 0.0), rel=1e-15)
+
+
+def test_systems_of_units_agree_with_pint() -> None:
+    written = {"in": "inch", "in/s": "inch/s", "in lbf": "inch lbf", "lbf/in": "lbf/inch", "lbf s/in": "lbf s/inch"}
+    for unit in ("m", "m/s", "N", "J", "N/m", "N s/m", "Hz", "s", ""):
+        for system in units.UNIT_SYSTEMS:
+            name, factor = units.in_system(unit, system)
+            if name == unit:
+                assert factor == 1.0
+            else:
+                assert units.from_si(1.0, written.get(name, name), unit) == pytest.approx(factor, rel=1e-12)
+    assert units.in_system("s", "mm-N") == ("s", 1.0)
+    assert units.in_system("N/m", "SI") == ("N/m", 1.0)
+    with pytest.raises(InputError, match="choose from mm-N, SI, in-lb"):
+        units.in_system("m", "cgs")

@@ -314,6 +314,34 @@ def for_people(unit: str) -> tuple[str, float]:
     return _FOR_PEOPLE.get(unit, (unit, 1.0))
 
 
+UNIT_SYSTEMS = {"mm-N": "mm, N, J", "SI": "m, N, J", "in-lb": "in, lbf, in lbf"}
+"""Systems of units that tables and axes may be in."""
+_IN_LB = {
+    "m": ("in", 1.0 / 0.0254),
+    "m/s": ("in/s", 1.0 / 0.0254),
+    "N": ("lbf", 1.0 / 4.4482216152605),
+    "J": ("in lbf", 1.0 / (0.0254 * 4.4482216152605)),
+    "N/m": ("lbf/in", 0.0254 / 4.4482216152605),
+    "N s/m": ("lbf s/in", 0.0254 / 4.4482216152605),
+}
+
+
+def in_system(unit: str, system: str) -> tuple[str, float]:
+    """The unit of one of the `UNIT_SYSTEMS` for what is held in the SI ``unit``, and the factor to it; seconds stay seconds.
+
+    Examples
+    --------
+    >>> from dampyr.units import in_system
+    >>> in_system("N/m", "in-lb")[0]
+    'lbf/in'
+    """
+    if system not in UNIT_SYSTEMS:
+        raise InputError(f"unit_system = {system!r} is not known; choose from {', '.join(UNIT_SYSTEMS)}")
+    if unit == "s" or system == "SI":
+        return unit, 1.0
+    return _IN_LB.get(unit, (unit, 1.0)) if system == "in-lb" else for_people(unit)
+
+
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?(?![\d.,_])")
 
 

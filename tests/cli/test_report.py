@@ -9,6 +9,7 @@ from dampyr.cli import cli
 
 COMMANDS = [
     "accept",
+    "cycles",
     "demo",
     "ensemble",
     "hybrid",

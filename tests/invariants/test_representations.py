@@ -263,6 +263,8 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "records.Cut": lambda made: dp.records.cut_cycles(made.records[0]),
     "records.CutCycle": lambda made: dp.records.cut_cycles(made.records[0]).cycles[0],
     "records.Cycle": lambda made: dp.records.cycle_table(made.records[0])[0],
+    "records.CycleFigures": lambda made: dp.records.cycles(made.records),
+    "records.RecordFigures": lambda made: dp.records.cycles(made.records[0])[0],
     "records.Declaration": lambda made: dp.records.Declaration.of("0.1 periods, trailing"),
     "records.ForceLag": lambda made: dp.records.estimate_delay(made.records[0]),
     "records.DisplacementNoise": lambda made: dp.records.displacement_noise(made.records[0]),

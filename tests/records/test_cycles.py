@@ -11,8 +11,8 @@ from dampyr.records import (
     Record,
     cut_cycles,
     cycle_average,
+    cycle_bounds,
     cycle_table,
-    cycles,
     describe,
     measure,
     read,
@@ -104,7 +104,7 @@ def test_legs_are_peak_to_peak(make_sine):
 
 def test_cycles_follow_on_one_another_and_last_one_period(make_sine):
     record = make_sine()
-    record_cycles = cycles(record)
+    record_cycles = cycle_bounds(record)
     assert len(record_cycles) == 11
     assert all(a[1] == b[0] for a, b in pairwise(record_cycles))
     assert [i1 - i0 for i0, i1 in record_cycles] == pytest.approx([111.1] * 11, abs=3)
@@ -114,7 +114,7 @@ def test_run_in_and_stop_are_left_out(make_sine):
     record = make_sine(duration=30.0, rest=0.0)
     taper = np.clip(record.time / 6.0, 0, 1) * np.clip((30.0 - record.time) / 6.0, 0, 1)
     tapered = record.replace(note="tapered", displacement=record.displacement * taper)
-    record_cycles = cycles(tapered)
+    record_cycles = cycle_bounds(tapered)
     assert record.time[record_cycles[0][0]] > 3.0
     assert record.time[record_cycles[-1][1]] < 27.0
     assert len(record_cycles) > 15
@@ -124,7 +124,7 @@ def test_no_motion_has_no_cycles():
     t = 0.01 * np.arange(100)
     still = Record(t, np.zeros(100), np.ones(100))
     assert len(turning_points(still)) == 0
-    assert cycles(still) == []
+    assert cycle_bounds(still) == []
     with pytest.raises(InputError, match=r"no whole cycle in 0.99 s, and a cycle average needs one"):
         cycle_average(still)
 
@@ -146,7 +146,7 @@ def test_all_real_records_have_regular_cycles(published):
     assert len(records) == 39
     for record in records:
         points = turning_points(record)
-        record_cycles = cycles(record)
+        record_cycles = cycle_bounds(record)
         sizes = np.abs(np.diff(record.displacement[points]))
         assert np.all(np.diff(np.sign(np.diff(record.displacement[points]))) != 0), record.name
         assert sizes.min() > 0.75 * np.median(sizes), record.name

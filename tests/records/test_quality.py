@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dampyr.records import Record, cycles, quality
+from dampyr.records import Record, cycle_bounds, quality
 from dampyr.records.checks.quality import motion_start
 
 
@@ -37,7 +37,7 @@ def test_a_saturated_force_is_reported(make_sine):
     clipped = record.replace(note="clipped", force=np.minimum(record.force, 250.0))
     quality_report = quality(clipped)
     assert quality_report.saturated["force"] == int(
-        np.sum(clipped.force[slice(cycles(record)[0][0], cycles(record)[-1][1])] == 250.0)
+        np.sum(clipped.force[slice(cycle_bounds(record)[0][0], cycle_bounds(record)[-1][1])] == 250.0)
     )
     assert any("force may be saturated" in note for note in quality_report.notes)
     assert "force" not in quality(record).saturated
@@ -112,7 +112,7 @@ def test_a_position_that_runs_away_is_reported(make_sine):
     lost = np.r_[record.displacement[0], record.displacement[0] + np.cumsum(np.where(steps < 0.0, 0.8 * steps, steps))]
     bad = quality(record.replace(note="loses counts", displacement=lost))
     per_cycle = 0.2 * np.ptp(record.displacement)
-    assert bad.run_away == pytest.approx(per_cycle * len(cycles(record)), rel=0.15)
+    assert bad.run_away == pytest.approx(per_cycle * len(cycle_bounds(record)), rel=0.15)
     assert any("runs away" in note and "encoder counts less one way" in note for note in bad.notes)
     slowly = record.replace(note="the table drifts", displacement=record.displacement + 1e-4 * record.time)
     assert quality(slowly).run_away == 0.0

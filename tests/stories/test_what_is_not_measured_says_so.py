@@ -143,6 +143,7 @@ COMMANDS: dict[str, Callable[[Made], list[Any]]] = {
     "validate": lambda m: ["validate", m.card, m.folder],
     "accept": lambda m: ["accept", m.card, m.folder],
     "specimens": specimens_twice,
+    "cycles": lambda m: ["cycles", m.folder],
     "simulate": lambda m: ["simulate", m.card, *SHAKE],
     "ensemble": lambda m: ["ensemble", m.card, *ENSEMBLE],
     "run": lambda m: ["run", m.folder.parent / "campaign.toml", "--out", m.folder],
@@ -188,6 +189,7 @@ PAGES: dict[str, Callable[[Made], list[Any]]] = {
     "validate_page": COMMANDS["validate"],
     "acceptance_page": COMMANDS["accept"],
     "specimens_page": COMMANDS["specimens"],
+    "cycles_page": COMMANDS["cycles"],
     "response_page": COMMANDS["simulate"],
     "ensemble_page": COMMANDS["ensemble"],
 }

@@ -46,7 +46,7 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import InputError
 from dampyr.identification.fit_thresholds import FitThresholds
 from dampyr.origin import NOT_STATED, Origin
-from dampyr.records import Record, cycles
+from dampyr.records import Record, cycle_bounds
 from dampyr.records.cycle_analysis.measure import peak_to_peak
 from dampyr.shown import Shown
 
@@ -238,7 +238,7 @@ class Residuals(Shown):
 
 def motion(record: Record) -> tuple[float, float]:
     """Stroke (peak to peak per cycle, m) and frequency (Hz) of a record; without whole cycles its range, and NaN."""
-    spans = cycles(record)
+    spans = cycle_bounds(record)
     if not spans:
         return float(np.ptp(record.displacement)), float("nan")
     lasting = float(record.time[spans[-1][1]] - record.time[spans[0][0]])

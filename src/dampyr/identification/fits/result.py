@@ -37,7 +37,7 @@ from dampyr.models.prediction_error import check_level
 from dampyr.models.sampling_error import sampling_error, sampling_words
 from dampyr.origin import Origin, combined
 from dampyr.phrases import listing
-from dampyr.records import Record, cycles
+from dampyr.records import Record, cycle_bounds
 from dampyr.records.checks.quality import motion_start
 from dampyr.shown import Shown
 
@@ -418,7 +418,7 @@ def _measure_ranges(records: tuple[Record, ...], pieces: list[Piece]) -> dict[st
     speeds = [float(np.max(np.abs(p.v))) for p in pieces]
     frequencies = []
     for record in records:
-        spans = cycles(record)
+        spans = cycle_bounds(record)
         if spans:
             frequencies.append(len(spans) / float(record.time[spans[-1][1]] - record.time[spans[0][0]]))
     ranges = {"displacement": (0.0, max(strokes)), "velocity": (0.0, max(speeds))}

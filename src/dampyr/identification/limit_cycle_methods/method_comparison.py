@@ -27,7 +27,7 @@ from dampyr.identification.limit_cycle_methods.plastic_region import plastic_reg
 from dampyr.identification.scoring.score import Score, score, score_or_reason
 from dampyr.models import Damper
 from dampyr.origin import Origin, combined
-from dampyr.records import Record, cycles, nominal_inputs, with_velocity
+from dampyr.records import Record, cycle_bounds, nominal_inputs, with_velocity
 from dampyr.records.files.campaign_folder import RecordsOrPaths, as_records
 from dampyr.shown import Shown
 
@@ -130,7 +130,7 @@ def loading_branch(record: Record) -> tuple[Array, Array, Array]:
     assert record.velocity is not None
     x = record.displacement
     branches = []
-    for first, last in cycles(record):
+    for first, last in cycle_bounds(record):
         lowest = first + int(np.argmin(x[first : last + 1]))
         highest = lowest + int(np.argmax(x[lowest : last + 1]))
         rising = np.maximum.accumulate(

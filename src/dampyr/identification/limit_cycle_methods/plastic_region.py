@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.models.parts.dahl import Dahl
-from dampyr.records import Record, cycles, with_velocity
+from dampyr.records import Record, cycle_bounds, with_velocity
 from dampyr.records.cycle_analysis.cycles import turning_points
 from dampyr.shown import Shown
 
@@ -60,7 +60,7 @@ def plastic_region(record: Record, bandwidth: float | None = None) -> PlasticReg
     """
     if record.velocity is None or bandwidth is not None:
         record = with_velocity(record, bandwidth)
-    spans = cycles(record)
+    spans = cycle_bounds(record)
     if not spans:
         raise InputError(f"{record.name}: no whole cycle, so there is no plastic region; give at least one cycle")
     whole = slice(spans[0][0], spans[-1][1] + 1)

@@ -34,7 +34,7 @@ from dampyr.identification.fits.result import Fit
 from dampyr.identification.model_choice.screening import screening_set
 from dampyr.models import compose
 from dampyr.phrases import rounded
-from dampyr.records import Record, cycles
+from dampyr.records import Record, cycle_bounds
 from dampyr.records.checks.overview import work
 from dampyr.records.checks.quality import quality
 
@@ -333,7 +333,7 @@ def _thinned(record: Record) -> Record:
 def _fit_drift(record: Record, modelled: Array, energy: Array) -> tuple[float, float]:
     """h and E0 of a record's level by the energy; h is 0 where they take less than half of the variance of its cycles."""
     means, levels = [], []
-    for first, last in cycles(record):
+    for first, last in cycle_bounds(record):
         m, f = (
             modelled[first:last] - modelled[first:last].mean(),
             record.force[first:last] - record.force[first:last].mean(),

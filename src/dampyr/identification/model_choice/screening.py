@@ -19,7 +19,7 @@ from dampyr.identification.scoring.validation import Validation, cross_validate
 from dampyr.identification.search.work import OUT_OF_TIME, OUT_OF_WORK
 from dampyr.models import Damper, compose
 from dampyr.models.codegen.composition import Composition
-from dampyr.records import Record, cycles, measure, with_velocity
+from dampyr.records import Record, cycle_bounds, measure, with_velocity
 from dampyr.records.checks.quality import motion_start
 from dampyr.records.conditioning.velocity import check_bandwidth, default_bandwidth
 from dampyr.shown import Shown
@@ -278,7 +278,7 @@ def shortened(record: Record) -> Record:
     """
     start = motion_start(record)
     wanted = SHORTEST
-    if cycles(record):
+    if cycle_bounds(record):
         wanted = max(SHORTEST, MIN_CYCLES / measure(record).frequency_hz)
     short = record.until(min(start + wanted, float(record.time[-1]))) if start + wanted > record.time[0] else record
     rate = SAMPLES_PER_BANDWIDTH * default_bandwidth(record)

@@ -45,7 +45,7 @@ from dampyr.identification.scoring.scoring_window import (
 )
 from dampyr.models import Damper
 from dampyr.models.prediction_error import check_level
-from dampyr.records import Record, cycles, with_velocity
+from dampyr.records import Record, cycle_bounds, with_velocity
 from dampyr.records.conditioning.moving_average import averaged
 from dampyr.records.conditioning.nominal_input import without_noise_beyond
 from dampyr.records.conditioning.smoothing import force_average
@@ -237,7 +237,7 @@ def compare(
 
 def relevelling_part(record: Record, where: Window) -> slice:
     """The samples of a window that its level is taken from: two whole cycles, or the first fifth where nothing repeats."""
-    spans = [(a, b) for a, b in cycles(record) if a >= where.first and b <= where.last]
+    spans = [(a, b) for a, b in cycle_bounds(record) if a >= where.first and b <= where.last]
     if len(spans) > RELEVEL_CYCLES:
         return slice(spans[0][0], spans[RELEVEL_CYCLES - 1][1] + 1)
     count = where.last + 1 - where.first

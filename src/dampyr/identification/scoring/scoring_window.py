@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.records import Record, cycles
+from dampyr.records import Record, cycle_bounds
 from dampyr.records.checks.quality import motion_start
 from dampyr.records.conditioning.smoothing import comparable, force_average
 
@@ -90,7 +90,7 @@ def list_unscorable(records: Sequence[Record], settling: float = SETTLING) -> di
 
 def whole_cycles(record: Record, where: Window) -> tuple[slice, int] | None:
     """The samples of the whole cycles in a window, and how many cycles these are; None where there is none."""
-    spans = [(a, b) for a, b in cycles(record) if a >= where.first and b <= where.last]
+    spans = [(a, b) for a, b in cycle_bounds(record) if a >= where.first and b <= where.last]
     return (slice(spans[0][0], spans[-1][1] + 1), len(spans)) if spans else None
 
 

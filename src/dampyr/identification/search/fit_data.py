@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
-from dampyr.records import Record, cycles, with_velocity
+from dampyr.records import Record, cycle_bounds, with_velocity
 from dampyr.records.checks.quality import motion_start
 from dampyr.records.conditioning.moving_average import whole_windows
 from dampyr.records.conditioning.nominal_input import Commanded, commanded_input, in_common
@@ -167,7 +167,7 @@ def weighted(pieces: list[Piece], weighting: str) -> list[Piece]:
 
 def _number_cycles(record: Record) -> NDArray[np.int64]:
     """Which cycle each sample belongs to; what comes before and after joins the nearest."""
-    starts = np.array([i0 for i0, _ in cycles(record)], dtype=int)
+    starts = np.array([i0 for i0, _ in cycle_bounds(record)], dtype=int)
     if starts.size == 0:
         return np.zeros(record.n, dtype=np.int64)
     return np.maximum(np.searchsorted(starts, np.arange(record.n), side="right") - 1, 0).astype(np.int64)

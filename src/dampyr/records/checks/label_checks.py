@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dampyr.records.checks.overview import work
-from dampyr.records.cycle_analysis.cycles import cycles
+from dampyr.records.cycle_analysis.cycles import cycle_bounds
 from dampyr.records.cycle_analysis.measure import cycle_energies, measure
 from dampyr.records.record import Record
 
@@ -18,7 +18,7 @@ def disagreements(record: Record, frequency: float | None = None, peak_to_peak: 
     force is inverted; without a whole cycle the work over all of the record tells. A record without a whole cycle can confirm
     no label, and says so where it has one.
     """
-    spans = cycles(record)
+    spans = cycle_bounds(record)
     sentences = []
     if record.label and spans:
         limits = record.thresholds
@@ -34,7 +34,7 @@ def disagreements(record: Record, frequency: float | None = None, peak_to_peak: 
 
 def creates_energy(record: Record) -> bool:
     """Whether the loops of a record create energy, where a damper dissipates it: its force has the wrong sign."""
-    return bool(_against_dissipation(record, cycles(record)))
+    return bool(_against_dissipation(record, cycle_bounds(record)))
 
 
 def _against_dissipation(record: Record, spans: list[tuple[int, int]]) -> list[str]:

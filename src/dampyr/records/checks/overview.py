@@ -10,6 +10,7 @@ from dampyr.records.checks.quality import motion_start
 from dampyr.records.conditioning.velocity import default_bandwidth, differentiate
 from dampyr.records.cycle_analysis.cycles import cut_cycles, similar_cycles, turning_points
 from dampyr.records.cycle_analysis.measure import fundamental
+from dampyr.records.cycle_analysis.path_work import path_work
 from dampyr.records.record import MIN_SAMPLES, Array, Record
 from dampyr.shown import Shown
 
@@ -73,7 +74,7 @@ def repeats(record: Record) -> bool:
 def work(record: Record) -> float:
     """What the force about its mean dissipates over the whole record, J."""
     force = record.force - np.mean(record.force)  # else gas force times the net way would count as dissipated
-    return float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(record.displacement)))
+    return path_work(record.displacement, force)
 
 
 def _dominant(time: Array, speed: Array, dt: float) -> float:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from dampyr.phrases import counted
 from dampyr.records.checks.channel_noise import last_at_rest, quantum, rest_tolerance
-from dampyr.records.cycle_analysis.cycles import cycles, legs
+from dampyr.records.cycle_analysis.cycles import cycle_bounds, legs
 from dampyr.records.record import CHANNELS, Array, Record
 from dampyr.records.record_cache import cached_by_record
 from dampyr.records.record_thresholds import USUAL, RecordThresholds
@@ -165,7 +165,7 @@ def quality(record: Record) -> Quality:
     dt = record.dt
     gaps = np.flatnonzero(steps > record.thresholds.gap * dt)
     even = steps[steps <= record.thresholds.gap * dt]
-    spans = cycles(record)
+    spans = cycle_bounds(record)
     per_cycle = float(np.mean([i1 - i0 for i0, i1 in spans])) if spans else None
     channels = {name: getattr(record, name) for name in CHANNELS if name != "time"}
     arrays = {name: values for name, values in channels.items() if isinstance(values, np.ndarray)}

@@ -20,7 +20,7 @@ from dampyr.records.checks.quality import motion_start
 from dampyr.records.conditioning.integrated_displacement import integral, is_integrated
 from dampyr.records.conditioning.moving_average import Alignment, Declaration, MovingAverage, reach_of, whole_windows
 from dampyr.records.conditioning.smoothing_inverse import undo
-from dampyr.records.cycle_analysis.cycles import cycles
+from dampyr.records.cycle_analysis.cycles import cycle_bounds
 from dampyr.records.cycle_analysis.measure import fundamental
 from dampyr.records.record import CHANNELS, Array, Record
 
@@ -114,7 +114,7 @@ def _samples(record: Record, declaration: Declaration) -> int:
 
 def period(record: Record) -> float:
     """The period of a motion that repeats itself, s, or an InputError."""
-    if not cycles(record) or not repeats(record):
+    if not cycle_bounds(record) or not repeats(record):
         raise InputError(
             f"{record.name}: its motion does not repeat itself, so that a window in periods is none; declare it in s or samples"
         )

@@ -16,10 +16,10 @@ WITHOUT_CYCLES = 0.2  # of the sampling rate: the noise of the derivative grows 
 
 def default_bandwidth(record: Record) -> float:
     """15 times the measured frequency, Hz, at most a fifth of the sampling rate; that without cycles."""
-    from dampyr.records.cycle_analysis.cycles import cycles
+    from dampyr.records.cycle_analysis.cycles import cycle_bounds
 
     max_bandwidth = WITHOUT_CYCLES / record.dt
-    spans = cycles(record)
+    spans = cycle_bounds(record)
     if not spans:
         return max_bandwidth
     rate = len(spans) / float(record.time[spans[-1][1]] - record.time[spans[0][0]])

@@ -5,7 +5,7 @@ so neither the plateaus of a quantised encoder, nor noise, nor a harmonic's ripp
 mean position moves none.
 
 `cut_cycles` counts cycles as a test commands them: from the start of the motion, each to the next pass of the position at which
-the motion began, in the same direction, so that three that were run are three. `cycles` gives the part of full amplitude
+the motion began, in the same direction, so that three that were run are three. `cycle_bounds` gives the part of full amplitude
 between turning points, over which frequency, mean force and energy per cycle are averaged.
 """
 
@@ -161,7 +161,7 @@ def cut_part(record: Record, away: float | None = None) -> tuple[Cut, float]:
     With ``away``, which came with the cut of an earlier part of the same motion, a record that begins where a cycle of that
     part began is cut at the same position.
     """
-    points = _fine_turning_points(record)
+    points = fine_turning_points(record)
     if len(points) < 2:
         return Cut(), np.nan
     x = record.displacement
@@ -209,7 +209,7 @@ def legs(record: Record) -> Array:
     return np.diff(record.displacement[turning_points(record)])
 
 
-def cycles(record: Record) -> list[tuple[int, int]]:
+def cycle_bounds(record: Record) -> list[tuple[int, int]]:
     """Index ranges ``[i0, i1)`` of the whole cycles of full amplitude, between turning points.
 
     Of a test of levels these are the cycles of the level with the largest stroke. Else cycles of the run-in and of the stop,
@@ -236,7 +236,7 @@ def _full_cycles(record: Record) -> list[tuple[int, int]]:
 
 
 def similar_cycles(record: Record) -> list[tuple[int, int]]:
-    """The ranges of `cycles` with those of ramps at both ends that differ by less than 30 % from the median cycle."""
+    """The ranges of `cycle_bounds` with those of ramps at both ends that differ by less than 30 % from the median cycle."""
     return list(_similar_cycles(record))
 
 
@@ -324,7 +324,7 @@ def _like_the_others(record: Record, points: Indices) -> list[tuple[int, int]]:
     return [(int(edges[k]), int(edges[k + 1])) for k in range(indices[0], indices[-1] + 1)]
 
 
-def _fine_turning_points(record: Record) -> Indices:
+def fine_turning_points(record: Record) -> Indices:
     """The turning points, and those of levels with small strokes before, after and between them."""
     x = record.displacement
     points = turning_points(record)
@@ -545,7 +545,7 @@ def _span(record: Record, number: int, start: float, stop: float) -> CutCycle:
 
 def require_cycles(record: Record, purpose: str) -> list[tuple[int, int]]:
     """The whole cycles, or an :class:`InputError` that says what needs them."""
-    spans = cycles(record)
+    spans = cycle_bounds(record)
     if not spans:
         raise no_cycle(record, purpose)
     return spans

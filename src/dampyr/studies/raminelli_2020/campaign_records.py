@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from dampyr.identification import Fit, fit, plastic_region
 from dampyr.identification.limit_cycle_methods.plastic_region import PlasticRegion
-from dampyr.records import Record, cycles, measure
+from dampyr.records import Record, cycle_bounds, measure
 from dampyr.records.checks.label_checks import disagreements
 from dampyr.records.cycle_analysis.cycles import turning_points
 from dampyr.records.cycle_analysis.measure import Measured
@@ -108,8 +108,8 @@ def _joint(tests: list[PublishedTest], progress: Progress) -> Fit | None:
 def crossing_slopes(record: Record, plastic: PlasticRegion) -> Array:
     """a/kw in 1/m, (m,): (2.7) by the two samples next to each zero of theta, at each passage after a turning point."""
     assert record.velocity is not None
-    cycle_bounds, points = cycles(record), turning_points(record)
-    points = points[(points >= cycle_bounds[0][0]) & (points <= cycle_bounds[-1][1])]
+    bounds, points = cycle_bounds(record), turning_points(record)
+    points = points[(points >= bounds[0][0]) & (points <= bounds[-1][1])]
     theta = record.force - plastic.offset - plastic.kx * record.velocity
     slopes = []
     for first, last in pairwise(points):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dampyr.identification.scoring.score import compare, prediction
-from dampyr.records import cycles
+from dampyr.records import cycle_bounds
 from dampyr.show.figures.history import history as history_figure
 from dampyr.show.figures.loops import loops as loops_figure
 from dampyr.show.pages.blocks import Block, FigureBlock, Text
@@ -120,9 +120,9 @@ def figure_4_3(published: Published, test: PublishedTest) -> tuple[list[Compared
 
 
 def _span(test: PublishedTest) -> slice:
-    cycle_bounds = cycles(test.record)
-    first = max(0, min(len(cycle_bounds) // 2, len(cycle_bounds) - SHOWN_CYCLES))
-    return slice(cycle_bounds[first][0], cycle_bounds[min(first + SHOWN_CYCLES, len(cycle_bounds)) - 1][1] + 1)
+    bounds = cycle_bounds(test.record)
+    first = max(0, min(len(bounds) // 2, len(bounds) - SHOWN_CYCLES))
+    return slice(bounds[first][0], bounds[min(first + SHOWN_CYCLES, len(bounds)) - 1][1] + 1)
 
 
 def _loops(published: Published, title: str, test: PublishedTest) -> FigureBlock:
