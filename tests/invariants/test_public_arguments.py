@@ -75,6 +75,7 @@ CALLS: dict[str, tuple[Callable[[], Any], str]] = {
     "validate": (lambda: ID.validate([record()], damper()), "arguments of validate are swapped"),
     "accept": (lambda: ID.accept(damper(), record()), r"arguments of accept are swapped; write accept\(records, reference\)"),
     "accept of files' names": (lambda: ID.accept(["a.csv"], damper()), "a.csv: there is no such file; check"),
+    "cycles of a number": (lambda: dp.records.cycles(3), r"cycles\(records\): records is of the type int; give records"),
     "respond to an array": (lambda: S.respond(BUILDING, np.zeros(9)), r"motion is of the type ndarray; give a GroundMotion"),
     "respond swapped": (lambda: S.respond(MOTION, BUILDING), r"swapped; write respond\(building, motion\)"),
     "respond to a file": (lambda: S.respond(BUILDING, "elcentro.dat"), "motion is the text 'elcentro.dat'"),

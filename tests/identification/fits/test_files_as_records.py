@@ -52,6 +52,7 @@ def test_each_call_that_takes_records_takes_files(folder: Path) -> None:
     scores = [{name: one.l1 for name, one in validate(DAMPER, given).scores.items()} for given in (folder, read)]
     assert scores[0] == scores[1]
     assert accept(files[0], DAMPER).verdict == accept(read[0], DAMPER).verdict == "passed"
+    assert dp.records.cycles(folder).records[0].cycles[-1].energy == dp.records.cycles(read[0]).cycles[-1].energy
     rows = [compare_method(given[0], "plastic-region").results[0].numbers for given in (files, read)]
     assert rows[0] == rows[1]
     parts = FitOptions(folds=2)

@@ -322,8 +322,9 @@ def cycles(records: RecordsOrPaths, options: CycleOptions | None = None, **keywo
     32.4 J, 1.9e+05 N/m, 27.1 %
     """
     chosen = CycleOptions.of("cycles", options, keywords)
-    tested = list(as_records(records))
-    check_kinds("cycles", Argument("records", tested, (Record,), RECORDS, several=True))
+    given = as_records(records)
+    check_kinds("cycles", Argument("records", given, (Record,), RECORDS, several=True))
+    tested = list(given)
     if not tested:
         raise InputError("cycles() needs a record; give one or several")
     if len({record.input for record in tested}) == 1:  # those of one kind alone can be compared
