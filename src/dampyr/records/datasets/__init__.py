@@ -76,7 +76,8 @@ class DataSet:
 
     ``kind`` is what was measured, in two words; ``page`` the address of a page for people, ``base_url`` the one that files lie
     below ("": dampyr does not fetch them), ``table`` the packaged table that names them and their sha256; ``licence`` is ""
-    where none is stated, and ``licence_from`` says where that was read. ``reading`` is the ``reading.toml`` that is written
+    where none is stated, and ``licence_from`` says where that was read; ``version`` is that of the files, such as the commit of
+    their repository. ``reading`` is the ``reading.toml`` that is written
     beside the files, so that they are read without a word; ``folder`` the name of its folder below `data_root`.
     """
 
@@ -93,6 +94,7 @@ class DataSet:
     folder: str
     licence: str = ""
     doi: str = ""
+    version: str = ""
     base_url: str = ""
     size: int = 0
     count: int = 0

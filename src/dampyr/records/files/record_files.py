@@ -95,9 +95,10 @@ def read_file(path: Path, options: ReadOptions) -> Record:
         record = _with_request(registry.member(REGISTRY, kind).read(path, request), request, metadata, path)
         source = source_file(path)
         dataset = data_set_of_file(source)
-        published = (
-            {"data_set": dataset.name, "doi": dataset.doi, "licence": dataset.licence_in_words} if dataset else {}
-        )
+        published = {}
+        if dataset is not None:
+            published = {"data_set": dataset.name, "doi": dataset.doi, "licence": dataset.licence_in_words}
+            published |= {"data_set_version": dataset.version} if dataset.version else {}
         return replace(record, source_file=source, provenance=dict(record.provenance) | published)
     except FileError:
         raise
