@@ -18,6 +18,7 @@ from tests.interpreters import run_text
 ROOT = Path(__file__).resolve().parents[1]
 EXTRAS = [
     "serial", "nidaqmx", "grpc", "fastapi", "uvicorn", "websockets", "bokeh", "distributed", "nptdms", "openpyxl", "pyarrow",
+    "obspy",
 ]  # fmt: skip
 # Importing these fails as it does where they are not installed, in the processes that dampyr starts too.
 WITHOUT = "import sys\nfor name in {names!r}:\n    sys.modules[name] = None\n"
@@ -31,6 +32,7 @@ BY_COMMAND = [
     ("interop", ["openpyxl"], ["records", "test.xlsx"]),
     ("interop", ["openpyxl"], ["identify", "test.xlsx", "--model", "dahl"]),
     ("parquet", ["pyarrow"], ["records", "test.parquet"]),
+    ("seismology", ["obspy"], ["motion", "test.mseed"]),
     ("interop", ["nptdms"], ["records", "convert", "test.tdms", "--out", "new"]),
     ("rig", ["serial"], ["run", "campaign.toml", "--out", "lab", "--rig", "rig.toml"]),
     ("rig", ["serial"], ["calibrate", "--rig", "rig.toml", "--yes"]),
@@ -56,7 +58,7 @@ BY_CALL = [
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Files that need the extras, and a campaign, a rig and a card."""
     place = tmp_path_factory.mktemp("without")
-    for name in ("test.tdms", "test.xlsx", "test.parquet"):
+    for name in ("test.tdms", "test.xlsx", "test.parquet", "test.mseed"):
         (place / name).write_bytes(b"PK")
     (place / "sheets").mkdir()
     (place / "sheets" / "test.xlsx").write_bytes(b"PK")

@@ -157,9 +157,17 @@ def _set_by_sha256() -> Mapping[str, DataSet]:
     return {file.sha256: dataset for dataset in _sets().values() for file in dataset.contents if file.sha256}
 
 
-def data_set_of_file(file: SourceFile) -> DataSet | None:
-    """The data set of which ``file`` is a file, by its SHA-256, whatever it is called; None where dampyr knows none."""
-    return _set_by_sha256().get(file.sha256)
+def data_set_of_file(file: SourceFile, folder: Path | None = None) -> DataSet | None:
+    """The data set of which ``file`` is a file, by its SHA-256, whatever it is called; None where dampyr knows none.
+
+    Of a set whose publisher gives no SHA-256, the files that were fetched into ``folder`` are known by the sums beside them.
+    """
+    known = _set_by_sha256().get(file.sha256)
+    if known is not None or folder is None or (sums := _read_sums(folder)).get(file.name) != file.sha256:
+        return known
+    return next(
+        (each for each in _sets().values() if set(sums) <= {f.name for f in each.contents if not f.sha256}), None
+    )
 
 
 def data_root() -> Path:
