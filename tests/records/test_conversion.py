@@ -24,7 +24,7 @@ def records() -> list[Record]:
     ]
 
 
-@pytest.mark.parametrize("to", ["h5", ".csv", "mat", "nc"])
+@pytest.mark.parametrize("to", ["h5", ".csv", "mat", "nc", "parquet"])
 def test_what_comes_back_is_what_was_there(records: list[Record], tmp_path: Path, to: str) -> None:
     seen: list[Path] = []
     paths = convert(records, tmp_path / "new", to, seen.append)

@@ -72,7 +72,7 @@ def test_whatever_is_done_to_a_record_keeps_them(record: Record) -> None:
     assert all(of(one) == GROUPS for one in done)
 
 
-@pytest.mark.parametrize("suffix", ["h5", "csv", "mat", "nc"])
+@pytest.mark.parametrize("suffix", ["h5", "csv", "mat", "nc", "parquet"])
 def test_every_format_keeps_them(record: Record, tmp_path: Path, suffix: str) -> None:
     path = write(with_velocity(record), tmp_path / f"a.{suffix}")
     assert of(read(path, voltage=0.5 if suffix == "mat" else None)) == GROUPS

@@ -64,6 +64,7 @@ def test_what_a_person_has_to_say(tmp_path: Path) -> None:
     assert available_formats()["sac"] == (".sac",)
 
 
+@pytest.mark.by_hand
 def test_files_of_obspy(tmp_path: Path) -> None:
     obspy = pytest.importorskip("obspy", reason="ObsPy, the extra seismology, is not installed")
     motion = el_centro()

@@ -82,9 +82,10 @@ def test_the_time_is_the_dimension_scale_of_the_channels_and_no_checksum_is_over
     assert same(full, read(tmp_path / "r.h5"))
 
 
-@pytest.mark.parametrize("engine", ["h5netcdf", "netcdf4"])
+@pytest.mark.parametrize("engine", ["h5netcdf", pytest.param("netcdf4", marks=pytest.mark.by_hand)])
 def test_xarray_opens_it(tmp_path, full, engine):
-    pytest.importorskip({"netcdf4": "netCDF4"}.get(engine, engine), reason="not installed: a reader of others")
+    if engine == "netcdf4":
+        pytest.importorskip("netCDF4", reason="netCDF4, a reader of others, is not installed")
     more = {"phony_dims": "sort"} if engine == "h5netcdf" else {}  # of the history and of raw readings
     constant = full.replace(note="", current=None, voltage=1 / 3)
     for record in (full, constant):

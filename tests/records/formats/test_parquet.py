@@ -2,13 +2,12 @@
 
 import numpy as np
 import pandas
+import pyarrow
 import pytest
+from pyarrow import parquet
 
 from dampyr.errors import FileError
 from dampyr.records import read, write
-
-pyarrow = pytest.importorskip("pyarrow", reason="pyarrow, the extra parquet, is not installed")
-parquet = pytest.importorskip("pyarrow.parquet", reason="pyarrow, the extra parquet, is not installed")
 
 N = 60
 T = 0.01 * np.arange(N)

@@ -108,6 +108,7 @@ def test_what_is_wrong_is_said_with_its_line(tmp_path):
             read(path, **OPTIONS)
 
 
+@pytest.mark.by_hand
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # pyuff leaves its file open
 @pytest.mark.parametrize("binary", [0, 1])
 def test_files_of_pyuff(tmp_path, binary):

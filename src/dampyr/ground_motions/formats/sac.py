@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from dampyr import channel_columns
-from dampyr.channel_columns import ColumnTable
+from dampyr.channel_columns import OF_TEXTS, ColumnTable
 from dampyr.errors import FileError
 from dampyr.ground_motions.motion import GroundMotion
 from dampyr.ground_motions.motion_options import ACCELERATION, MotionReadOptions
@@ -78,7 +78,7 @@ def counted_motion(
     """The ground motion of samples in a unit, or of a factor, that a person declares."""
     request = options or MotionReadOptions()
     reason = "the samples are no columns"
-    request.refuse(path, columns=reason, header=reason, thousands=reason)
+    request.refuse(path, columns=reason, **dict.fromkeys(OF_TEXTS, reason))
     request = replace(request, units={**request.units, **({ACCELERATION: units} if units else {})})
     if not (request.units.get(ACCELERATION) or request.factor(ACCELERATION)[1]):
         raise FileError(

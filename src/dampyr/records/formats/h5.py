@@ -39,6 +39,7 @@ from typing import Any, cast
 import numpy as np
 
 from dampyr.atomic_write import whole_file
+from dampyr.channel_columns import OF_TEXTS
 from dampyr.errors import FileError, InputError, one_line
 from dampyr.input_kinds import NO_INPUT
 from dampyr.models.numerics.differentiation import differentiate
@@ -117,7 +118,7 @@ def read(path: Path, request: ReadOptions) -> Record:
     beside it, and its kind :class:`FewSamples` where the test ended too early for a record.
     """
     reason = "dampyr's own file says it itself"
-    request.refuse(path, dt=reason, variable=reason, header=reason, factors=reason, offsets=reason, thousands=reason)
+    request.refuse(path, dt=reason, variable=reason, factors=reason, offsets=reason, **dict.fromkeys(OF_TEXTS, reason))
     with _open(path) as file:
         attributes = attributes_of(file)
         root = attributes["/"]

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from dampyr.atomic_write import whole_file
-from dampyr.channel_columns import MAX_NAMED, ColumnTable
+from dampyr.channel_columns import MAX_NAMED, OF_TEXTS, ColumnTable
 from dampyr.errors import FileError, InputError, one_line
 from dampyr.input_kinds import NO_INPUT
 from dampyr.phrases import listing
@@ -81,7 +81,7 @@ class _Stored:
 
 def read(path: Path, request: ReadOptions) -> Record:
     """The record in a MATLAB file: that of the campaign, whose header is checked against the data, or as declared."""
-    request.refuse(path, header="a MATLAB file has none", thousands="a MATLAB file holds numbers")
+    request.refuse(path, **dict.fromkeys(OF_TEXTS, "a MATLAB file has none"))
     import h5py
 
     columns = {

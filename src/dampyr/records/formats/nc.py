@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from dampyr.atomic_write import whole_file
-from dampyr.channel_columns import MAX_NAMED, Array, ColumnTable
+from dampyr.channel_columns import MAX_NAMED, OF_TEXTS, Array, ColumnTable
 from dampyr.errors import FileError, InputError, one_line
 from dampyr.phrases import listing
 from dampyr.records.files.column_table import record_of
@@ -32,7 +32,7 @@ def read(path: Path, request: ReadOptions) -> Record:
     """The record in the variables of one dimension of a ``.nc`` file."""
     import h5py
 
-    request.refuse(path, header="a NetCDF file names its variables")
+    request.refuse(path, **dict.fromkeys(OF_TEXTS, "a NetCDF file names its variables"))
     try:
         columns, attributes = _version_4(path) if h5py.is_hdf5(path) else _classic(path)
     except InputError:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from dampyr.atomic_write import whole_file
-from dampyr.channel_columns import Array, ColumnTable, name_and_unit
+from dampyr.channel_columns import OF_TEXTS, Array, ColumnTable, name_and_unit
 from dampyr.errors import FileError, InputError, install_line, one_line
 from dampyr.records.files.column_table import record_of
 from dampyr.records.files.read_options import ReadOptions
@@ -28,7 +28,7 @@ DAY = 86400 * 10**9  # ns
 def read(path: Path, request: ReadOptions) -> Record:
     """The record in a ``.parquet`` file, in SI."""
     reason = "a Parquet file names its columns"
-    request.refuse(path, header=reason, variable=reason, thousands=reason)
+    request.refuse(path, variable=reason, **dict.fromkeys(OF_TEXTS, reason))
     arrow = _arrow()
     try:
         stored = arrow.read_table(path)

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.channel_columns import Array, ColumnTable
+from dampyr.channel_columns import OF_TEXTS, Array, ColumnTable
 from dampyr.errors import FileError, one_line
 from dampyr.phrases import counted
 from dampyr.records.files.column_table import record_of
@@ -51,7 +51,7 @@ class TimeFunction:
 def read(path: Path, request: ReadOptions) -> Record:
     """The record in the functions of time of a ``.uff`` file, in SI."""
     reason = "a universal file names its functions"
-    request.refuse(path, header=reason, variable=reason, thousands=reason)
+    request.refuse(path, variable=reason, **dict.fromkeys(OF_TEXTS, reason))
     system: tuple[str, str] | None = None
     functions, others = list[TimeFunction](), 0
     for number, kind, lines, binary in _datasets(path, path.read_bytes()):
