@@ -17,7 +17,8 @@ from tests.interpreters import run_text
 
 ROOT = Path(__file__).resolve().parents[1]
 EXTRAS = [
-    "serial", "nidaqmx", "grpc", "fastapi", "uvicorn", "websockets", "bokeh", "distributed", "nptdms", "openpyxl",
+    "serial", "nidaqmx", "grpc", "fastapi", "uvicorn", "websockets", "bokeh", "distributed", "nptdms", "openpyxl", "pyarrow",
+    "obspy",
 ]  # fmt: skip
 # Importing these fails as it does where they are not installed, in the processes that dampyr starts too.
 WITHOUT = "import sys\nfor name in {names!r}:\n    sys.modules[name] = None\n"
@@ -30,6 +31,8 @@ BY_COMMAND = [
     ("interop", ["nptdms"], ["records", "test.tdms"]),
     ("interop", ["openpyxl"], ["records", "test.xlsx"]),
     ("interop", ["openpyxl"], ["identify", "test.xlsx", "--model", "dahl"]),
+    ("parquet", ["pyarrow"], ["records", "test.parquet"]),
+    ("seismology", ["obspy"], ["motion", "test.mseed"]),
     ("interop", ["nptdms"], ["records", "convert", "test.tdms", "--out", "new"]),
     ("rig", ["serial"], ["run", "campaign.toml", "--out", "lab", "--rig", "rig.toml"]),
     ("rig", ["serial"], ["calibrate", "--rig", "rig.toml", "--yes"]),
@@ -40,6 +43,7 @@ BY_CALL = [
     ("interop", ["nptdms"], "import dampyr as dp\ndp.records.read('test.tdms')"),
     ("interop", ["openpyxl"], "import dampyr as dp\ndp.records.read('test.xlsx')"),
     ("interop", ["openpyxl"], "import dampyr as dp\ndp.records.read_campaign('sheets')"),
+    ("parquet", ["pyarrow"], "import dampyr as dp\ndp.records.read('test.parquet')"),
     ("rig", ["serial"], "import dampyr as dp\ndp.rig.connect('rig.toml')"),
     (
         "gpu",
@@ -54,7 +58,7 @@ BY_CALL = [
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Files that need the extras, and a campaign, a rig and a card."""
     place = tmp_path_factory.mktemp("without")
-    for name in ("test.tdms", "test.xlsx"):
+    for name in ("test.tdms", "test.xlsx", "test.parquet", "test.mseed"):
         (place / name).write_bytes(b"PK")
     (place / "sheets").mkdir()
     (place / "sheets" / "test.xlsx").write_bytes(b"PK")

@@ -26,6 +26,10 @@ Array = NDArray[np.float64]
 
 MAX_NAMED = 20  # columns that a message lists: a line of a page
 THOUSANDS = (",", ".", "'", " ")
+DELIMITERS = {",": ",", ";": ";", "tab": "\t", "\t": "\t", "|": "|", "blank": " ", " ": " "}
+"""What parts columns, by how a person writes it; a blank is any white space."""
+OF_TEXTS = ("header", "thousands", "encoding", "delimiter")
+"""Options of texts alone: a format that holds numbers refuses them."""
 NAMES = {
     "time": ("time", "t", "tempo", "timestamp", "zeit", "temps", "tiempo", "时间", "時間"),
     "displacement": (
@@ -89,8 +93,19 @@ class TextOptions(Options):
         "Mark between thousands in a text: a comma, a point, an apostrophe or a blank; the decimal mark is then the other one",
     ] = None
 
+    encoding: Annotated[
+        str | None,
+        Terminal(metavar="NAME"),
+        "Encoding of a text, such as cp1252 or shift_jis; where none is stated, it is UTF-8, UTF-16 with its mark, or Latin-1",
+    ] = None
+    delimiter: Annotated[
+        str | None,
+        Terminal(metavar="MARK"),
+        "What parts the columns of a text: a comma, a semicolon, a bar, tab or blank; where none is stated, it is found",
+    ] = None
+
     def check(self) -> None:
-        """Refuse unknown channels, factors and offsets that are none, and a mark that is none."""
+        """Refuse unknown channels, factors and offsets that are none, and marks and encodings that are none."""
         for argument in ("units", "columns", "factors", "offsets"):
             unknown = sorted(set(getattr(self, argument)) - set(self.CHANNELS))
             if unknown:
@@ -104,6 +119,21 @@ class TextOptions(Options):
         if self.thousands is not None and self.thousands not in THOUSANDS:
             marks = " ".join(map(repr, THOUSANDS))
             raise InputError(f"thousands = {self.thousands!r} is not a mark between thousands; choose from {marks}")
+        if self.delimiter is not None and self.delimiter not in DELIMITERS:
+            marks = " ".join(map(repr, DELIMITERS))
+            raise InputError(f"delimiter = {self.delimiter!r} does not part columns; choose from {marks}")
+        if self.encoding is not None:
+            try:
+                "a".encode(self.encoding)
+            except (LookupError, ValueError):
+                raise InputError(
+                    f"encoding = {self.encoding!r} is not known; choose one such as utf-8, cp1252, utf-16-le or shift_jis"
+                ) from None
+
+    @property
+    def mark(self) -> str | None:
+        """The character that parts columns, a blank for white space; None where it is to be found."""
+        return None if self.delimiter is None else DELIMITERS[self.delimiter]
 
     def factor(self, channel: str) -> tuple[float, bool]:
         """The factor of a channel, 1 where none is stated, and whether it has a unit: it is then in SI."""

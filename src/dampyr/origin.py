@@ -37,14 +37,15 @@ DAY = len("2026-03-01")  # of a date with a time of day
 
 @dataclass(frozen=True, order=True)
 class PublishedData:
-    """A published data set that a file belongs to: its ``name`` (`dampyr.records.datasets`), DOI and licence."""
+    """A published data set that a file belongs to: its ``name`` (`dampyr.records.datasets`), DOI, licence and version."""
 
     name: str
     doi: str = ""
     licence: str = ""
+    version: str = ""
 
     def __str__(self) -> str:
-        stated = [f"doi:{self.doi}"] * bool(self.doi) + [self.licence] * bool(self.licence)
+        stated = [text for text in (self.doi and f"doi:{self.doi}", self.version, self.licence) if text]
         return f"{self.name} ({', '.join(stated)})" if stated else self.name
 
 

@@ -71,7 +71,7 @@ def read_table(
     Parameters
     ----------
     path, request
-        The file, and what is declared of it: ``header`` and ``thousands`` count here.
+        The file, and what is declared of it: ``header``, ``thousands``, ``encoding`` and ``delimiter`` count here.
     by_number
         No name is needed, so that a header which does not fit the columns is left out.
     least
@@ -81,7 +81,7 @@ def read_table(
     comment
         A line of comment that is no header.
     """
-    text, note = decoded(path)
+    text, note = decoded(path, request.encoding)
     return table_of_text(path, text, request, by_number, least, series, comment, (note,) if note else ())
 
 
@@ -96,7 +96,7 @@ def table_of_text(
     notes: tuple[str, ...] = (),
 ) -> ColumnTable:
     """As `read_table`, of a text that came from ``path``; ``notes`` go to the record's history."""
-    lines, first, begin = _first_row(path, text, request.header, least)
+    lines, first, begin = _first_row(path, text, request.header, least, request.mark)
     table = table_of_rows(path, text[begin:], first, request, series, least)
     width, above = table.values.shape[1], lines[:first]
     cells = (
@@ -112,11 +112,18 @@ def table_of_text(
     )
 
 
-def decoded(path: Path) -> tuple[str, str]:
+def decoded(path: Path, encoding: str | None = None) -> tuple[str, str]:
     """The text of a file with \\n at the end of each line, and what the history says where it is no UTF-8."""
     content, note = path.read_bytes(), ""
     text = None
-    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+    if encoding is not None:
+        try:
+            text, note = content.decode(encoding).removeprefix("\ufeff"), f"read as {encoding} text, as declared"
+        except UnicodeDecodeError as problem:
+            raise FileError(
+                path, f"is not {encoding} text (byte {problem.start}); correct the encoding, or leave it out"
+            ) from None
+    elif content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         with suppress(UnicodeDecodeError):
             text, note = content.decode("utf-16"), "read as UTF-16 text"
     if text is None:
@@ -134,19 +141,23 @@ def decoded(path: Path) -> tuple[str, str]:
     return text, note
 
 
-def has_numbers(path: Path) -> bool:
+def has_numbers(path: Path, request: TextOptions) -> bool:
     """Whether a text file has a line of two or more numbers, and nothing else but times, as every record has.
 
     A file with a line of too many columns counts as a record, so that reading it says what is wrong with it.
     """
-    return any(_is_too_wide(line) or _is_row(line, 2) for line in decoded(path)[0].split("\n"))
+    return any(
+        _is_too_wide(line) or _is_row(line, 2, request.mark) for line in decoded(path, request.encoding)[0].split("\n")
+    )
 
 
 def _is_too_wide(line: str) -> bool:
     return len(line) > MAX_COLUMNS and max(map(line.count, ",;\t ")) > MAX_COLUMNS
 
 
-def _first_row(path: Path, text: str, header: int | None, least: int) -> tuple[list[str], int, int]:
+def _first_row(
+    path: Path, text: str, header: int | None, least: int, declared: str | None
+) -> tuple[list[str], int, int]:
     """The lines up to the first of numbers, how many stand above the numbers, and where in the text these begin.
 
     A line right above them with something else in a place of a number counts with them.
@@ -161,7 +172,7 @@ def _first_row(path: Path, text: str, header: int | None, least: int) -> tuple[l
                 f"line {len(lines)} has more than {MAX_COLUMNS} columns, a record has a line for each sample; "
                 "write it so, or leave out columns",
             )
-        if len(lines) > start and _is_row(lines[-1], least):
+        if len(lines) > start and _is_row(lines[-1], least, declared):
             break
     else:
         count = len(lines) - (not lines[-1])
@@ -169,9 +180,10 @@ def _first_row(path: Path, text: str, header: int | None, least: int) -> tuple[l
             raise FileError(
                 path, f"header = {header}, but the file has {count} lines; give the line of the names, from 1"
             )
-        raise FileError(path, "has no line of numbers; give a header and one line per sample")
+        parted = f" parted by {declared!r}, as declared" if declared else ""
+        raise FileError(path, f"has no line of numbers{parted}; give a header and one line per sample")
     first = len(lines) - 1
-    delimiter = _delimiter(lines[first])
+    delimiter = _delimiter(lines[first], declared)
     width = len(_cells(lines[first], delimiter))
     for k in range(first - 1, start - 1, -1):
         cells = _cells(lines[k], delimiter)
@@ -181,18 +193,20 @@ def _first_row(path: Path, text: str, header: int | None, least: int) -> tuple[l
     return lines, first, begin
 
 
-def _is_row(line: str, least: int) -> bool:
+def _is_row(line: str, least: int, declared: str | None) -> bool:
     """Whether a line is so many numbers, with times and dates between them or without."""
     text = line.strip()
     if not text or text[0] in "#%":
         return False
-    delimiter = _delimiter(line)
+    delimiter = _delimiter(line, declared)
     kinds = [_kind(cell, delimiter) for cell in _cells(line, delimiter)]
     return None not in kinds and kinds.count("number") + 2 * kinds.count("touching") >= least
 
 
-def _delimiter(line: str) -> str | None:
-    """The first delimiter that stands in a line of numbers, outside of quotes; None is white space."""
+def _delimiter(line: str, declared: str | None) -> str | None:
+    """What parts a line of numbers: as declared, or the first delimiter outside of quotes; None is white space."""
+    if declared is not None:
+        return None if declared == " " else declared
     plain = re.sub(r'"[^"]*"', "0", line) if '"' in line else line
     delimiter = next((mark for mark in DELIMITERS if mark in plain.strip()), None)
     parts = plain.split()
@@ -252,8 +266,8 @@ def table_of_rows(
         kept = [(k, row) for k, row in zip(numbers, text.split("\n")) if (bare := row.strip()) and bare[0] not in "#%"]
         numbers, text = [k for k, _ in kept], "\n".join(row for _, row in kept)
     rows = text.split("\n", SAMPLE)[:SAMPLE]
-    delimiter = Counter(map(_delimiter, rows[:FEW])).most_common(1)[0][0]
-    if least == 1 and delimiter == "," and _is_decimal_column(rows):
+    delimiter = Counter(_delimiter(row, request.mark) for row in rows[:FEW]).most_common(1)[0][0]
+    if least == 1 and request.mark is None and delimiter == "," and _is_decimal_column(rows):
         delimiter = None  # one column: 0,0005 is no time and acceleration
     cells = _cells(rows[0], delimiter)
     kinds = tuple(kind if kind in KINDS else "number" for kind in (_kind(cell, delimiter) for cell in cells))
@@ -342,7 +356,7 @@ def _numbers(text: str, delimiter: str | None, decimal: str, quoted: bool, rows:
     if quoted:
         if delimiter is None:
             return None
-        text, delimiter = re.sub(rf'"[ ]*{delimiter}[ ]*"', "\t", text).replace('"', ""), "\t"
+        text, delimiter = re.sub(rf'"[ ]*{re.escape(delimiter)}[ ]*"', "\t", text).replace('"', ""), "\t"
         if decimal == "." and "," in text:
             return None
     if delimiter and text.endswith(delimiter):  # at the end of each line, as spreadsheets leave it

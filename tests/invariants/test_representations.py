@@ -203,6 +203,10 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "ground_motions.Soil": lambda made: dp.ground_motions.MEDIUM,
     "ground_motions.MotionEntry": lambda made: dp.ground_motions.read_folder(made.motion_file).entries[0],
     "ground_motions.MotionTable": lambda made: dp.ground_motions.read_folder(made.motion_file),
+    "ground_motions.DesignSpectrum": lambda made: dp.ground_motions.asce_7(sds=10.0, sd1=6.0, tl=8.0),
+    "ground_motions.DesignComparison": lambda made: dp.ground_motions.compare_with_design(
+        made.motion, dp.ground_motions.eurocode_8(2.5, "C"), (0.0, 0.2, 0.5, 1.0)
+    ),
     "ground_motions.RotatedSpectrum": lambda made: dp.ground_motions.rotated_spectrum(
         made.motion, made.motion, [0.2, 0.5]
     ),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dampyr.errors import FileError, InputError
-from dampyr.records import read
+from dampyr.records import read, read_campaign, write
 
 ROWS = [(0.01 * k, 2.5 * k, 10.0 * k - 20) for k in range(10)]
 
@@ -143,3 +143,35 @@ def test_every_channel_that_no_column_is_stands_in_one_message(tmp_path):
         FileError, match=r"no column is the displacement or the force .*, --column displacement=NAME --c"
     ):
         read(path, columns={"time": "Uhr"})
+
+
+def test_an_encoding_and_a_delimiter_are_declared(tmp_path):
+    names = "時間 [s]|変位 [mm]|荷重 [N]\n"
+    path = tmp_path / "a.txt"
+    path.write_bytes((names + lines("|")).encode("shift_jis"))
+    record = read(path, encoding="shift_jis", delimiter="|")
+    assert record.displacement[3] == pytest.approx(7.5e-3)
+    assert "read as shift_jis text, as declared" in record.history
+    with pytest.raises(FileError, match=r"is not ascii text \(byte 0\); correct the encoding, or leave it out"):
+        read(path, encoding="ascii")
+    with pytest.raises(FileError, match="has no line of numbers parted by ';', as declared; give a header"):
+        read(path, encoding="shift_jis", delimiter=";")
+    path.write_bytes((names + lines("|")).encode("utf-16-le"))  # without its mark
+    (tmp_path / "reading.toml").write_text('encoding = "utf-16-le"\ndelimiter = "|"\nno_input = true')
+    assert read_campaign(tmp_path)[0].force[0] == -20.0
+    (tmp_path / "reading.toml").unlink()
+    assert read_campaign(tmp_path, encoding="utf-16-le", delimiter="|", voltage=1.0)[0].voltage == 1.0
+    with pytest.raises(
+        FileError, match="delimiter = ';' was given, but a NetCDF file names its variables; leave it out"
+    ):
+        read(write(record, tmp_path / "a.nc"), delimiter=";")
+
+
+def test_a_declared_comma_and_white_space(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("time [s],displacement [mm],force [N]\n" + lines(" , "))
+    assert read(path, delimiter=",").force[0] == -20.0
+    path.write_text("t [s]   x [mm]   f [N]\n" + lines("   "))
+    assert read(path, delimiter="blank").force[1] == -10.0
+    with pytest.raises(InputError, match=r"delimiter = '/' does not part columns; choose from ',' ';' 'tab'"):
+        read(path, delimiter="/")

@@ -24,7 +24,7 @@ def records() -> list[Record]:
     ]
 
 
-@pytest.mark.parametrize("to", ["h5", ".csv", "mat"])
+@pytest.mark.parametrize("to", ["h5", ".csv", "mat", "nc", "parquet"])
 def test_what_comes_back_is_what_was_there(records: list[Record], tmp_path: Path, to: str) -> None:
     seen: list[Path] = []
     paths = convert(records, tmp_path / "new", to, seen.append)
@@ -37,7 +37,7 @@ def test_what_comes_back_is_what_was_there(records: list[Record], tmp_path: Path
 
 
 def test_nothing_is_written_where_something_is_wrong(records: list[Record], tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"not written as 'tdms'; choose from csv, h5, mat"):
+    with pytest.raises(InputError, match=r"not written as 'tdms'; choose from csv, h5, mat, nc, parquet"):
         convert(records, tmp_path / "new", "tdms")
     with pytest.raises(InputError, match="2 records are called 'run 1'"):
         convert([records[0], records[0]], tmp_path / "new")

@@ -257,6 +257,11 @@ def test_the_sines_of_quiroz_are_read_without_a_word(tmp_path):
     [record] = [record for record in records if record.name == "10mm1Hz0x25A"]
     assert np.ptp(record.displacement) == pytest.approx(0.020, rel=1e-3)
     assert record.velocity.max() == pytest.approx(0.060, rel=1e-3)
+    published = datasets.data_set("quiroz_2022")
+    assert {str(each.origin.data_sets[0]) for each in records} == {f"quiroz_2022 ({published.licence})"}
+    shutil.copy(folder / "10mm1Hz0x25A.txt", tmp_path)
+    shutil.copy(folder / "reading.toml", tmp_path)
+    assert not dp.records.read(tmp_path / "10mm1Hz0x25A.txt").origin.data_sets  # no fetch wrote it there
 
 
 def test_the_random_tests_of_nees_are_read_without_a_word(tmp_path):

@@ -42,7 +42,7 @@ def test_inputs_as_a_table_or_a_number(folder: Path) -> None:
         ("validation = [", "is not valid TOML"),
         (
             "valid = []",
-            "'valid' is not known; choose from units, columns, factors, offsets, thousands, voltage, current, no_input, dt, ",
+            "'valid' is not known; choose from units, columns, factors, offsets, thousands, encoding, delimiter, voltage, ",
         ),
         ('validation = "quake*"', "is not a list of patterns"),
         ('validation = ["earth*"]', "'earth*' matches no file of the folder"),

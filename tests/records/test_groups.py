@@ -72,7 +72,7 @@ def test_whatever_is_done_to_a_record_keeps_them(record: Record) -> None:
     assert all(of(one) == GROUPS for one in done)
 
 
-@pytest.mark.parametrize("suffix", ["h5", "csv", "mat"])
+@pytest.mark.parametrize("suffix", ["h5", "csv", "mat", "nc", "parquet"])
 def test_every_format_keeps_them(record: Record, tmp_path: Path, suffix: str) -> None:
     path = write(with_velocity(record), tmp_path / f"a.{suffix}")
     assert of(read(path, voltage=0.5 if suffix == "mat" else None)) == GROUPS
@@ -83,7 +83,7 @@ def test_every_format_keeps_them(record: Record, tmp_path: Path, suffix: str) ->
 def test_they_are_attributes_of_the_file_which_older_versions_pass_over(record: Record, tmp_path: Path) -> None:
     with h5py.File(write(record, tmp_path / "a.h5")) as file:
         assert {name: file.attrs[name] for name in GROUPS} == GROUPS
-        assert file.attrs["schema"] == 2
+        assert file.attrs["schema"] == 3
     with h5py.File(write(record.replace(note="", measurement_session=None, specimen=None), tmp_path / "b.h5")) as file:
         assert not set(GROUPS) & set(file.attrs)
 

@@ -107,7 +107,7 @@ def test_a_file_without_a_column_of_the_input_is_no_passive_damper_until_that_is
     )
 
 
-@pytest.mark.parametrize("suffix", ["csv", "h5", "mat"])
+@pytest.mark.parametrize("suffix", ["csv", "h5", "mat", "nc", "parquet"])
 def test_a_record_without_an_input_comes_back_as_it_was_written(suffix: str, tmp_path: Path):
     path = write(sine(), tmp_path / f"record.{suffix}")
     back = read(path)

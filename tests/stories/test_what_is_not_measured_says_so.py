@@ -422,7 +422,7 @@ def test_only_what_all_measured_is_measured(made: Made, tmp_path: Path) -> None:
     measured = fit(made.plain, "dahl")
     assert measured.origin.kind == "measured"
     assert "origin" not in repr(measured)  # nothing is said where nothing is wrong
-    for to in ("h5", "csv", "mat"):
+    for to in ("h5", "csv", "mat", "nc", "parquet"):
         assert read(convert(made.plain[:1], tmp_path, to)[0], voltage=0.0).origin.kind == "measured"
 
 

@@ -17,7 +17,7 @@ from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.ground_motions import GroundMotion, MotionReadOptions
+    from dampyr.ground_motions import DesignSpectrum, GroundMotion, MotionReadOptions
     from dampyr.ground_motions.intensity_measures import Measures
     from dampyr.ground_motions.response_spectrum import Spectrum
 
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     epilog=examples(
         "dampyr motion --pga 0.3g --report motion.html",
         "dampyr motion kobe.csv --motion-unit g --dt 0.02",
+        "dampyr motion --design ec8:ag=0.3g,ground=C --fit-design 0.2:2",
         "dampyr motion motions --period 0.5",
     ),
 )
@@ -41,6 +42,17 @@ if TYPE_CHECKING:
 @click.option(
     "--period", "periods", multiple=True, type=float, metavar="S", help="Period of the spectrum; may be repeated."
 )
+@click.option(
+    "--design",
+    metavar="CODE",
+    help="Design spectrum beside it: asce7:sds=1g,sd1=0.6g,tl=8s or ec8:ag=0.25g,ground=C,type=1,damping=5%.",
+)
+@click.option(
+    "--fit-design",
+    "fit_range",
+    metavar="T1:T2",
+    help="Scale the motion to the design spectrum by least squares between these periods in s, such as 0.2:2.",
+)
 @report_options()
 @as_json_option
 def command(
@@ -50,6 +62,8 @@ def command(
     baseline: bool,
     dampings: tuple[str, ...],
     periods: tuple[float, ...],
+    design: str | None,
+    fit_range: str | None,
     report: Path | None,
     as_json: bool,
 ) -> None:
@@ -58,28 +72,58 @@ def command(
     FILE is a ground motion; without it El Centro 1940 is taken. Of a folder, or of a file with several components of which
     none is chosen, it tells what is in it, and the spectra RotD50 and RotD100 of each pair of horizontal components.
     """
-    from dampyr.ground_motions import measures, spectrum
+    from dampyr.ground_motions import compare_with_design, measures, spectrum
+    from dampyr.ground_motions.design_spectra import parse_design
     from dampyr.ground_motions.motion_files import component_names
     from dampyr.options import command_words
     from dampyr.show.pages import motion_page
     from dampyr.show.pages.result_page import write_page
 
     if file is not None and (file.is_dir() or (ground.component is None and len(component_names(file)) > 1)):
-        of_one = {"baseline": baseline, "report": report, **{f"{w[2:]}": True for w in command_words(options)[:1]}}
+        of_one = {
+            "baseline": baseline,
+            "report": report,
+            "design": design,
+            "fit-design": fit_range,
+            **{f"{w[2:]}": True for w in command_words(options)[:1]},
+        }
         _print_folder(file, ground, of_one, dampings, periods, as_json)
         return
+    code = None if design is None else parse_design(design)
     motion = ground.motion(file, baseline, options)
+    if fit_range is not None:
+        if any(value is not None for value in (ground.scale, ground.pga, ground.sa)):
+            raise InputError("--fit-design scales the motion; leave --scale, --pga and --sa out")
+        motion = _fitted(motion, code, fit_range)
     table_periods, ratios = periods or motion_page.TABLE, [ratio(text) for text in dampings]
     motion_measures = measures(motion)
     peaks = spectrum(motion, table_periods, ratios or [0.05])
+    compared = None if code is None else compare_with_design(motion, code, table_periods)
     if report:
-        write_page(motion, report, dampings=ratios or motion_page.DAMPINGS, periods=table_periods)
+        write_page(motion, report, dampings=ratios or motion_page.DAMPINGS, periods=table_periods, design=code)
     if as_json:
-        print_json(_as_dict(motion, motion_measures, peaks))
+        beside = {} if compared is None else {"design": compared.as_dict()}
+        print_json(_as_dict(motion, motion_measures, peaks) | beside)
         return
     print_result(motion)
     click.echo()
     print_result(peaks)
+    if compared is not None:
+        click.echo()
+        print_result(compared)
+
+
+def _fitted(motion: GroundMotion, code: DesignSpectrum | None, text: str) -> GroundMotion:
+    """The motion scaled to the design spectrum between the periods ``T1:T2``."""
+    from dampyr.ground_motions import scaled_to_design
+    from dampyr.units import parse
+
+    if code is None:
+        raise InputError("--fit-design needs a design spectrum; give it, such as --design ec8:ag=0.25g,ground=C")
+    low, colon, high = text.partition(":")
+    if not colon:
+        raise InputError(f"--fit-design {text!r} is not a range of periods; write it as in 0.2:2, in s")
+    return scaled_to_design(motion, code, parse(low, "s"), parse(high, "s"))
 
 
 def _print_folder(

@@ -42,7 +42,11 @@ class RecordsCommand(OptionsCommand):
 )
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
-    "--to", default="h5", show_default=True, metavar="FORMAT", help="Format of the new files: h5, csv or mat."
+    "--to",
+    default="h5",
+    show_default=True,
+    metavar="FORMAT",
+    help="Format of the new files: h5, csv, mat, nc (NetCDF) or parquet.",
 )
 @click.option("--out", required=True, type=click.Path(path_type=Path), help="The folder to write into.")
 @role_option()

@@ -102,7 +102,8 @@ def is_record(path: Path) -> bool:
     if path.suffix.lower() not in PLAIN_TEXT:
         return True
     try:
-        return has_numbers(path) and not reading_of(path.parent).is_ignored(path)
+        metadata = reading_of(path.parent)
+        return not metadata.is_ignored(path) and has_numbers(path, metadata.text_options(path))
     except (DampyrError, OSError, UnicodeDecodeError):
         return True
 

@@ -11,6 +11,13 @@ Each of ``motion.scaled(1.5)``, ``motion.scaled_to_pga(3.0)``, ``motion.scaled_t
 from dampyr.ground_motions.baseline import corrected
 from dampyr.ground_motions.builtin import el_centro
 from dampyr.ground_motions.cutting import followed_by_rest, padded, trimmed
+from dampyr.ground_motions.design_spectra import (
+    DesignSpectrum,
+    asce_7,
+    compare_with_design,
+    eurocode_8,
+    scaled_to_design,
+)
 from dampyr.ground_motions.envelopes import RisePlateauDecay, ShinozukaSato, stationary
 from dampyr.ground_motions.filters import filtered
 from dampyr.ground_motions.intensity_measures import measures, pgd, pgv, sa
@@ -30,5 +37,6 @@ __all__ = [
     "measures", "pgv", "pgd", "sa", "corrected",
     "filtered", "resampled",
     "trimmed", "padded", "followed_by_rest", "kanai_tajimi", "synthetic_motions", "Soil", "FIRM", "MEDIUM", "SOFT",
+    "DesignSpectrum", "asce_7", "eurocode_8", "compare_with_design", "scaled_to_design",
     "RisePlateauDecay", "ShinozukaSato", "stationary",
 ]  # fmt: skip

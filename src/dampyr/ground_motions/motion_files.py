@@ -14,6 +14,7 @@ from dampyr.errors import FileError, MissingData
 from dampyr.ground_motions.channels import MotionChannel, chosen, motion_of_channel
 from dampyr.ground_motions.motion import GroundMotion
 from dampyr.ground_motions.motion_options import ACCELERATION, MotionReadOptions
+from dampyr.ground_motions.motion_reading import merged, options_beside
 from dampyr.options import takes
 from dampyr.source_file import check_name
 from dampyr.text_table import decoded
@@ -38,6 +39,9 @@ def read(
     **keywords: Any,
 ) -> GroundMotion:
     """The ground motion in a file.
+
+    What no argument states of a plain file is taken from the ``reading.toml`` beside it, where there is one
+    (:mod:`dampyr.ground_motions.motion_reading`).
 
     Parameters
     ----------
@@ -77,7 +81,9 @@ def read(
     file = _existing(path)
     _, module = format_of(file)
     takes_options = getattr(module, "TAKES_OPTIONS", False)
-    if not takes_options:
+    if takes_options:
+        unit, dt, request = _with_reading(file, unit, dt, request)
+    else:
         request.refuse(file, **dict.fromkeys(request.as_keywords(), "this format has no columns to declare"))
     if hasattr(module, "channels"):
         return motion_of_channel(file, chosen(file, read_channels(file, module), component), unit, dt)
@@ -85,6 +91,20 @@ def read(
         raise FileError(file, f"component = {component!r} was given, but the file has one acceleration; leave it out")
     motion: GroundMotion = module.read(file, unit, dt, *((request,) if takes_options else ()))
     return motion
+
+
+def _with_reading(
+    file: Path, unit: str | None, dt: float | None, request: MotionReadOptions
+) -> tuple[str | None, float | None, MotionReadOptions]:
+    """What is declared of a file, and where nothing is, what the ``reading.toml`` beside it says."""
+    beside = options_beside(file)
+    dt = beside.pop("dt", None) if dt is None else dt
+    beside.pop("dt", None)
+    stated = {name: value for name, value in request.as_keywords().items() if value not in (None, {})}
+    options = MotionReadOptions(**merged(beside, stated))
+    of_folder = options.units.get(ACCELERATION)
+    others = {channel: text for channel, text in options.units.items() if channel != ACCELERATION}
+    return unit or of_folder, dt, replace(options, units=others)
 
 
 def read_components(path: str | Path, units: str | None = None, dt: float | None = None) -> dict[str, GroundMotion]:
@@ -95,7 +115,7 @@ def read_components(path: str | Path, units: str | None = None, dt: float | None
     file = _existing(path)
     _, module = format_of(file)
     if not hasattr(module, "channels"):
-        return {"": module.read(file, units, dt)}
+        return {"": read(file, units, dt)}
     return {channel.component: motion_of_channel(file, channel, units, dt) for channel in read_channels(file, module)}
 
 

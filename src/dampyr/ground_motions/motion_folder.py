@@ -9,7 +9,8 @@ from pathlib import Path
 from dampyr.errors import FileError, InputError, MissingData, one_line
 from dampyr.ground_motions.channels import motion_of_channel
 from dampyr.ground_motions.motion import GroundMotion
-from dampyr.ground_motions.motion_files import format_of, read_channels
+from dampyr.ground_motions.motion_files import format_of, read, read_channels
+from dampyr.ground_motions.motion_reading import NAME
 from dampyr.shown import Shown
 from dampyr.source_file import check_name
 
@@ -84,7 +85,9 @@ def read_folder(folder: str | Path, units: str | None = None, dt: float | None =
     folder = Path(folder)
     if not folder.exists():
         raise MissingData(f"{folder}: there is no such file or folder; check the path of the ground motions")
-    files = [folder] if folder.is_file() else [path for path in folder.iterdir() if path.is_file()]
+    files = (
+        [folder] if folder.is_file() else [path for path in folder.iterdir() if path.is_file() and path.name != NAME]
+    )
     files = sorted((path for path in files if not path.name.startswith(".")), key=_natural)
     if not files:
         raise MissingData(f"{folder}: the folder has no files; give a folder of ground motions")
@@ -97,7 +100,7 @@ def _entries(path: Path, units: str | None, dt: float | None) -> list[MotionEntr
         check_name(path)
         name, module = format_of(path)
         if not hasattr(module, "channels"):
-            return [MotionEntry(path.name, name, "", module.read(path, units, dt))]
+            return [MotionEntry(path.name, name, "", read(path, units, dt))]
         entries = []
         for channel in read_channels(path, module):
             entry = MotionEntry(path.name, name, channel.component, None, "", channel.recording, channel.vertical)

@@ -5,6 +5,7 @@ Everything is SI. Extension is positive; a positive force opposes a positive vel
 
 from __future__ import annotations
 
+import json
 import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.findings import Finding, findings_of
 from dampyr.input_kinds import INPUTS, NO_INPUT
-from dampyr.origin import DAY, NOT_STATED, Origin, PublishedData, as_origin
+from dampyr.origin import DAY, NOT_STATED, ORIGIN_KINDS, Origin, PublishedData, as_origin
 from dampyr.records.checks.channel_uncertainty import ChannelUncertainty
 from dampyr.records.conditioning.moving_average import MovingAverage
 from dampyr.records.record_thresholds import USUAL, RecordThresholds
@@ -47,8 +48,12 @@ CHANNELS: Mapping[str, str] = MappingProxyType(
 GROUPS: Mapping[str, str] = MappingProxyType({"measurement_session": "session", "specimen": "specimen"})
 """The fields by which records belong together, and how tables call them."""
 
-COMMENTS = (*GROUPS, "origin", "input")
-"""What files of columns hold as text, where it is stated: groups, the kind of the origin, and that there is no input."""
+PUBLISHED = ("data_set", "data_set_version", "doi", "licence")
+"""What the provenance says of the published data set that a record is from."""
+
+COMMENTS = (*GROUPS, "origin", "input", *PUBLISHED)
+"""What files of columns hold as text, where it is stated: groups, the kind of the origin, that there is no input, and the
+published data set."""
 
 
 @dataclass(frozen=True)
@@ -231,6 +236,33 @@ class Record(Shown):
             raise InputError(f"a record has no field {unknown[0]!r}; choose from {', '.join(values)}")
         return Record(**(values | {"history": (*self.history, note)} | changes))
 
+    def to_xarray(self) -> Any:
+        """The channels as an ``xarray.Dataset`` over time; a constant input is a number.
+
+        Units are in ``attrs`` of each channel, in SI; what is stated of the record, its provenance and its history in those of
+        the set, as texts that every format of files takes.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import dampyr as dp
+        >>> t = np.linspace(0.0, 1.0, 101)
+        >>> record = dp.records.Record(t, 0.01 * np.sin(6 * t), 50.0 * np.cos(6 * t), voltage=1.98)
+        >>> data = record.to_xarray()
+        >>> data["force"].units, float(data["force"].sel(time=0.0)), float(data["voltage"])
+        ('N', 50.0, 1.98)
+        """
+        import xarray
+
+        held = {name: getattr(self, name) for name in CHANNELS if getattr(self, name) is not None}
+        channels = {
+            name: ("time" if np.ndim(values) else (), values, {"units": CHANNELS[name], "long_name": name})
+            for name, values in held.items()
+        }
+        about = {"title": self.name, "role": self.role, **stated(self), "history": "\n".join(self.history)}
+        about["provenance"] = json.dumps(dict(self.provenance), ensure_ascii=False)
+        return xarray.Dataset(channels, {"time": channels.pop("time")}, about)
+
     def until(self, end: float) -> Record:
         """The record up to the time ``end`` in s, under the same name."""
         window = slice(0, int(np.searchsorted(self.time, end, side="right")))
@@ -267,7 +299,8 @@ def _origin_of(record: Record) -> Origin:
         sessions=entries(record.measurement_session),
         dates=entries((provenance.get("date") or provenance.get("started", ""))[:DAY]),
         data_sets=entries(
-            data_set and PublishedData(data_set, provenance.get("doi", ""), provenance.get("licence", ""))
+            data_set
+            and PublishedData(data_set, *(provenance.get(name, "") for name in ("doi", "licence", "data_set_version")))
         ),
         versions=entries(provenance.get("dampyr")),
     )
@@ -342,7 +375,18 @@ def stated(record: Record) -> dict[str, str]:
     """The `COMMENTS` that a record has."""
     held = {name: getattr(record, name) for name in GROUPS} | {"origin": record.origin.kind}
     held["input"] = NO_INPUT if record.no_input else None
-    return {name: text for name, text in held.items() if text not in (None, NOT_STATED.kind)}
+    held |= {name: record.provenance.get(name) for name in PUBLISHED}
+    return {name: text for name, text in held.items() if text not in (None, "", NOT_STATED.kind)}
+
+
+def as_stated(texts: Mapping[str, str]) -> dict[str, str]:
+    """Those of a file's texts that are `COMMENTS`: the inverse of `stated`.
+
+    Another word for the origin or the input is that of somebody else's file, and means something else there.
+    """
+    allowed = {"origin": ORIGIN_KINDS, "input": (NO_INPUT,)}
+    held = {name: texts[name].strip() for name in COMMENTS if texts.get(name, "").strip()}
+    return {name: text for name, text in held.items() if name not in allowed or text in allowed[name]}
 
 
 def as_group(name: str, text: Any) -> str | None:

@@ -1,13 +1,19 @@
 """dampyr's own file: an exact round trip, readable by others, whole or not there."""
 
+import hashlib
+import json
+import shutil
+import subprocess
 from dataclasses import fields
 
 import h5py
 import numpy as np
 import pytest
+import xarray
 
 from dampyr.errors import FileError, InputError
 from dampyr.records import Record, read, write
+from dampyr.records.files import checksums
 from dampyr.records.formats import h5
 from dampyr.records.record import Label
 
@@ -52,13 +58,51 @@ def test_round_trip_is_exact(tmp_path, full, make_sine):
 
 def test_the_layout_is_the_documented_one(tmp_path, full):
     with h5py.File(write(full, tmp_path / "r.h5"), "r") as file:
-        assert (file.attrs["format"], file.attrs["schema"], file.attrs["complete"]) == ("dampyr record", 2, 1)
+        assert (file.attrs["format"], file.attrs["schema"], file.attrs["complete"]) == ("dampyr record", 3, 1)
         force = file["calibrated/force"]
         assert (force.attrs["unit"], force.dtype, force.shape) == ("N", np.float64, (full.n,))
         assert file["calibrated/displacement"].attrs["unit"] == "m"
         assert list(file["raw"]) == []
         assert file["label"].attrs["row"] == 3
     assert h5.state(tmp_path / "r.h5") == h5.FileState(True, "sine 3", 2)
+
+
+def test_the_time_is_the_dimension_scale_of_the_channels_and_no_checksum_is_over_it(tmp_path, full):
+    with h5py.File(write(full, tmp_path / "r.h5"), "r") as file:
+        group, sums = file["calibrated"], json.loads(file.attrs["sha256"])
+        assert group["time"].is_scale
+        for name, data in group.items():
+            assert data.attrs["units"] == data.attrs["unit"]
+            assert name == "time" or [scale.name for scale in data.dims[0].values()] == ["/calibrated/time"]
+        assert sums["calibrated/force"] == hashlib.sha256(full.force.tobytes()).hexdigest()
+    with h5py.File(tmp_path / "r.h5", "r+") as file:  # as dampyr 0.3.0 wrote it, but for the number of the schema
+        for data in file["calibrated"].values():
+            for name in checksums.INTERCHANGE:
+                data.attrs.pop(name, None)
+    assert same(full, read(tmp_path / "r.h5"))
+
+
+@pytest.mark.parametrize("engine", ["h5netcdf", pytest.param("netcdf4", marks=pytest.mark.by_hand)])
+def test_xarray_opens_it(tmp_path, full, engine):
+    if engine == "netcdf4":
+        pytest.importorskip("netCDF4", reason="netCDF4, a reader of others, is not installed")
+    more = {"phony_dims": "sort"} if engine == "h5netcdf" else {}  # of the history and of raw readings
+    constant = full.replace(note="", current=None, voltage=1 / 3)
+    for record in (full, constant):
+        path = write(record, tmp_path / "r.h5")
+        with xarray.open_dataset(path, group="calibrated", engine=engine, **more) as data:
+            assert (data["force"].dims, data["force"].attrs["units"]) == (("time",), "N")
+            for name in ("time", "displacement", "force", "velocity", "voltage" if record is constant else "current"):
+                assert np.array_equal(data[name], getattr(record, name))
+
+
+@pytest.mark.prove
+@pytest.mark.skipif(shutil.which("octave-cli") is None, reason="GNU Octave is missing")
+def test_octave_loads_it(tmp_path, full):
+    path = write(full, tmp_path / "r.h5")
+    script = f"s = load('{path}'); printf('%.17g\\n', s.calibrated.force)"
+    done = subprocess.run(["octave-cli", "--quiet", "--no-init-file", "--eval", script], capture_output=True, text=True)
+    assert np.array_equal(np.array(done.stdout.split(), dtype=float), full.force), done.stderr
 
 
 def test_raw_readings_stay_beside_what_was_made_of_them(tmp_path, full):
@@ -94,8 +138,8 @@ def changed(path, change):
     ("change", "message"),
     [
         (
-            lambda f: f.attrs.update({"schema": 3}),
-            r"has the schema 3, this dampyr knows schema 2; upgrade dampyr",
+            lambda f: f.attrs.update({"schema": 4}),
+            r"has the schema 4, this dampyr knows schema 3; upgrade dampyr",
         ),
         (
             lambda f: f.attrs.update({"format": "other"}),

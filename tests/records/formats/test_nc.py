@@ -7,7 +7,7 @@ import xarray
 from scipy.io import netcdf_file
 
 from dampyr.errors import FileError
-from dampyr.records import read
+from dampyr.records import read, write
 
 N = 60
 T = 0.01 * np.arange(N)
@@ -73,3 +73,34 @@ def test_a_missing_value_is_refused_and_so_is_a_broken_file(tmp_path):
     path.write_bytes(b"CDF\x01 and no more")
     with pytest.raises(FileError, match="is not a readable NetCDF file"):
         read(path)
+
+
+def test_xarray_and_scipy_read_what_is_written(tmp_path, make_sine):
+    record = make_sine(current=0.3, name="ação", specimen="no. 7 µ", origin="simulated", history=("read", "turned"))
+    path = write(record, tmp_path / "a.nc")
+    with xarray.open_dataset(path, engine="scipy") as data:
+        assert (data["force"].dims, data["force"].units, data.title, data.specimen) == (
+            ("time",),
+            "N",
+            "ação",
+            "no. 7 µ",
+        )
+        assert (data.Conventions, data.origin, data.history) == ("CF-1.11", "simulated", "read\nturned")
+        assert np.array_equal(data["force"], record.force)
+        assert np.array_equal(data["time"], record.time)
+        assert np.array_equal(data["current"], np.full(record.n, 0.3))
+    with netcdf_file(str(path), "r", mmap=False) as file:
+        assert file.variables["displacement"].units == b"m"
+        assert np.array_equal(file.variables["displacement"].data, record.displacement)
+    back = read(path)
+    assert np.array_equal(back.force, record.force)
+    assert (back.current, back.specimen, back.origin.kind) == (0.3, "no. 7 µ", "simulated")
+
+
+def test_a_record_as_an_xarray_has_its_input_as_a_number(make_sine):
+    record = make_sine(voltage=1.98, temperature=None)
+    data = record.to_xarray()
+    assert (float(data["voltage"]), data["voltage"].dims, data["voltage"].units) == (1.98, (), "V")
+    assert float(data["force"].sel(time=1.0, method="nearest")) == record.force[100]
+    assert "temperature" not in data
+    assert "origin" not in data.attrs

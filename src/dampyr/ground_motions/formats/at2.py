@@ -27,7 +27,7 @@ def read(
     contradict the header."""
     request = options or MotionReadOptions()
     request.refuse(path, columns="an .AT2 file holds accelerations alone", header="its line of NPTS and DT is found")
-    text, note = text_table.decoded(path)
+    text, note = text_table.decoded(path, request.encoding)
     lines = text.split("\n")
     written = [k for k, line in enumerate(lines) if line.strip()][: HEADER + 1]
     if len(written) <= HEADER:

@@ -53,7 +53,7 @@ def read(
     """The ground motion of a file of columns; ``units`` are those of the acceleration, where the file does not say them."""
     request = options or MotionReadOptions()
     request = replace(request, units={**request.units, **({ACCELERATION: units} if units else {})})
-    text, note = text_table.decoded(path)
+    text, note = text_table.decoded(path, request.encoding)
     table = _table(path, _with_count_in_words(path, text, request), request, note)
     return motion_of_table(path, table, stated_in(table.above), request, dt, source=path.name)
 

@@ -76,7 +76,8 @@ class DataSet:
 
     ``kind`` is what was measured, in two words; ``page`` the address of a page for people, ``base_url`` the one that files lie
     below ("": dampyr does not fetch them), ``table`` the packaged table that names them and their sha256; ``licence`` is ""
-    where none is stated, and ``licence_from`` says where that was read. ``reading`` is the ``reading.toml`` that is written
+    where none is stated, and ``licence_from`` says where that was read; ``version`` is that of the files, such as the commit of
+    their repository. ``reading`` is the ``reading.toml`` that is written
     beside the files, so that they are read without a word; ``folder`` the name of its folder below `data_root`.
     """
 
@@ -93,6 +94,7 @@ class DataSet:
     folder: str
     licence: str = ""
     doi: str = ""
+    version: str = ""
     base_url: str = ""
     size: int = 0
     count: int = 0
@@ -155,9 +157,17 @@ def _set_by_sha256() -> Mapping[str, DataSet]:
     return {file.sha256: dataset for dataset in _sets().values() for file in dataset.contents if file.sha256}
 
 
-def data_set_of_file(file: SourceFile) -> DataSet | None:
-    """The data set of which ``file`` is a file, by its SHA-256, whatever it is called; None where dampyr knows none."""
-    return _set_by_sha256().get(file.sha256)
+def data_set_of_file(file: SourceFile, folder: Path | None = None) -> DataSet | None:
+    """The data set of which ``file`` is a file, by its SHA-256, whatever it is called; None where dampyr knows none.
+
+    Of a set whose publisher gives no SHA-256, the files that were fetched into ``folder`` are known by the sums beside them.
+    """
+    known = _set_by_sha256().get(file.sha256)
+    if known is not None or folder is None or (sums := _read_sums(folder)).get(file.name) != file.sha256:
+        return known
+    return next(
+        (each for each in _sets().values() if set(sums) <= {f.name for f in each.contents if not f.sha256}), None
+    )
 
 
 def data_root() -> Path:

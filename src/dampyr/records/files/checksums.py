@@ -20,6 +20,8 @@ NAME = "sha256"
 ATTRIBUTES = "attributes"
 ROOT = ("format", "schema", "complete", "name", "role", "test", "try", "measurement_session", "specimen")
 GROUPS = ("label", "smoothed", "provenance")
+INTERCHANGE = ("units", "CLASS", "NAME", "REFERENCE_LIST", "DIMENSION_LIST")
+"""Attributes for other readers, which say nothing that is not said elsewhere: no checksum is over them."""
 REPAIR = (
     "record or copy the test again (dampyr run has --again for it), or delete the attribute "
     f"{NAME} of / where the file was changed on purpose"
@@ -86,7 +88,7 @@ def _sum_of(attributes: Attributes, datasets: Iterable[str]) -> str:
     root = {name: value for name, value in attributes["/"].items() if name in ROOT}
     covered = {name: attributes[name] for name in (*datasets, *GROUPS) if name in attributes}
     plain = {
-        path: {name: _plain(value) for name, value in entries.items()}
+        path: {name: _plain(value) for name, value in entries.items() if name not in INTERCHANGE}
         for path, entries in ({"/": root} | covered).items()
     }
     return hashlib.sha256(json.dumps(plain, sort_keys=True).encode()).hexdigest()

@@ -21,14 +21,15 @@ from dampyr.origin import ORIGIN_KINDS
 from dampyr.records.conditioning.integrated_displacement import with_integrated_displacement
 from dampyr.records.conditioning.nominal_input import MEASURED, SOURCE
 from dampyr.records.files.read_options import ReadOptions
-from dampyr.records.record import CHANNELS, GROUPS, Array, Record
+from dampyr.records.record import CHANNELS, GROUPS, PUBLISHED, Array, Record
 
 HALF_A_DAY = 43200.0  # s: a clock that goes back by more has passed midnight, one that goes back by less is wrong
 GROUP = re.compile(
-    rf"[#%]\s*(?:({'|'.join(GROUPS)})\s*:\s*(\S.*)|(origin)\s*:\s*({'|'.join(ORIGIN_KINDS)})|(input)\s*:\s*({NO_INPUT})\s*$)"
+    rf"[#%]\s*(?:({'|'.join((*GROUPS, *PUBLISHED))})\s*:\s*(\S.*)|(origin)\s*:\s*({'|'.join(ORIGIN_KINDS)})"
+    rf"|(input)\s*:\s*({NO_INPUT})\s*$)"
 )
-"""A comment above the numbers that states the session, the specimen, the origin, or that there is no input, as dampyr writes
-it."""
+"""A comment above the numbers that states the session, the specimen, the origin, that there is no input, or the published data
+set, as dampyr writes it."""
 
 
 def read_text(path: Path, request: ReadOptions, kind: str, text: str | None = None) -> Record:
@@ -67,6 +68,7 @@ def record_of(path: Path, table: ColumnTable, request: ReadOptions, kind: str) -
             "columns={'voltage': None}",
         )
     provenance = {"file": path.name, "format": kind, "header": ", ".join(table.headers())}
+    provenance |= {name: groups.pop(name) for name in PUBLISHED if name in groups}
     is_measured = any(value is not None and value is inputs[name] for name, value in measured.items())
     fields: dict[str, Any] = dict(
         time=time,

@@ -24,8 +24,8 @@ def convert(
     folder
         Where to; it is made. A file that is there already is never overwritten.
     to
-        The suffix of the format, such as ``h5``, ``csv`` and ``mat``. One that needs a velocity gets the derived one
-        (:func:`dampyr.records.with_velocity`); the record's history says so.
+        The suffix of the format, such as ``h5``, ``csv``, ``mat``, ``nc`` and ``parquet``. One that needs a velocity gets the
+        derived one (:func:`dampyr.records.with_velocity`); the record's history says so.
     progress
         Called with each path once it is written.
 

@@ -27,7 +27,7 @@ def read_folder(folder: Path, options: ReadOptions, incomplete: bool = False) ->
     a line of numbers, such as a README; these are named in a warning. Of dampyr's own files the latest complete try of each
     test is taken, or with ``incomplete`` every one but those that ended before they had 8 samples, with a warning.
     """
-    files = record_files(folder)
+    files = record_files(folder, options)
     selected = files if incomplete else _latest(files)
     records, few = [], []
     for path in selected:
@@ -44,8 +44,8 @@ def read_folder(folder: Path, options: ReadOptions, incomplete: bool = False) ->
     return records
 
 
-def record_files(folder: Path) -> list[Path]:
-    """The files of a folder that are records, in natural order.
+def record_files(folder: Path, options: ReadOptions | None = None) -> list[Path]:
+    """The files of a folder that are records, in natural order; ``options`` are those of a caller.
 
     Raises
     ------
@@ -60,7 +60,9 @@ def record_files(folder: Path) -> list[Path]:
     candidates = sorted((path for path in visible if path.suffix.lower() in suffixes), key=natural)
     metadata.check_patterns(candidates)
     remaining = [path for path in candidates if not metadata.is_ignored(path)]
-    prose = [path for path in remaining if _is_text(path) and not has_numbers(path)]
+    prose = [
+        path for path in remaining if _is_text(path) and not has_numbers(path, metadata.text_options(path, options))
+    ]
     if prose:
         names = ", ".join(path.name for path in prose)
         warnings.warn(f"{folder}: left out, no line of numbers: {names}", DampyrWarning, stacklevel=4)

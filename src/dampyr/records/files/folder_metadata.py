@@ -39,7 +39,8 @@ What a section ``[[files]]`` says of its files goes before what stands above the
 things of the same file are an error. ``current``, ``voltage``, ``measurement_session``, ``specimen``, ``smoothed`` and
 ``lowpass`` may be tables that give names or patterns their values. Patterns are those of the shell (``*``, ``?``) and are
 compared with a file's name, with and without its suffix; ``{}`` is a number such as ``0.5``, ``0,5``, ``0p5``, ``0x5`` or
-``12``. What a call or the command line says goes before what stands here.
+``12``. What a call or the command line says goes before what stands here. A table ``[motions]`` is of ground motions in the
+folder (:mod:`dampyr.ground_motions.motion_reading`).
 """
 
 from __future__ import annotations
@@ -141,6 +142,15 @@ class FolderReading:
         tables = {name: {**general[name], **special[name]} for name in TABLES if name in general and name in special}
         return {**general, **special, **tables}
 
+    def text_options(self, file: Path, options: ReadOptions | None = None) -> ReadOptions:
+        """The options by which a text is told from prose, its encoding and its delimiter; those of a caller go before."""
+        of_folder = self.options_of(file, has_input=True)
+        stated = options or ReadOptions()
+        return ReadOptions(
+            encoding=stated.encoding or of_folder.get("encoding"),
+            delimiter=stated.delimiter or of_folder.get("delimiter"),
+        )
+
     def _of_sections(self, file: Path, has_input: bool) -> dict[str, Any]:
         """What the sections that hold a file say of it together; :class:`FileError` where two of them say different things."""
         merged: dict[str, Any] = {}
@@ -187,7 +197,7 @@ def reading_of(folder: Path) -> FolderReading:
     if not path.is_file():
         return FolderReading(path, PatternSection(path, (), {}))
     settings = load_toml(path)
-    _check_keys(path, settings, (*KEYS, "validation", "ignore", "files"), "")
+    _check_keys(path, settings, (*KEYS, "validation", "ignore", "files", "motions"), "")
     tables = settings.get("files", [])
     if not isinstance(tables, list) or not all(isinstance(table, dict) for table in tables):
         raise FileError(path, f"files = {tables!r} is not a list of tables; write each as [[files]] with its pattern")
@@ -305,6 +315,8 @@ KEYS: Mapping[str, Callable[[str, Any], Any]] = {
     "factors": _table,
     "offsets": _table,
     "thousands": _option,
+    "encoding": _option,
+    "delimiter": _option,
     "voltage": _input,
     "current": _input,
     "no_input": _no_input,

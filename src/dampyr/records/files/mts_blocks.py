@@ -22,9 +22,9 @@ ACQUISITION, HEADER = (
 )
 
 
-def blocks_of(path: Path) -> list[str]:
+def blocks_of(path: Path, encoding: str | None = None) -> list[str]:
     """The text of each block, below as many empty lines as the file has above it; none where it has fewer than two."""
-    lines = decoded(path)[0].split("\n")
+    lines = decoded(path, encoding)[0].split("\n")
     starts = [
         k - 1 if k and HEADER.match(lines[k - 1]) else k for k, line in enumerate(lines) if ACQUISITION.match(line)
     ]
@@ -61,7 +61,7 @@ def _is_row(line: str) -> bool:
 
 def read_block(path: Path, blocks: list[str], request: ReadOptions) -> Record:
     """The record in the block that ``variable`` names by its number."""
-    request.refuse(path, header="a block names its columns itself")
+    request.refuse(path, header="a block names its columns itself", delimiter="tabs part the columns of a block")
     count, wanted = len(blocks), request.variable
     if wanted is None:
         raise FileError(

@@ -95,10 +95,11 @@ def read_file(path: Path, options: ReadOptions) -> Record:
         request = _merged(metadata, path, options)
         record = _with_request(registry.member(REGISTRY, kind).read(path, request), request, metadata, path)
         source = source_file(path)
-        dataset = data_set_of_file(source)
-        published = (
-            {"data_set": dataset.name, "doi": dataset.doi, "licence": dataset.licence_in_words} if dataset else {}
-        )
+        dataset = data_set_of_file(source, path.parent)
+        published = {}
+        if dataset is not None:
+            published = {"data_set": dataset.name, "doi": dataset.doi, "licence": dataset.licence_in_words}
+            published |= {"data_set_version": dataset.version} if dataset.version else {}
         return replace(record, source_file=source, provenance=dict(record.provenance) | published)
     except FileError:
         raise

@@ -1,6 +1,5 @@
 """Comma-separated columns, see :mod:`dampyr.text_table`; semicolons and tabs are read too."""
 
-import io
 from pathlib import Path
 
 import numpy as np
@@ -23,16 +22,15 @@ def read(path: Path, request: ReadOptions) -> Record:
 def write(record: Record, path: Path) -> Path:
     """Write a record's channels in SI, a constant input as a column, so that :func:`read` gives them back exactly.
 
-    Session, specimen and origin stand in lines of comment above the header, where they are stated. Raises FileError for a
-    record that is smoothed and not undone, which columns cannot say.
+    Each number has the fewest digits that do so. Session, specimen, origin and published data set stand in lines of comment
+    above the header, where they are stated. Raises FileError for a record that is smoothed and not undone, which columns
+    cannot say.
     """
     if record.smoothed is not None:
         raise FileError(path, "columns cannot say that the record is smoothed; write .h5, or undo it first")
     channels = {name: getattr(record, name) for name in CHANNELS if getattr(record, name) is not None}
-    columns = [np.broadcast_to(values, record.n) for values in channels.values()]
-    text = io.StringIO()
+    columns = [map(repr, np.broadcast_to(values, record.n).tolist()) for values in channels.values()]
+    comments = [f"# {name}: {value}" for name, value in stated(record).items()]
     header = ",".join(f"{name} [{CHANNELS[name]}]" for name in channels)
-    comments = [f"# {name}: {value}\n" for name, value in stated(record).items()]
-    np.savetxt(text, np.column_stack(columns), delimiter=",", header=header, comments="", fmt="%.17g")
-    write_whole(path, "".join(comments) + text.getvalue())
+    write_whole(path, "\n".join([*comments, header, *map(",".join, zip(*columns, strict=True)), ""]))
     return path

@@ -17,7 +17,7 @@ PLAIN_TEXT = True
 
 def read(path: Path, request: ReadOptions) -> Record:
     """The record in a ``.dat`` file, or in one of its blocks, in SI."""
-    blocks = mts_blocks.blocks_of(path)
+    blocks = mts_blocks.blocks_of(path, request.encoding)
     return mts_blocks.read_block(path, blocks, request) if blocks else read_text(path, request, "text")
 
 

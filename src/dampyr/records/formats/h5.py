@@ -1,11 +1,12 @@
 """dampyr's own file, HDF5: one file per test, the raw readings beside the calibrated channels.
 
-Layout (schema 2)::
+Layout (schema 3)::
 
-    /            format = "dampyr record", schema = 2, complete = 0 or 1, name, role, test, try, sha256 (of every dataset,
+    /            format = "dampyr record", schema = 3, complete = 0 or 1, name, role, test, try, sha256 (of every dataset,
                  `dampyr.records.files.checksums`), origin (`dampyr.origin`; dampyr up to 0.2.0 wrote none);
                  measurement_session and specimen where they are known; input = "none" where the damper has no input
-    /calibrated  time, displacement, force, ...: (n,) float64 in SI, each with the attribute unit
+    /calibrated  time, displacement, force, ...: (n,) float64 in SI, each with the attributes unit and units, as the conventions
+                 of NetCDF call it; time is the dimension scale of the others, so that the group is a NetCDF of version 4
                  voltage or current as a number when it is constant; with the attributes uncertainty (one standard
                  uncertainty, in that unit) and uncertainty_parts (JSON) where it is stated
     /raw         one dataset per raw reading with the attributes unit, gain, offset, calibrated_unit:
@@ -21,7 +22,9 @@ Layout (schema 2)::
                  datasets are longer, and what lies beyond is nothing
 
 In MATLAB: ``h5read("test.h5", "/calibrated/force")`` and ``h5readatt("test.h5", "/calibrated/force",
-"unit")``. A file whose writer was killed says so: its ``complete`` is 0.
+"unit")``; in GNU Octave ``s = load("test.h5")`` has ``s.calibrated.force``; in Python
+``xarray.open_dataset("test.h5", group="calibrated", engine="h5netcdf", phony_dims="sort")``. A file whose writer was killed
+says so: its ``complete`` is 0.
 """
 
 from __future__ import annotations
@@ -36,6 +39,7 @@ from typing import Any, cast
 import numpy as np
 
 from dampyr.atomic_write import whole_file
+from dampyr.channel_columns import OF_TEXTS
 from dampyr.errors import FileError, InputError, one_line
 from dampyr.input_kinds import NO_INPUT
 from dampyr.models.numerics.differentiation import differentiate
@@ -52,8 +56,8 @@ from dampyr.units import to_si
 
 TITLE, MEDIA_TYPE = "HDF5", "application/x-hdf5"
 FORMAT = "dampyr record"
-SCHEMA = 2  # the one that is written
-SUPPORTED_SCHEMAS = (1, 2)  # schema 1 had no /rows
+SCHEMA = 3  # the one that is written
+SUPPORTED_SCHEMAS = (1, 2, 3)  # schema 1 had no /rows, 2 no dimension scales
 PIECE = 2**16  # samples of a long record that are in memory at a time
 UNCERTAINTY, UNCERTAINTY_PARTS = "uncertainty", "uncertainty_parts"  # attributes of a calibrated channel
 RAW_OF = {"position": "displacement"}
@@ -114,7 +118,7 @@ def read(path: Path, request: ReadOptions) -> Record:
     beside it, and its kind :class:`FewSamples` where the test ended too early for a record.
     """
     reason = "dampyr's own file says it itself"
-    request.refuse(path, dt=reason, variable=reason, header=reason, factors=reason, offsets=reason, thousands=reason)
+    request.refuse(path, dt=reason, variable=reason, factors=reason, offsets=reason, **dict.fromkeys(OF_TEXTS, reason))
     with _open(path) as file:
         attributes = attributes_of(file)
         root = attributes["/"]
@@ -297,6 +301,7 @@ def fill(path: Path, n: int, pieces: Iterable[Record], raw: Mapping[str, Raw], r
                 raise InputError(f"{record.name}: time {record.time[0]:g} s follows {until:g} s; it must rise")
             _fill_channels(file, n, first, record, sums)
             first, until = first + record.n, record.time[-1]
+        _attach_time(file["calibrated"])
         _fill_raw(file, raw, sums)
         file.attrs.update({"name": record.name, "role": record.role, "origin": record.origin.kind})
         file.attrs.update({name: getattr(record, name) for name in GROUPS if getattr(record, name) is not None})
@@ -335,6 +340,15 @@ def _fill_channels(file: Any, n: int, first: int, record: Record, sums: Checksum
         file[name][() if np.ndim(values) == 0 else slice(first, first + record.n)] = values
         if np.ndim(values) or not first:
             sums.add(name, np.asarray(values, "<f8"))
+
+
+def _attach_time(group: Any) -> None:
+    """The time as the dimension scale of the other channels, and units by the name that readers of NetCDF look for."""
+    group["time"].make_scale("time")
+    for name, data in group.items():
+        data.attrs["units"] = data.attrs["unit"]
+        if data.shape and name != "time":
+            data.dims[0].attach_scale(group["time"])
 
 
 def _fill_raw(file: Any, raw: Mapping[str, Raw], sums: Checksums) -> None:

@@ -43,9 +43,13 @@ class Packet:
 def read(path: Path, request: ReadOptions) -> Record:
     """The record in an ``.lvm`` file, with the time of its header in s; a column that holds the time is in s, too."""
     request.refuse(
-        path, variable="an .lvm has no variables", header="an .lvm names its channels", dt="an .lvm has a time"
+        path,
+        variable="an .lvm has no variables",
+        header="an .lvm names its channels",
+        dt="an .lvm has a time",
+        delimiter="an .lvm states its separator",
     )
-    text, note = decoded(path)
+    text, note = decoded(path, request.encoding)
     packets = _packets(path, text.splitlines())
     if not packets:
         raise FileError(path, f"has no packet of samples after {END}; export the measurement again")

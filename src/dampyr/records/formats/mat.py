@@ -23,16 +23,15 @@ from typing import Any
 import numpy as np
 
 from dampyr.atomic_write import whole_file
-from dampyr.channel_columns import MAX_NAMED, ColumnTable
+from dampyr.channel_columns import MAX_NAMED, OF_TEXTS, ColumnTable
 from dampyr.errors import FileError, InputError, one_line
 from dampyr.input_kinds import NO_INPUT
-from dampyr.origin import ORIGIN_KINDS
 from dampyr.phrases import listing
 from dampyr.records.files.column_table import record_of
 from dampyr.records.files.mat_members import canonical, object_class, refuse_object, unfolded, unfolded_hdf5
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.self_contained import check_contained
-from dampyr.records.record import CHANNELS, COMMENTS, GROUPS, Array, Record, stated
+from dampyr.records.record import CHANNELS, COMMENTS, PUBLISHED, Array, Record, as_stated, stated
 from dampyr.units import to_si
 
 TITLE = "MATLAB"
@@ -76,18 +75,13 @@ class _Stored:
         return [stem for stem in stems if len(self.members(stem)) > 1]
 
     def groups(self) -> dict[str, str]:
-        """The session, the specimen, the origin and that there is no input, where the file has them as text."""
-        texts = {name: self.variables.get(name) for name in GROUPS}
-        stated = {name: text.strip() for name, text in texts.items() if isinstance(text, str) and text.strip()}
-        origin = self.variables.get("origin")  # which a file of somebody else's may call something else
-        stated |= {"origin": origin} if isinstance(origin, str) and origin in ORIGIN_KINDS else {}
-        without = self.variables.get("input")
-        return stated | ({"input": NO_INPUT} if isinstance(without, str) and without.strip() == NO_INPUT else {})
+        """Session, specimen, origin, that there is no input, and the published data set, where the file has them as text."""
+        return as_stated({name: text for name in COMMENTS if isinstance(text := self.variables.get(name), str)})
 
 
 def read(path: Path, request: ReadOptions) -> Record:
     """The record in a MATLAB file: that of the campaign, whose header is checked against the data, or as declared."""
-    request.refuse(path, header="a MATLAB file has none", thousands="a MATLAB file holds numbers")
+    request.refuse(path, **dict.fromkeys(OF_TEXTS, "a MATLAB file has none"))
     import h5py
 
     columns = {
@@ -183,12 +177,13 @@ def _of_the_campaign(path: Path, stored: _Stored, request: ReadOptions) -> Recor
     raw = {name: variables[variable].ravel() for name, variable in VARIABLES.items()}
     raw["velocity"] = variables["x_F"][:, 1]
     groups = stored.groups()
+    published = {name: groups.pop(name) for name in PUBLISHED if name in groups}
     return Record(
         time=dt * np.arange(n, dtype=np.float64),
         **{name: to_si(raw[name], request.units.get(name, unit), CHANNELS[name]) for name, unit in UNITS.items()},
         **request.input_channels(no_input=groups.pop("input", None) == NO_INPUT),
         name=path.stem,
-        provenance={"file": path.name, "format": stored.version, "velocity": "as recorded (x_F, column 2)"},
+        provenance={"file": path.name, "format": stored.version, "velocity": "as recorded (x_F, column 2)"} | published,
         history=("read from dist, forc and x_F: displacement mm to m, velocity mm/s to m/s",),
         **groups,  # type: ignore[arg-type]
     )

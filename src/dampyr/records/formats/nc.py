@@ -13,15 +13,17 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.channel_columns import MAX_NAMED, Array, ColumnTable
+from dampyr.atomic_write import whole_file
+from dampyr.channel_columns import MAX_NAMED, OF_TEXTS, Array, ColumnTable
 from dampyr.errors import FileError, InputError, one_line
 from dampyr.phrases import listing
 from dampyr.records.files.column_table import record_of
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.self_contained import check_contained
-from dampyr.records.record import GROUPS, Record
+from dampyr.records.record import COMMENTS, Record, as_stated
 
-TITLE = "NetCDF"
+TITLE, MEDIA_TYPE = "NetCDF", "application/x-netcdf"
+CONVENTIONS = "CF-1.11"
 SINCE = " since "  # of CF's units of time, "seconds since 2026-01-01"
 Columns = dict[str, tuple[str, Array, Mapping[str, Any]]]  # dimension, values and attributes of each variable
 
@@ -30,7 +32,7 @@ def read(path: Path, request: ReadOptions) -> Record:
     """The record in the variables of one dimension of a ``.nc`` file."""
     import h5py
 
-    request.refuse(path, header="a NetCDF file names its variables")
+    request.refuse(path, **dict.fromkeys(OF_TEXTS, "a NetCDF file names its variables"))
     try:
         columns, attributes = _version_4(path) if h5py.is_hdf5(path) else _classic(path)
     except InputError:
@@ -45,10 +47,24 @@ def read(path: Path, request: ReadOptions) -> Record:
         names=tuple(chosen),
         units=tuple(_text(of_variable.get("units", "")).partition(SINCE)[0] for _, _, of_variable in chosen.values()),
         values=np.column_stack([values for _, values, _ in chosen.values()]),
-        groups={name: _text(attributes[name]) for name in GROUPS if name in attributes},
+        groups=as_stated({name: _text(attributes[name]) for name in COMMENTS if name in attributes}),
         notes=(f"the dimension {dimension!r}",),
     )
     return record_of(path, table, request, "NetCDF")
+
+
+def write(record: Record, path: Path) -> Path:
+    """Write `Record.to_xarray` as classic NetCDF with offsets of 64 bits, a constant input at each time; by scipy.
+
+    Raises FileError for a record that is smoothed and not undone, which :func:`read` would not know.
+    """
+    if record.smoothed is not None:
+        raise FileError(path, "NetCDF columns cannot say that the record is smoothed; write .h5, or undo it first")
+    data = record.to_xarray()
+    data = data.assign({name: values.broadcast_like(data["time"]) for name, values in data.items()})
+    with whole_file(path) as temporary:
+        data.assign_attrs(Conventions=CONVENTIONS).to_netcdf(temporary, engine="scipy", format="NETCDF3_64BIT")
+    return path
 
 
 def _dimension(path: Path, columns: Columns, wanted: str | None) -> str:

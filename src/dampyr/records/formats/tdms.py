@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.channel_columns import NAMES, ColumnTable, name_and_unit
+from dampyr.channel_columns import NAMES, OF_TEXTS, ColumnTable, name_and_unit
 from dampyr.errors import FileError, InputError, install_line, one_line
 from dampyr.records.files.column_table import record_of
 from dampyr.records.files.read_options import ReadOptions
@@ -27,7 +27,7 @@ SAME_START = 1e-3  # of an interval: what stamps are rounded by; a thousandth of
 
 def read(path: Path, request: ReadOptions) -> Record:
     """The record in one group of channels of a ``.tdms`` file."""
-    request.refuse(path, header="a TDMS file names its channels", thousands="a TDMS file holds numbers")
+    request.refuse(path, **dict.fromkeys(OF_TEXTS, "a TDMS file names its channels"))
     try:
         from nptdms import TdmsFile
     except ImportError as problem:

@@ -22,6 +22,8 @@ MAX_UNFOLDED = 200_000_000  # bytes of the archive's parts: a million rows of fo
 
 def read(path: Path, request: ReadOptions) -> Record:
     """The record in one sheet of an ``.xlsx`` file."""
+    reason = "a workbook has cells"
+    request.refuse(path, encoding=reason, delimiter=reason)
     name, text, formula = _sheet(path, request.variable)
     try:
         record = read_text(path, request, "Excel", text)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from dampyr.ground_motions import GroundMotion, measures, spectrum
+from dampyr.ground_motions import DesignSpectrum, GroundMotion, compare_with_design, measures, spectrum
+from dampyr.ground_motions.response_spectrum import STANDARD_PERIODS
 from dampyr.phrases import sentence
 from dampyr.show.figures.ground_histories import ground_histories
 from dampyr.show.figures.response_spectrum import SPECTRAL_DISPLACEMENT, response_spectrum
+from dampyr.show.ground_motions.design_spectra import design_figure, design_table
 from dampyr.show.ground_motions.intensity_measures import measures_table
 from dampyr.show.ground_motions.motion import drift_in_words, samples_in_words
 from dampyr.show.ground_motions.response_spectrum import spectrum_table
@@ -19,9 +21,17 @@ TABLE = (0.1, 0.2, 0.3, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0)  # s, about evenly s
 
 
 def html(
-    motion: GroundMotion, dampings: Sequence[float] = DAMPINGS, periods: Sequence[float] = TABLE, *, call: str = ""
+    motion: GroundMotion,
+    dampings: Sequence[float] = DAMPINGS,
+    periods: Sequence[float] = TABLE,
+    design: DesignSpectrum | None = None,
+    *,
+    call: str = "",
 ) -> str:
-    """The page of a ground motion: spectra at the damping ratios ``dampings``, their table at ``periods`` in s."""
+    """The page of a ground motion: spectra at the damping ratios ``dampings``, their table at ``periods`` in s.
+
+    A ``design`` spectrum is drawn beside that of the motion.
+    """
     drift = drift_in_words(motion)
     histories = FigureBlock(
         ground_histories(motion.time, motion.acceleration, motion.velocity, motion.displacement),
@@ -36,11 +46,24 @@ def html(
             Section(
                 "Response spectra", [*_spectra(motion, dampings), spectrum_table(spectrum(motion, periods, dampings))]
             ),
+            *([] if design is None else [_design_section(motion, design, periods)]),
             Section("Processing", [Text(processing)]),
         ],
         subtitle=samples_in_words(motion),
         provenance={"source": motion.source or "not known"},
         call=call,
+    )
+
+
+def _design_section(motion: GroundMotion, design: DesignSpectrum, periods: Sequence[float]) -> Section:
+    drawn = [period for period in STANDARD_PERIODS if period <= design.longest]
+    figure = design_figure(compare_with_design(motion, design, drawn))
+    return Section(
+        "Design spectrum",
+        [
+            FigureBlock(figure, f"Pseudo-acceleration of the motion and of {design.name}."),
+            design_table(compare_with_design(motion, design, periods)),
+        ],
     )
 
 
