@@ -1,6 +1,7 @@
 """Tables of cycles against closed forms (Dahl, bilinear, power law, generalised Maxwell) and the shoelace on real loops."""
 
-from math import pi, tanh
+import json
+from math import isnan, pi, tanh
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,8 @@ import dampyr as dp
 from dampyr.errors import InputError
 from dampyr.records import Record, cycles
 from dampyr.records.cycle_analysis.device_figures import power_law_energy
+from dampyr.show import write_page
+from dampyr.to_json import plain
 
 D, F = 0.010, 0.5
 W = 2 * pi * F
@@ -206,6 +209,15 @@ def test_without_a_gas_force_there_is_no_asymmetry_and_the_range_is_that_of_both
     assert (soft.direction, hard.direction) == ("both", "both")
     assert soft.force == pytest.approx(0.75 * (100.0 + 2000.0 * 0.0983), rel=5e-3)
     assert hard.dynamic_range == pytest.approx((700.0 + 196.6) / (100.0 + 196.6), rel=5e-3)
+
+
+def test_an_input_that_changes_nothing_has_no_share(tmp_path: Path) -> None:
+    passive = [at_speed(speed, 1.0) for speed in SPEEDS]
+    other = [record.replace(note="another voltage", voltage=2.0, name=f"{record.name} b") for record in passive]
+    result = cycles([*passive, *other], speeds=(0.1,))
+    assert [(force.dynamic_range, isnan(force.share)) for force in result.settings] == [(1.0, True)] * 2
+    assert "NaN" not in json.dumps(plain(result.as_dict()))
+    assert "dynamic range" in write_page(result, tmp_path / "page.html").read_text("utf-8")
 
 
 def test_an_input_that_is_measured_counts_as_constant_where_it_is_but_for_noise() -> None:

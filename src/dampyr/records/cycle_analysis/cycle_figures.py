@@ -7,6 +7,7 @@ zero (`dampyr.records.cycle_analysis.device_figures`). docs/reference/cycle-figu
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -511,8 +512,13 @@ def _over_input(
     return [
         SettingForce(
             specimen, speed, way, kind, value, force,
-            (force - values[0]) / (values[-1] - values[0]), force / values[0],
+            _ratio(force - values[0], values[-1] - values[0]), _ratio(force, values[0]),
         )
         for way, values in ways.items()
         for (kind, value), force in zip(forces, values, strict=True)
     ]  # fmt: skip
+
+
+def _ratio(part: float, whole: float) -> float:
+    """NaN where the whole is 0, as of a damper that its input does not change."""
+    return part / whole if whole else math.nan
