@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -36,6 +37,12 @@ if TYPE_CHECKING:
 @click.option(
     "--read", type=click.Path(path_type=Path), metavar="FILE", help="Take a finished file instead of computing."
 )
+@click.option(
+    "--demands",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Write the peaks for pelicun and SimCenter's tools, a .csv for each damper and input; needs --height.",
+)
 @click.option("--workers", type=click.IntRange(1), metavar="N", help="Number of threads.  [default: one for each core]")
 @report_options()
 @as_json_option
@@ -48,6 +55,7 @@ def command(
     part: str | None,
     collect: Path | None,
     read: Path | None,
+    demands: Path | None,
     workers: int | None,
     report: Path | None,
     as_json: bool,
@@ -59,18 +67,30 @@ def command(
     CARD is a damper's card or the name of a published damper; without it that of Raminelli (2020) is taken.
     Every damper runs at every input under every motion at every scale.
     """
+    height = options.height
+    if demands is not None:
+        if height is None:
+            raise InputError("--demands writes drifts over the height of a storey; give it, such as --height 3m")
+        if not any(text.strip().endswith("%") for text in options.limits):
+            options = replace(options, height=None)  # which a limit in per cent alone takes
     options.checked_limits()
     if [part, collect, read].count(None) < 2:
         raise InputError("--shard, --collect and --read exclude each other; give one of them")
     if part is not None:
-        if options.limits or report:
-            raise InputError("a part alone has no results yet; give --limit and --report with --collect")
+        if options.limits or report or demands:
+            raise InputError("a part alone has no results yet; give --limit, --report and --demands with --collect")
         _write_part(request, options, part, out, workers, as_json)
         return
     if collect is None and read is None:
         result = _run(request, options, out, workers)
     else:
         result = _read(context, options, out, collect, read)
+    if demands:
+        from dampyr.structures import write_demands
+
+        assert height is not None
+        for path in write_demands(result.dataset, height, demands):
+            click.echo(f"dampyr: {path} written", err=True)
     if report:
         from dampyr.show.pages.result_page import write_page
 

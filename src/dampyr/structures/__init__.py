@@ -12,6 +12,7 @@ makes a law that sets an input in the place of a number; a list of inputs gives 
 from dampyr.structures.building import Building, condense
 from dampyr.structures.building_options import EnsembleOptions, RespondOptions
 from dampyr.structures.control_laws import available_control_laws, control_law
+from dampyr.structures.ensembles.demand_tables import demand_tables, write_demands
 from dampyr.structures.ensembles.ensemble import ensemble
 from dampyr.structures.ensembles.ensemble_grid import cases as ensemble_cases
 from dampyr.structures.ensembles.ensemble_result import EnsembleResult, read_ensemble
@@ -24,12 +25,12 @@ from dampyr.structures.shear import shear_building, single_mass
 from dampyr.structures.structure_file import load
 from dampyr.structures.time_history.respond import respond
 from dampyr.structures.time_history.response import Response
-from dampyr.structures.time_history.state_space import state_space
+from dampyr.structures.time_history.state_space import from_state_space, state_space
 from dampyr.structures.vehicle import quarter_car, road
 
 __all__ = [
     "Building", "two_storey", "shear_building", "single_mass", "quarter_car", "road", "condense", "load", "respond",
     "control_law", "available_control_laws", "RespondOptions", "ensemble", "EnsembleOptions", "EnsembleResult",
-    "ensemble_cases", "read_ensemble", "summary", "fragility", "incremental", "write_part", "collect", "Response",
-    "state_space",
+    "ensemble_cases", "read_ensemble", "demand_tables", "write_demands", "summary", "fragility", "incremental",
+    "write_part", "collect", "Response", "state_space", "from_state_space",
 ]  # fmt: skip

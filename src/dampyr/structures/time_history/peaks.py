@@ -145,7 +145,9 @@ def _peak_of_cases(dataset: Any, quantity: str, storey: str | int, height: Array
         )
     values = np.asarray(dataset[quantity].values, dtype=float)
     if height is not None:
-        values = values / _heights(height, quantity, values.shape[-1])
+        if quantity != "drift":
+            raise InputError(f"height= turns a drift into a ratio; with {quantity} leave it out")
+        values = values / storey_heights(height, values.shape[-1])
     if storey == "worst":
         if not values.shape[-1]:
             raise InputError(f"no case has a {quantity}; take another quantity")
@@ -163,10 +165,9 @@ def _peak_of_cases(dataset: Any, quantity: str, storey: str | int, height: Array
     return chosen
 
 
-def _heights(height: ArrayLike, quantity: str, storeys: int) -> Array:
+def storey_heights(height: ArrayLike, storeys: int) -> Array:
+    """The height of every storey, m, given for all or one each; InputError where it is not above 0."""
     heights = np.asarray(height, dtype=float)
-    if quantity != "drift":
-        raise InputError(f"height= turns a drift into a ratio; with {quantity} leave it out")
     if heights.shape not in ((), (storeys,)) or not np.all(heights > 0):
         raise InputError(
             f"height = {height!r} m is not allowed; give one, or one for each of {storeys} storeys, above 0"
