@@ -106,3 +106,24 @@ def test_no_folder_and_no_files(tmp_path):
         read_folder(tmp_path / "nothing")
     with pytest.raises(MissingData, match="the folder has no files"):
         read_folder(tmp_path)
+
+
+def test_the_three_files_of_a_peer_recording_belong_together(tmp_path):
+    def write(name, component, samples=41, station="El Centro Array #9"):
+        rows = "\n".join(f"{0.1 * np.sin(0.3 * k + samples):.7E}" for k in range(samples))
+        head = f"PEER NGA STRONG MOTION DATABASE RECORD\nImperial Valley-02, 5/19/1940, {station}, {component}\n"
+        units = "ACCELERATION TIME SERIES IN UNITS OF G\n"
+        (tmp_path / name).write_text(f"{head}{units}NPTS= {samples}, DT= .0100 SEC\n{rows}\n")
+
+    write("RSN6_IMPVALL.I_I-ELC180.AT2", "180")
+    write("RSN6_IMPVALL.I_I-ELC270.AT2", "270")
+    write("RSN6_IMPVALL.I_I-ELC-UP.AT2", "UP")
+    write("RSN7_1.AT2", "180", station="another one")
+    write("RSN7_2.AT2", "270", 43, station="another one")  # of another length
+    table = read_folder(tmp_path)
+    assert [entry.component for entry in table.entries] == ["180", "270", "UP", "180", "270"]
+    assert [entry.vertical for entry in table.entries] == [False, False, True, False, False]
+    [(first, second)] = table.horizontal_pairs
+    assert (first.name, second.name) == ("RSN6_IMPVALL.I_I-ELC180", "RSN6_IMPVALL.I_I-ELC270")
+    shown = CliRunner().invoke(cli, ["motion", str(tmp_path), "--period", "0.5"]).stdout
+    assert "over all angles, RSN6_IMPVALL.I_I-ELC180 and RSN6_IMPVALL.I_I-ELC270" in shown

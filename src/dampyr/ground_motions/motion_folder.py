@@ -100,7 +100,10 @@ def _entries(path: Path, units: str | None, dt: float | None) -> list[MotionEntr
         check_name(path)
         name, module = format_of(path)
         if not hasattr(module, "channels"):
-            return [MotionEntry(path.name, name, "", read(path, units, dt))]
+            component, recording, vertical = (
+                module.component_of(path) if hasattr(module, "component_of") else ("", "", False)
+            )
+            return [MotionEntry(path.name, name, component, read(path, units, dt), "", recording, vertical)]
         entries = []
         for channel in read_channels(path, module):
             entry = MotionEntry(path.name, name, channel.component, None, "", channel.recording, channel.vertical)

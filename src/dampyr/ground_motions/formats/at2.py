@@ -18,6 +18,8 @@ from dampyr.ground_motions.motion_options import ACCELERATION, MotionReadOptions
 SUFFIXES = (".at2",)
 TAKES_OPTIONS = True
 HEADER = 4  # lines, blank ones not counted
+VERTICAL = {"UP", "DWN", "DOWN", "DN", "V", "VER", "VERT", "VERTICAL", "Z"}
+NAMED = 3  # parts of the second line at least, the last of which is the component
 
 
 def read(
@@ -49,3 +51,16 @@ def read(
     table = text_table.table_of_rows(path, "\n".join(lines[last + 1 :]), last + 1, request, series=True)
     table = replace(table, notes=(*((note,) if note else ()), *table.notes))
     return motion_of_table(path, table, stated, request, dt, source=" / ".join(header[:2]))
+
+
+def component_of(path: Path) -> tuple[str, str, bool]:
+    """The component, the recording that it belongs to, and whether it is vertical, by the second line of the header.
+
+    That is event, date, station and component, such as ``Imperial Valley-02, 5/19/1940, El Centro Array #9, 180``: the three
+    files of a recording differ in the last of them. Empty where the line has fewer parts.
+    """
+    lines = [line.strip() for line in text_table.decoded(path, None)[0].split("\n") if line.strip()]
+    parts = [part.strip() for part in lines[1].split(",")] if len(lines) > 1 else []
+    if len(parts) < NAMED or not parts[-1]:
+        return "", "", False
+    return parts[-1], ", ".join(parts[:-1]), parts[-1].upper() in VERTICAL
