@@ -62,7 +62,8 @@ def list_channel_delays(fit: Fit, options: FitOptions) -> list[MissingEffect]:
         return []
     chosen = [records[k] for k in np.unique(np.linspace(0, len(records) - 1, MAX_RECORDS).astype(int))]
     quick = replace(options, predict=(), starts=1, budget=None, laws=None)  # numbers of their own for the few inputs
-    delay, share = _common_delay(damper, chosen)
+    with np.errstate(over="ignore", invalid="ignore"):
+        delay, share = _common_delay(damper, chosen)
     if share < SHARE:
         return []
     from scipy.optimize import minimize_scalar
@@ -116,7 +117,8 @@ def _delay_of(damper: Damper, record: Record) -> tuple[float, float]:
     """The delay of a record (s), and the share of what the parameters leave of its residual that it takes up."""
     if record.velocity is None or damper.bandwidth is not None:
         record = with_velocity(record, damper.bandwidth)
-    values = dict(zip(damper.all_laws, map(float, damper.values(record.input_value or 0.0)), strict=True))
+    fitted_input = float(np.clip(record.input_value or 0.0, *damper.range))  # which may differ from an end by rounding
+    values = dict(zip(damper.all_laws, map(float, damper.values(fitted_input)), strict=True))
 
     def force_with(**changed: float) -> Array:
         return prediction(Damper(str(damper.composition), values | changed), record)
@@ -128,6 +130,8 @@ def _delay_of(damper: Damper, record: Record) -> tuple[float, float]:
         if value + change > damper.composition.quantities[name].high:
             change = -change
         columns.append((force_with(**{name: value + change}) - force) / change)
+    if not all(np.all(np.isfinite(each)) for each in (force, *columns)):  # a force that grows beyond all bounds
+        return 0.0, 0.0
     every = max(1, record.n // MAX_ROWS)
     columns = [column[::every] for column in columns]
     # what of the force's derivative the parameters cannot take up is all that tells a delay from them
