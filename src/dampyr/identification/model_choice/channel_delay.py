@@ -20,13 +20,14 @@ not looked at.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import warnings
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.errors import DampyrError
+from dampyr.errors import DampyrError, DampyrWarning
 from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.least_squares import fit_model
 from dampyr.identification.fits.result import Fit
@@ -57,27 +58,31 @@ def list_channel_delays(fit: Fit, options: FitOptions) -> list[MissingEffect]:
     damper, records = fit.damper, [record for record in fit.records if not isinstance(record.input_channel, np.ndarray)]
     if damper is None or damper.temperatures is not None or not records:
         return []
-    composition = fit.problem.composition
-    if not composition.n_states or DELAYED & set(composition.names):
+    if not damper.composition.n_states or DELAYED & set(damper.composition.names):
         return []
     chosen = [records[k] for k in np.unique(np.linspace(0, len(records) - 1, MAX_RECORDS).astype(int))]
-    quick = replace(options, predict=(), starts=1, budget=None, laws=None)  # numbers of their own for the few inputs
-    with np.errstate(over="ignore", invalid="ignore"):
-        delay, share = _common_delay(damper, chosen)
-    if share < SHARE:
-        return []
+    # what is to be said of the records and the model the fit itself has said
+    with np.errstate(over="ignore", invalid="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore", DampyrWarning)
+        delay, share = _common_delay(damper, chosen, options.fixed)
+        return _search(fit, chosen, delay, options) if share >= SHARE else []
+
+
+def _search(fit: Fit, records: Sequence[Record], estimate: float, options: FitOptions) -> list[MissingEffect]:
+    """The delay with which the model misses least, from an estimate in s; empty where it is not worth telling."""
     from scipy.optimize import minimize_scalar
 
-    moved = dict[float, Fit]()
+    composition, moved = fit.problem.composition, dict[float, Fit]()
+    quick = replace(options, predict=(), starts=1, budget=None, laws=None)  # numbers of their own for the few inputs
 
     def cost(seconds: float) -> float:
-        motions = [correct_delay(record, seconds) for record in chosen] if seconds else chosen
+        motions = [correct_delay(record, seconds) for record in records] if seconds else records
         moved[seconds] = fit_model(composition, motions, quick)
         return math.inf if moved[seconds].damper is None else moved[seconds].outcome.cost
 
     try:
         usual = cost(0.0)
-        ends, exact = sorted((0.0, REACH * delay)), SETTLED * abs(delay)
+        ends, exact = sorted((0.0, REACH * estimate)), SETTLED * abs(estimate)
         found = minimize_scalar(cost, bounds=ends, method="bounded", options={"xatol": exact, "maxiter": MAX_FITS})
     except DampyrError:  # a motion that cannot be moved so far, or a model that cannot be fitted to it
         return []
@@ -107,14 +112,15 @@ def _words(delay: float) -> tuple[str, str]:
     )
 
 
-def _common_delay(damper: Damper, records: Sequence[Record]) -> tuple[float, float]:
+def _common_delay(damper: Damper, records: Sequence[Record], fixed: Collection[str]) -> tuple[float, float]:
     """The median delay (s) of the records, and the mean share of their residuals that it takes up."""
-    delays, shares = zip(*(_delay_of(damper, record) for record in records), strict=True)
+    delays, shares = zip(*(_delay_of(damper, record, fixed) for record in records), strict=True)
     return float(np.median(delays)), float(np.mean(shares))
 
 
-def _delay_of(damper: Damper, record: Record) -> tuple[float, float]:
-    """The delay of a record (s), and the share of what the parameters leave of its residual that it takes up."""
+def _delay_of(damper: Damper, record: Record, fixed: Collection[str]) -> tuple[float, float]:
+    """The delay of a record (s), and the share of what the parameters, but those ``fixed``, leave of its residual that it
+    takes up."""
     if record.velocity is None or damper.bandwidth is not None:
         record = with_velocity(record, damper.bandwidth)
     fitted_input = float(np.clip(record.input_value or 0.0, *damper.range))  # which may differ from an end by rounding
@@ -126,6 +132,8 @@ def _delay_of(damper: Damper, record: Record) -> tuple[float, float]:
     force = force_with()
     columns = [np.ones(record.n)]
     for name, value in values.items():
+        if name in fixed:
+            continue
         change = STEP * (abs(value) or 1.0)
         if value + change > damper.composition.quantities[name].high:
             change = -change
