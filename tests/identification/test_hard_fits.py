@@ -56,6 +56,7 @@ def random_record(damper: Damper, seed: int, noise: float, **at: float) -> Recor
 def passes(monkeypatch: pytest.MonkeyPatch, *args: object) -> tuple[Fit, float]:
     """A fit, and how often its search went through all samples."""
     seen = []
+    monkeypatch.setattr("dampyr.identification.fits.fit.list_channel_delays", lambda *_: [])  # a search of its own
     monkeypatch.setattr(
         variable_projection, "linearise", lambda p, at: seen.append(sum(o.t.size for o in p.pieces)) or linearise(p, at)
     )

@@ -44,6 +44,7 @@ SHARE = (
     0.3  # of the residual's sum of squares beyond the parameters: what a delay takes up less of is the model's misfit
 )
 FITTING = 0.05  # mean L1 ratio: what misses more lacks something else, which a delay may resemble
+PROMISING = 0.85  # of the mean L1 ratio: a first estimate that leaves more is not searched further
 REACH = 4.0  # times the first estimate, which is one of first order, the delay is searched
 MAX_FITS = 20  # of the search
 SETTLED = 0.005  # of the first estimate, to which the delay is searched
@@ -72,26 +73,32 @@ def _search(fit: Fit, records: Sequence[Record], estimate: float, options: FitOp
     """The delay with which the model misses least, from an estimate in s; empty where it is not worth telling."""
     from scipy.optimize import minimize_scalar
 
-    composition, moved = fit.problem.composition, dict[float, Fit]()
+    composition = fit.problem.composition
+    whole = len(records) == len(fit.records) and options.laws is None
+    moved = {0.0: fit} if whole else dict[float, Fit]()
     quick = replace(options, predict=(), starts=1, budget=None, laws=None)  # numbers of their own for the few inputs
 
     def cost(seconds: float) -> float:
-        motions = [correct_delay(record, seconds) for record in records] if seconds else records
-        moved[seconds] = fit_model(composition, motions, quick)
+        if seconds not in moved:
+            motions = [correct_delay(record, seconds) for record in records] if seconds else records
+            moved[seconds] = fit_model(composition, motions, quick)
         return math.inf if moved[seconds].damper is None else moved[seconds].outcome.cost
+
+    def misfit(seconds: float) -> float:
+        return float(np.mean([score.l1 for score in moved[seconds].scores.values()]))
 
     try:
         usual = cost(0.0)
+        if not cost(estimate) < usual < math.inf or misfit(estimate) > PROMISING * misfit(0.0):
+            return []
         ends, exact = sorted((0.0, REACH * estimate)), SETTLED * abs(estimate)
         found = minimize_scalar(cost, bounds=ends, method="bounded", options={"xatol": exact, "maxiter": MAX_FITS})
     except DampyrError:  # a motion that cannot be moved so far, or a model that cannot be fitted to it
         return []
-    if not found.fun < usual < math.inf:
+    if not found.fun < usual:
         return []
     delay = float(found.x)
-    before, after = (
-        float(np.mean([score.l1 for score in each.scores.values()])) for each in (moved[0.0], moved[delay])
-    )
+    before, after = misfit(0.0), misfit(delay)
     if not after <= min(WORTH * before, FITTING):
         return []
     return [MissingEffect(*_words(delay), after, before, len(composition.parameters))]
