@@ -101,10 +101,10 @@ def _search(fit: Fit, records: Sequence[Record], estimate: float, options: FitOp
     before, after = misfit(0.0), misfit(delay)
     if not after <= min(WORTH * before, FITTING):
         return []
-    return [MissingEffect(*_words(delay), after, before, len(composition.parameters))]
+    return [MissingEffect(*_cause_and_repair(delay), after, before, len(composition.parameters))]
 
 
-def _words(delay: float) -> tuple[str, str]:
+def _cause_and_repair(delay: float) -> tuple[str, str]:
     """The cause and the repair of a delay in s."""
     size = rounded(1e3 * abs(delay), 3)
     if delay < 0.0:
@@ -150,15 +150,15 @@ def _delay_of(damper: Damper, record: Record, fixed: Collection[str]) -> tuple[f
     every = max(1, record.n // MAX_ROWS)
     columns = [column[::every] for column in columns]
     # what of the force's derivative the parameters cannot take up is all that tells a delay from them
-    residual = _without(columns, (record.force - force)[::every])
-    slope = _without(columns, -np.gradient(force, record.time)[::every])
+    residual = _regression_residual(columns, (record.force - force)[::every])
+    slope = _regression_residual(columns, -np.gradient(force, record.time)[::every])
     product, of_slope, of_residual = float(slope @ residual), float(slope @ slope), float(residual @ residual)
     if min(of_slope, of_residual) <= 0.0:
         return 0.0, 0.0
     return product / of_slope, product**2 / (of_slope * of_residual)
 
 
-def _without(columns: Sequence[Array], values: Array) -> Array:
+def _regression_residual(columns: Sequence[Array], values: Array) -> Array:
     """What a least-squares regression on these columns leaves of the values."""
     table = np.stack(columns, axis=1)
     table = table / (np.linalg.norm(table, axis=0) + 1e-300)

@@ -134,7 +134,7 @@ def read_records(
     paths: str | Path | Sequence[str | Path],
     role: Role | None = None,
     options: ReadOptions | None = None,
-    short: list[str] | None = None,
+    too_short: list[str] | None = None,
     **keywords: Any,
 ) -> list[Record]:
     """Every record of these files and folders, in their order.
@@ -148,7 +148,7 @@ def read_records(
     options
         the further arguments, for every file, as one object; those that are given by name take their places. ``cut`` cuts the
         records of files, too.
-    short
+    too_short
         takes the sentence of each file that has too few samples for a record; without it such a file is an error.
 
     Raises
@@ -181,10 +181,10 @@ def read_records(
         try:
             found.append(read(path, uncut))
         except FewSamples as problem:
-            if short is None:
+            if too_short is None:
                 raise
-            short.append(str(problem))
-    if not found and not short:
+            too_short.append(str(problem))
+    if not found and not too_short:
         where, which = ", ".join(map(str, named)), f" whose role is {role}" if role else ""
         raise InputError(f"no records{which} in {where or 'an empty list'}; name files, or a folder with records")
     return found if options.cut is None else cut_all(found, options.cut)

@@ -153,7 +153,8 @@ def _with_request(record: Record, request: ReadOptions, metadata: FolderReading,
 def write(record: Record, path: str | Path, **details: Any) -> Path:
     """Write ``record`` to ``path`` (.h5, .csv, .mat, ...) whole or not at all, and return the path.
 
-    ``details`` go to the format, such as ``raw`` for :func:`dampyr.records.formats.h5.write`.
+    ``details`` go to the format, such as ``raw`` for :func:`dampyr.records.formats.h5.write`. A record that is smoothed and not
+    undone is refused by every format that cannot say so, all but .h5: :class:`~dampyr.errors.FileError`.
 
     Examples
     --------
@@ -170,7 +171,12 @@ def write(record: Record, path: str | Path, **details: Any) -> Path:
     kind = path.suffix.lower().removeprefix(".")
     if kind not in writable:
         raise FileError(path, f"records are not written as {path.suffix!r}; choose from {_suffixes(writable)}")
-    registry.member(REGISTRY, kind).write(record, path, **details)
+    module = registry.member(REGISTRY, kind)
+    if record.smoothed is not None and not getattr(module, "KEEPS_SMOOTHING", False):
+        raise FileError(
+            path, f"{module.TITLE} files cannot say that the record is smoothed; write .h5, or undo it first"
+        )
+    module.write(record, path, **details)
     return path
 
 

@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 
 from dampyr.atomic_write import write_whole
-from dampyr.errors import FileError
 from dampyr.records.files.column_table import read_text
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import CHANNELS, Record, stated
@@ -23,11 +22,8 @@ def write(record: Record, path: Path) -> Path:
     """Write a record's channels in SI, a constant input as a column, so that :func:`read` gives them back exactly.
 
     Each number has the fewest digits that do so. Session, specimen, origin and published data set stand in lines of comment
-    above the header, where they are stated. Raises FileError for a record that is smoothed and not undone, which columns
-    cannot say.
+    above the header, where they are stated.
     """
-    if record.smoothed is not None:
-        raise FileError(path, "columns cannot say that the record is smoothed; write .h5, or undo it first")
     channels = {name: getattr(record, name) for name in CHANNELS if getattr(record, name) is not None}
     columns = [map(repr, np.broadcast_to(values, record.n).tolist()) for values in channels.values()]
     comments = [f"# {name}: {value}" for name, value in stated(record).items()]

@@ -55,6 +55,7 @@ from dampyr.source_digest import full_version
 from dampyr.units import to_si
 
 TITLE, MEDIA_TYPE = "HDF5", "application/x-hdf5"
+KEEPS_SMOOTHING = True  # as an attribute: a record may be smoothed and not undone
 FORMAT = "dampyr record"
 SCHEMA = 3  # the one that is written
 SUPPORTED_SCHEMAS = (1, 2, 3)  # schema 1 had no /rows, 2 no dimension scales

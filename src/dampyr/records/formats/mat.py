@@ -193,15 +193,10 @@ def write(record: Record, path: Path) -> Path:
     """Write a record with the variables that :func:`read` takes, in mm and N; the input as ``voltage_V`` or ``current_A``,
     and as the text ``input`` where it has none.
 
-    Raises FileError for a record without a velocity, with uneven steps, or smoothed and not undone, which this format cannot
-    hold.
+    Raises FileError for a record without a velocity or with uneven steps, which this format cannot hold.
     """
     from scipy.io import savemat
 
-    if record.smoothed is not None:
-        raise FileError(
-            path, "the campaign's format cannot say that the record is smoothed; write .h5, or undo it first"
-        )
     if record.velocity is None:
         raise FileError(
             path, "the campaign's format needs a velocity; derive it with with_velocity, or write .h5 or .csv"

@@ -54,12 +54,7 @@ def read(path: Path, request: ReadOptions) -> Record:
 
 
 def write(record: Record, path: Path) -> Path:
-    """Write `Record.to_xarray` as classic NetCDF with offsets of 64 bits, a constant input at each time; by scipy.
-
-    Raises FileError for a record that is smoothed and not undone, which :func:`read` would not know.
-    """
-    if record.smoothed is not None:
-        raise FileError(path, "NetCDF columns cannot say that the record is smoothed; write .h5, or undo it first")
+    """Write `Record.to_xarray` as classic NetCDF with offsets of 64 bits, a constant input at each time; by scipy."""
     data = record.to_xarray()
     data = data.assign({name: values.broadcast_like(data["time"]) for name, values in data.items()})
     with whole_file(path) as temporary:

@@ -56,12 +56,7 @@ def read(path: Path, request: ReadOptions) -> Record:
 
 
 def write(record: Record, path: Path) -> Path:
-    """Write a record's channels in SI, a constant input as a column, so that :func:`read` gives them back exactly.
-
-    Raises FileError for a record that is smoothed and not undone, which columns cannot say.
-    """
-    if record.smoothed is not None:
-        raise FileError(path, "columns cannot say that the record is smoothed; write .h5, or undo it first")
+    """Write a record's channels in SI, a constant input as a column, so that :func:`read` gives them back exactly."""
     arrow = _arrow()
     from pyarrow import table
 
