@@ -89,8 +89,8 @@ def command(
         from dampyr.structures import write_demands
 
         assert height is not None
-        for path in write_demands(result.dataset, height, demands):
-            click.echo(f"dampyr: {path} written", err=True)
+        *_, about = write_demands(result.dataset, height, demands)
+        click.echo(f"dampyr: {demands} written\n{about.read_text('utf-8').rstrip()}", err=True)
     if report:
         from dampyr.show.pages.result_page import write_page
 

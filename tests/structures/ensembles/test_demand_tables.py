@@ -41,7 +41,7 @@ def test_the_files_are_those_that_pelicun_reads(result: EnsembleResult, tmp_path
     """A header with an empty first cell, a row of units that pelicun knows, and a row a realisation."""
     paths = write_demands(result.dataset, HEIGHTS, tmp_path / "demands")
     assert [path.name for path in paths] == [
-        "demands_no_damper.csv", "demands_damper_0_V.csv", "demands_damper_1.98_V.csv",
+        "demands_no_damper.csv", "demands_damper_0_V.csv", "demands_damper_1.98_V.csv", "about.txt",
     ]  # fmt: skip
     text = paths[0].read_text("utf-8")
     assert text.startswith(",1-PFA-0-1,1-PFA-1-1,1-PFA-2-1,1-PID-1-1,1-PID-2-1,1-PFD-1-1,1-PFD-2-1\n")
@@ -52,11 +52,30 @@ def test_the_files_are_those_that_pelicun_reads(result: EnsembleResult, tmp_path
     np.testing.assert_array_equal(read.drop("Units").astype(float).to_numpy(), table.to_numpy())
 
 
-def test_a_case_without_a_peak_is_left_out_and_counted(result: EnsembleResult) -> None:
+def test_a_case_without_a_peak_is_left_out_and_counted(result: EnsembleResult, tmp_path: Path) -> None:
     lost = result.dataset.copy(deep=True)
     lost.drift[0, 0, :, 0, 1] = np.nan
     table = demand_tables(lost, 3.0)["no damper"]
     assert len(table) == table.attrs["left_out"] == 1
+    *_, about = write_demands(lost, 3.0, tmp_path)
+    assert "demands_no_damper.csv: 1 realisation of no damper, 1 case without a peak left out\n" in about.read_text(
+        "utf-8"
+    )
+
+
+def test_two_buildings_of_one_name_are_two_tables() -> None:
+    motion = dp.ground_motions.el_centro()
+    twice = ensemble([two_storey(), two_storey()], motion, [None], scales=[1.0]).dataset
+    names = list(demand_tables(twice, 3.0))
+    assert len(set(names)) == 2
+    assert names[1] == f"{names[0]} (2)"
+
+
+def test_what_is_simulated_says_so(tmp_path: Path) -> None:
+    data = ensemble(two_storey(), dp.ground_motions.el_centro(), scales=[1.0]).dataset
+    data.attrs["damper_origin"] = '{"kind": "simulated"}'
+    *_, about = write_demands(data, 3.0, tmp_path)
+    assert "simulated" in about.read_text("utf-8").lower()
 
 
 @pytest.mark.parametrize("height", [0.0, -3.0, (3.0, 3.0, 3.0), float("nan")])
@@ -77,6 +96,6 @@ def test_the_command_writes_them_and_asks_for_a_height(tmp_path: Path) -> None:
     assert "give it, such as --height 3m" in refused.output
     done = CliRunner().invoke(cli, [*words, "--height", "3m"], catch_exceptions=False)
     assert done.exit_code == 0
-    assert "demands_damper.csv written" in done.stderr
+    assert "demands_damper.csv: 1 realisation of damper" in done.stderr
     both = CliRunner().invoke(cli, [*words, "--height", "3m", "--limit", "1%", "--json"], catch_exceptions=False)
     assert both.exit_code == 0

@@ -24,9 +24,12 @@ from numpy.typing import ArrayLike
 
 from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError
-from dampyr.structures.ensembles.store import BARE
+from dampyr.phrases import counted
+from dampyr.source_digest import full_version
+from dampyr.structures.ensembles.store import BARE, origin_of
 from dampyr.structures.time_history.peaks import storey_heights
 
+ABOUT = "about.txt"
 UNITS = {"PFA": "mps2", "PID": "rad", "PFD": "m"}
 DIMS = ("building", "damper", "input")
 QUANTITIES = {"acceleration": "PFA", "drift": "PID", "displacement": "PFD"}
@@ -65,7 +68,12 @@ def demand_tables(dataset: Any, height: ArrayLike) -> dict[str, Any]:
         table = pd.DataFrame(columns).dropna(axis="columns", how="all")
         whole = table[np.isfinite(table).all(axis="columns")].reset_index(drop=True)
         whole.attrs["left_out"] = len(table) - len(whole)
-        tables.setdefault(_name(dataset, case), whole)  # without a damper every input is the same
+        name = _name(dataset, case)
+        if str(np.asarray(case.damper_name)) == BARE and place[DIMS.index("input")]:
+            continue  # without a damper every input is the same
+        if name in tables:  # two buildings of one name
+            name = f"{name} ({sum(other.startswith(name) for other in tables) + 1})"
+        tables[name] = whole
     return tables
 
 
@@ -82,8 +90,13 @@ def _name(dataset: Any, case: Any) -> str:
 
 
 def write_demands(dataset: Any, height: ArrayLike, folder: str | Path) -> list[Path]:
-    """Write `demand_tables` as ``.csv`` files, named after what they are of, and return their paths."""
+    """Write `demand_tables` as ``.csv`` files, named after what they are of, and return their paths.
+
+    The format has no place for remarks: ``about.txt``, the last path, says what the dampers' origin is and how many cases of
+    each file are left out.
+    """
     paths = []
+    about = [f"dampyr {full_version()}", *filter(None, [origin_of(dataset).notice])]
     for name, table in demand_tables(dataset, height).items():
         units = [UNITS[label.split("-")[1]] for label in table]
         rows = [",".join(["", *table]), ",".join(["Units", *units])]
@@ -92,4 +105,8 @@ def write_demands(dataset: Any, height: ArrayLike, folder: str | Path) -> list[P
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, "\n".join(rows) + "\n")
         paths.append(path)
-    return paths
+        left_out = table.attrs["left_out"]
+        told = f", {counted(left_out, 'case')} without a peak left out" if left_out else ""
+        about.append(f"{path.name}: {counted(len(table), 'realisation')} of {name}{told}")
+    write_whole(Path(folder) / ABOUT, "\n".join(about) + "\n")
+    return [*paths, Path(folder) / ABOUT]
