@@ -370,8 +370,8 @@ def check_units(path: Path, table: ColumnTable, used: Mapping[str, int], request
         )
 
 
-def check_cells(path: Path, table: ColumnTable, used: Mapping[str, int]) -> None:
-    """All but the time must be numbers, and no cell may be empty."""
+def check_cells(path: Path, table: ColumnTable, used: Mapping[str, int], else_repair: str = "") -> None:
+    """All but the time must be numbers, and no cell may be empty; ``else_repair`` is another way out of one that is."""
     for channel, column in used.items():
         if channel != "time" and table.kind(column) != "number":
             raise FileError(
@@ -380,10 +380,10 @@ def check_cells(path: Path, table: ColumnTable, used: Mapping[str, int]) -> None
                 f"--column {channel}=NAME or columns={{{channel!r}: NAME}}",
             )
         if column in table.empty:
-            interval = ", or give the sampling interval, --dt 0.01 or dt=0.01" * (channel == "time")
+            instead = ", or give the sampling interval, --dt 0.01 or dt=0.01" if channel == "time" else else_repair
             raise FileError(
                 path,
-                f"line {table.empty[column]}: the cell of the {channel} is empty; repair or cut out the line{interval}",
+                f"line {table.empty[column]}: the cell of the {channel} is empty; repair or cut out the line{instead}",
             )
 
 

@@ -230,6 +230,13 @@ def _cells(line: str, delimiter: str | None) -> list[str]:
     return [cell.strip().strip('"') for cell in cells]
 
 
+def _row(line: str, delimiter: str | None, width: int) -> list[str]:
+    """As `_cells`; where the delimiter at the end stands before the last of ``width`` cells, that one is empty."""
+    cells = _cells(line, delimiter)
+    ends = delimiter is not None and line.rstrip(" ").endswith(delimiter)
+    return [*cells, ""] if ends and len(cells) == width - 1 else cells
+
+
 def _kind(cell: str, delimiter: str | None) -> str | None:
     """What a cell is, whatever its marks: "number", "clock", "date", "stamp", "touching" fields, "empty", or None."""
     if not cell:
@@ -286,7 +293,7 @@ def table_of_rows(
         if not thousands and (delimiter != "," or quoted) and (twice := _twice(text)):
             decimal, thousands = twice
         notes = ("decimal commas",) * (decimal == ",") + (f"thousands marks {thousands!r} left out",) * bool(thousands)
-        parted = [_cells(row, delimiter) for row in text.split("\n")]
+        parted = [_row(row, delimiter, len(cells)) for row in text.split("\n")]
         if delimiter is None and any(TOUCHING.fullmatch(cell) for row in parted for cell in row):
             parted, field_width = _fixed_width(path, whole.split("\n"), numbers)
             kinds, notes = ("number",) * len(parted[0]), (*notes, f"fields of {field_width} characters")

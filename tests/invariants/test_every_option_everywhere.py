@@ -53,7 +53,7 @@ def fields() -> list[tuple[type[Options], Option]]:
 
 TEXTS = {
     "models": "dahl + spring", "add_ons": "spring", "laws": "constant", "units": "mm", "columns": "Load cell",
-    "limits": "12mm", "smoothed": "0.1 periods, trailing", "lowpass": "15 f", "cut": "events",
+    "limits": "12mm", "smoothed": "0.1 periods, trailing", "repair": "gaps", "lowpass": "15 f", "cut": "events",
     "factors": "250 N", "offsets": "-12 N", "thousands": ",", "encoding": "cp1252", "delimiter": ";",
 }  # fmt: skip
 

@@ -9,12 +9,12 @@ changes nothing.
 from dampyr.records.checks.overview import overview
 from dampyr.records.checks.quality import quality
 from dampyr.records.conditioning.cut_record import cut
-from dampyr.records.conditioning.drift import remove_drift
 from dampyr.records.conditioning.force_lag import correct_delay, estimate_delay
 from dampyr.records.conditioning.force_offset import remove_offset
 from dampyr.records.conditioning.lowpass import displacement_noise, with_lowpass
 from dampyr.records.conditioning.moving_average import Declaration, MovingAverage
 from dampyr.records.conditioning.nominal_input import nominal_inputs
+from dampyr.records.conditioning.repair import remove_drift, repair, undo_repairs
 from dampyr.records.conditioning.smoothing import with_smoothing
 from dampyr.records.conditioning.smoothing_recognition import recognise_smoothing
 from dampyr.records.conditioning.velocity import differentiate, with_velocity
@@ -38,5 +38,6 @@ __all__ = [
     "locate", "cycle_bounds", "cut_cycles", "cycle_average", "differentiate", "with_velocity", "remove_offset", "remove_drift",
     "estimate_delay", "correct_delay", "measure", "amplitude_error", "total_harmonic_distortion", "overview", "quality",
     "describe", "spectrum", "recognise_smoothing", "Declaration", "MovingAverage", "with_smoothing", "displacement_noise",
-    "with_lowpass", "cycle_table", "cycles", "RecordThresholds", "specimens",
+    "with_lowpass", "repair", "undo_repairs", "cycle_table", "cycles", "RecordThresholds",
+    "specimens",
 ]  # fmt: skip

@@ -16,6 +16,7 @@ from dampyr.records.checks.overview import Overview, overview
 from dampyr.records.checks.quality import Quality, quality
 from dampyr.records.conditioning.integrated_displacement import is_integrated
 from dampyr.records.conditioning.lowpass import DisplacementNoise, displacement_noise
+from dampyr.records.conditioning.repair import repair_sentences
 from dampyr.records.conditioning.smoothing_recognition import Recognised, recognise_smoothing
 from dampyr.records.cycle_analysis.cycle_table import cycle_table
 from dampyr.records.cycle_analysis.cycles import cut_cycles
@@ -124,15 +125,22 @@ def findings_by_kind(record: Record) -> dict[str, tuple[Severity, list[str]]]:
     if not motion.repeats:
         irregular = [_levels_sentence(record) if cut_cycles(record).graded else _irregular_sentence(motion)]
     integrated = [f"displacement {record.provenance['displacement']}"] if is_integrated(record) else []
+    repaired, repairs = repair_sentences(record)
     doubts = {
         "mark": list(record.marks),
+        "many repaired": repaired,
         "certificate": expired_certificates(record.provenance),
         "label": contradictions[: len(contradictions) - len(energy)],
         **sampling.judged(record.thresholds),
         "undeclared smoothing": _undeclared(smoothing),
         "noise": list(noise.judged(record.thresholds)),
     }
-    notes = {"integrated": integrated, "irregular": irregular, "declared smoothing": _declared(record)}
+    notes = {
+        "repaired": repairs,
+        "integrated": integrated,
+        "irregular": irregular,
+        "declared smoothing": _declared(record),
+    }
     return {
         "created energy": ("wrong", energy),
         **{kind: ("doubt", _condensed(sentences)) for kind, sentences in doubts.items()},

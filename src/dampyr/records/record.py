@@ -22,6 +22,7 @@ from dampyr.input_kinds import INPUTS, NO_INPUT
 from dampyr.origin import DAY, NOT_STATED, ORIGIN_KINDS, Origin, PublishedData, as_origin
 from dampyr.records.checks.channel_uncertainty import ChannelUncertainty
 from dampyr.records.conditioning.moving_average import MovingAverage
+from dampyr.records.conditioning.repair_step import RepairStep
 from dampyr.records.record_thresholds import USUAL, RecordThresholds
 from dampyr.shown import Shown
 from dampyr.source_file import SourceFile
@@ -116,6 +117,9 @@ class Record(Shown):
         operator, the date, the data set and dampyr's version.
     source_file
         The name and the SHA-256 of the file that it was read from, or None; reports list them.
+    repairs
+        What `dampyr.records.repair` changed, oldest first, with the samples as they were: `dampyr.records.undo_repairs` gives
+        them back. An ``.h5`` file keeps them, other formats the history alone.
     thresholds
         From when on what it shows is a finding (`dampyr.records.RecordThresholds`). No file of a record keeps them; a fit and
         its card state those that are not as usual.
@@ -147,6 +151,7 @@ class Record(Shown):
     origin: Origin = NOT_STATED
     thresholds: RecordThresholds = USUAL
     no_input: bool = False
+    repairs: tuple[RepairStep, ...] = ()
 
     def __post_init__(self) -> None:
         for channel in CHANNELS:

@@ -101,7 +101,7 @@ class Quality(Shown):
         return {
             "gap": self._gap_notes(),
             "jitter": [f"sampling jitter of {100 * self.jitter:.2g} % rms"]
-            if self.jitter > thresholds.jitter and not self._is_uneven
+            if self.jitter > thresholds.jitter and not self.is_uneven
             else [],
             "saturated": [
                 f"{channel} may be saturated: {count} samples stand at its extreme"
@@ -109,7 +109,8 @@ class Quality(Shown):
             ],
             "false samples": [
                 f"{channel} has {counted(len(times), 'false sample')}, it seems: at {_first_three(times)} s it leaps away from "
-                "its neighbours and back; cut or repair them, or fit with a loss of huber or l1"
+                "its neighbours and back; repair them, --repair false-samples or repair='false samples', or fit with a loss "
+                "of huber or l1"
                 for channel, times in self.spikes.items()
             ],
             "leap": [
@@ -136,7 +137,7 @@ class Quality(Shown):
         }
 
     @property
-    def _is_uneven(self) -> bool:
+    def is_uneven(self) -> bool:
         """Whether so many intervals are long that these are stamps that jitter, and no samples that are missing."""
         return len(self.gaps) > max(MAX_GAPS, UNEVEN_SHARE * self.samples)
 
@@ -146,7 +147,7 @@ class Quality(Shown):
             return [f"gap of {length:.4g} s at {at:.4g} s" for at, length in self.gaps]
         times = _first_three([at for at, _ in self.gaps])
         longest = max(length for _, length in self.gaps)
-        if not self._is_uneven:
+        if not self.is_uneven:
             return [f"{len(self.gaps)} gaps of up to {longest:.4g} s, at {times} s"]
         return [
             f"the time stamps jitter: {len(self.gaps)} of {self.samples - 1} intervals are long, up to {longest:.4g} s for "

@@ -26,15 +26,3 @@ def drift(record: Record) -> float:
         moved = record.displacement[i1] - record.displacement[i0]
         return float(moved / (record.time[i1] - record.time[i0]))
     return float(np.polyfit(at - at.mean(), mean, 1)[0])
-
-
-def remove_drift(record: Record) -> Record:
-    """The record with the line of its drift taken from the displacement (and its slope from the velocity).
-
-    The damper did feel the drift: use this to compare loops, not to fit a model to them.
-    """
-    slope = drift(record)
-    x = record.displacement - slope * (record.time - record.time[0])
-    velocity = None if record.velocity is None else record.velocity - slope
-    note = f"drift of {slope:.6g} m/s removed from the displacement"
-    return record.replace(note=note, displacement=x, velocity=velocity)

@@ -323,6 +323,7 @@ KEYS: Mapping[str, Callable[[str, Any], Any]] = {
     "dt": _option,
     "variable": _option,
     "header": _option,
+    "repair": _option,
     "force_sign": _option,
     "force_delay": _option,
     "measurement_session": _by_pattern,

@@ -16,6 +16,7 @@ from dampyr.records.conditioning.cut_record import check_cut
 from dampyr.records.conditioning.lowpass import as_lowpass
 from dampyr.records.conditioning.moving_average import Declaration
 from dampyr.records.conditioning.nominal_input import agrees
+from dampyr.records.conditioning.repair_kinds import GAPS, as_repairs
 from dampyr.records.record import CHANNELS, GROUPS, as_group
 from dampyr.records.record_thresholds import RecordThresholds
 from dampyr.units import Quantity
@@ -58,6 +59,12 @@ class ReadOptions(TextOptions):
         Terminal(metavar="NAME"),
         "Matrix of a MATLAB file, of which the columns are given by number, or structure of one; sheet of an Excel file; group "
         "of a TDMS file; dimension of a NetCDF file; block of an MTS file, by number",
+    ] = None
+    repair: Annotated[
+        str | None,
+        Terminal(metavar="KINDS"),
+        "Samples to repair, with commas between: false-samples, gaps (rows with an empty cell are gaps, too), force-drift, "
+        "position-drift; none undoes the repairs that an .h5 file holds",
     ] = None
     force_sign: Annotated[
         int | None,
@@ -117,10 +124,17 @@ class ReadOptions(TextOptions):
             raise InputError(
                 f"force_sign = {self.force_sign} is not allowed; it must be -1, which turns the force, or 1"
             )
+        if self.repair is not None:
+            as_repairs(self.repair)
         if self.cut is not None:
             check_cut(self.cut)
         if self.thresholds is not None and not isinstance(self.thresholds, RecordThresholds):
             raise InputError(f"thresholds = {self.thresholds!r} are not allowed; give RecordThresholds(...)")
+
+    @property
+    def fills_gaps(self) -> bool:
+        """Whether samples that are missing are put in, so that a row without one of its values may be left out."""
+        return self.repair is not None and GAPS in as_repairs(self.repair)
 
     def input_channels(self, voltage: Any = None, current: Any = None, no_input: bool = False) -> dict[str, Any]:
         """The input of the record, from that of the call and that of the file (``voltage``, ``current``, ``no_input``).

@@ -15,6 +15,7 @@ from dampyr.phrases import listing
 from dampyr.records.conditioning.force_lag import correct_delay
 from dampyr.records.conditioning.integrated_displacement import INTEGRATED, is_integrated
 from dampyr.records.conditioning.lowpass import with_lowpass
+from dampyr.records.conditioning.repair import as_stated
 from dampyr.records.conditioning.smoothing import with_smoothing
 from dampyr.records.datasets import data_set_of_file
 from dampyr.records.files.folder_metadata import INPUTS, TABLES, FolderReading, reading_of
@@ -129,9 +130,11 @@ def _merged(metadata: FolderReading, path: Path, options: ReadOptions) -> ReadOp
 
 
 def _with_request(record: Record, request: ReadOptions, metadata: FolderReading, path: Path) -> Record:
-    """The record with all that is stated of it: its force, moving average, low-pass, session, specimen, role."""
+    """The record with all that is stated of it: its repairs, its force, moving average, low-pass, session, specimen, role."""
     if request.thresholds is not None:
         record = replace(record, thresholds=request.thresholds)
+    if request.repair is not None:
+        record = as_stated(record, request.repair)
     if request.force_sign == -1:
         record = record.replace(note="force turned, as its sign was declared", force=-record.force)
     if request.force_delay:

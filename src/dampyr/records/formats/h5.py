@@ -15,6 +15,8 @@ Layout (schema 3)::
                  and bandwidth [Hz], mass times the derivative of /calibrated/velocity at that bandwidth is taken off it.
     /label       peak_to_peak_m, frequency_hz, table, row (as attributes), where there is a label
     /smoothed    window [s], alignment, channels (as attributes), where channels hold a moving average that is not undone
+    /repairs     one dataset per repair of samples (`dampyr.records.repair`), with the attributes kind, channels and words:
+                 rows of the times, then of each channel before (NaN: no sample was there) and after
     /provenance  one attribute per entry
     /history     one string per step
     /marks       one sentence per fault that the recorder saw in the test, where there is one (`dampyr.campaigns.marks`)
@@ -46,6 +48,7 @@ from dampyr.models.numerics.differentiation import differentiate
 from dampyr.origin import as_origin, of_board
 from dampyr.records.checks.channel_uncertainty import ChannelUncertainty
 from dampyr.records.conditioning.moving_average import Alignment, MovingAverage
+from dampyr.records.conditioning.repair_step import RepairStep
 from dampyr.records.files.checksums import REPAIR, Attributes, Checksums, Stored, attributes_of
 from dampyr.records.files.new_file import new_file
 from dampyr.records.files.read_options import ReadOptions
@@ -155,6 +158,7 @@ def read(path: Path, request: ReadOptions) -> Record:
             role=as_role(str(root["role"])),
             label=_label(attributes.get("label")),
             smoothed=_smoothed(attributes.get("smoothed")),
+            repairs=_repairs(file, attributes, stored),
             provenance=provenance,
             history=(*history, *replaced),
             marks=marks,
@@ -317,6 +321,8 @@ def fill(path: Path, n: int, pieces: Iterable[Record], raw: Mapping[str, Raw], r
             average = record.smoothed
             about = {"window": average.window, "alignment": average.alignment, "channels": ",".join(average.channels)}
             file.create_group("smoothed").attrs.update(about)
+        for k, step in enumerate(record.repairs):
+            _fill_repair(file, f"repairs/{k}", step, sums)
         file.create_group("provenance").attrs.update(dict(record.provenance))
         for name in ("history", "marks"):
             if texts := list(getattr(record, name)):
@@ -431,6 +437,27 @@ def _channel(path: Path, file: Any, name: str, request: ReadOptions, stored: Sto
     stored.check(f"calibrated/{name}", values)
     converted = values if unit == CHANNELS[name] else to_si(values, unit, CHANNELS[name])
     return float(converted) if np.ndim(converted) == 0 else converted
+
+
+def _fill_repair(file: Any, name: str, step: RepairStep, sums: Checksums) -> None:
+    """A repair as rows: time, then before and after of each channel."""
+    rows = np.vstack([step.time, *(values for name in step.after for values in (step.before[name], step.after[name]))])
+    file.create_dataset(name, data=rows).attrs.update(
+        {"kind": step.kind, "channels": ",".join(step.after), "words": step.words}
+    )
+    sums.add(name, rows.astype("<f8"))
+
+
+def _repairs(file: Any, attributes: Attributes, stored: Stored) -> tuple[RepairStep, ...]:
+    steps = []
+    for k in range(sum(name.startswith("repairs/") for name in attributes)):
+        name, rows = f"repairs/{k}", file[f"repairs/{k}"][()]
+        stored.check(name, rows)
+        about, pairs = attributes[name], rows[1:].reshape(-1, 2, rows.shape[1])
+        channels = dict(zip(str(about["channels"]).split(","), pairs, strict=True))
+        before, after = ({channel: pair[row] for channel, pair in channels.items()} for row in (0, 1))
+        steps.append(RepairStep(str(about["kind"]), rows[0], before, after, str(about["words"])))
+    return tuple(steps)
 
 
 def _smoothed(fields: Mapping[str, Any] | None) -> MovingAverage | None:
