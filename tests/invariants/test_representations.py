@@ -278,6 +278,7 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "records.MovingAverage": lambda made: dp.records.MovingAverage(0.3),
     "records.Overview": lambda made: dp.records.overview(made.records[0]),
     "records.RecordThresholds": lambda made: dp.records.RecordThresholds(),
+    "records.CycleOptions": lambda _: dp.records.CycleOptions(),
     "records.ReadOptions": lambda made: dp.records.ReadOptions(voltage=1.98, smoothed="0.1 periods"),
     "records.Quality": lambda made: dp.records.quality(made.records[0]),
     "records.Recognised": lambda made: Recognised("force", 50, 0.1, 0.1, 15.2, 14.0),

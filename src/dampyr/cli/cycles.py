@@ -14,13 +14,12 @@ from dampyr.cli._records import READING, gather, role_option
 from dampyr.cli._report import report_options
 
 if TYPE_CHECKING:
-    from dampyr.records import ReadOptions
-    from dampyr.records.cycle_analysis.cycle_figures import CycleOptions
+    from dampyr.records import CycleOptions, ReadOptions
 
 
 @click.command(
     cls=OptionsCommand,
-    options={"options": "dampyr.records.cycle_analysis.cycle_figures:CycleOptions"} | READING,
+    options={"options": "dampyr.records:CycleOptions"} | READING,
     epilog=examples(
         "dampyr cycles tests --report cycles.html --out cycles.xlsx",
         "dampyr cycles test.csv --column 'force=Load cell' --voltage 1.98 --units in-lb --details",

@@ -64,6 +64,11 @@ def accept_command(request: Any) -> str:
     return _command("accept", reference, *_paths(request.key), *command_words(request.options()), note=several)
 
 
+def cycles_command(request: Any) -> str:
+    """As ``dampyr cycles``; ``request`` is a `dampyr.console.record_cycles.CyclesRequest`."""
+    return _command("cycles", *_paths(request.key), *command_words(request.options()))
+
+
 def response_command(request: ResponseRequest) -> str:
     """As ``dampyr simulate``."""
     words = [*_damper(request.damper), *_structure(request.building), *_motion(request.motion)]

@@ -19,7 +19,7 @@ from dampyr.records.conditioning.smoothing import with_smoothing
 from dampyr.records.conditioning.smoothing_recognition import recognise_smoothing
 from dampyr.records.conditioning.velocity import differentiate, with_velocity
 from dampyr.records.cycle_analysis.amplitude_spectrum import spectrum
-from dampyr.records.cycle_analysis.cycle_figures import cycles
+from dampyr.records.cycle_analysis.cycle_figures import CycleOptions, cycles
 from dampyr.records.cycle_analysis.cycle_table import cycle_table
 from dampyr.records.cycle_analysis.cycles import cut_cycles, cycle_average, cycle_bounds
 from dampyr.records.cycle_analysis.measure import amplitude_error, measure, total_harmonic_distortion
@@ -38,6 +38,6 @@ __all__ = [
     "locate", "cycle_bounds", "cut_cycles", "cycle_average", "differentiate", "with_velocity", "remove_offset", "remove_drift",
     "estimate_delay", "correct_delay", "measure", "amplitude_error", "total_harmonic_distortion", "overview", "quality",
     "describe", "spectrum", "recognise_smoothing", "Declaration", "MovingAverage", "with_smoothing", "displacement_noise",
-    "with_lowpass", "repair", "undo_repairs", "cycle_table", "cycles", "RecordThresholds",
+    "with_lowpass", "repair", "undo_repairs", "cycle_table", "cycles", "CycleOptions", "RecordThresholds",
     "specimens",
 ]  # fmt: skip

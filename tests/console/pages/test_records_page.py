@@ -25,13 +25,16 @@ def test_several_files_without_names_are_uploaded_with_the_columns_chosen_once(a
     for k, channel in enumerate(("time", "displacement", "force")):
         page.get_by_label(f"Channel of column {k}").select_option(channel)
     assert page.get_by_label("Unit of column 1").input_value() == "mm"
-    page.get_by_label("Unit of column 2").fill("kN")
+    page.get_by_label("Factor of column 2").fill("2 kN")  # as of counts, in the place of a unit
+    page.get_by_label("Unit of column 2").fill("")
+    page.get_by_label("Offset of column 2").fill("-100 N")
     page.get_by_label("Voltage, V").fill("0,5")
     page.get_by_role("button", name="Upload").click()
     page.get_by_text("Uploaded 2 records.").wait_for()
     page.get_by_label("Show two_ second").wait_for()
     read = records.read(data / "uploads" / "one.h5")
-    assert (read.voltage, np.abs(read.force).max() > 3e5) == (0.5, True)
+    assert read.voltage == 0.5
+    assert read.force == pytest.approx(2e3 * np.array(ROWS)[:, 2] - 100.0, abs=0.2)
 
 
 def test_a_line_of_names_that_is_said_shows_the_columns_anew(address, new_page, tmp_path):
@@ -87,6 +90,19 @@ def test_interrupted_records_are_marked_and_left_out_until_they_are_wanted(addre
     page.get_by_label("interrupted and repeated ones").check()
     page.get_by_role("button", name="All shown").click()
     page.get_by_text("2 chosen").wait_for()
+
+
+def test_the_figures_of_cycles_follow_the_form(address, new_page, data):
+    records.write(made("a"), data / "a.h5")
+    page = new_page(f"{address}#/records?source=data&open=data/a.h5&tab=cycles")
+    page.get_by_text("Every full cycle.", exact=True).wait_for()
+    assert page.get_by_role("columnheader", name="energy J").count() > 0
+    page.get_by_label("Unit system").select_option("in-lb")
+    page.get_by_role("columnheader", name="energy in lbf").first.wait_for()
+    assert "unit_system=in-lb" in page.evaluate("location.hash")
+    page.get_by_label("Speeds, mm/s").fill("fast")
+    page.get_by_label("Speeds, mm/s").blur()
+    page.get_by_role("alert").or_(page.get_by_role("status")).filter(has_text="fast").first.wait_for()
 
 
 def test_an_address_with_a_view_that_is_none_shows_the_first(address, new_page, data):

@@ -13,7 +13,7 @@ from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, Field
 from starlette.background import BackgroundTask
 
-from dampyr.console import record_acceptance, record_answers, record_sources, record_uploads
+from dampyr.console import record_acceptance, record_answers, record_cycles, record_sources, record_uploads
 from dampyr.console import record_notes as written
 from dampyr.console.curves import Line
 from dampyr.console.limits import READING
@@ -25,6 +25,7 @@ Key = Annotated[str, Query(min_length=3, max_length=640, description="Such as da
 
 router = APIRouter()
 router.include_router(record_acceptance.router)
+router.include_router(record_cycles.router)
 router.include_router(record_uploads.router)
 
 

@@ -44,14 +44,16 @@ export function uploads(formats, options, taken) {
     const name = description.name || `column ${k}`;
     const unit = h("input", { type: "text", maxlength: "20", value: description.unit || (description.kind === "number" ? UNITS[description.channel] ?? "" : ""), disabled: Boolean(description.unit) || description.kind !== "number", "aria-label": `Unit of ${name}` });
     const channel = choice([["", "not read"], ...Object.keys(channels)], { value: description.channel, "aria-label": `Channel of ${name}`, onchange: () => (unit.value ||= unit.disabled ? "" : UNITS[channel.value] ?? "") });
-    return { ...description, name, k, unit, channel, stated: description.unit, guessed: description.channel };
+    const typed = (words, placeholder) => h("input", { type: "text", maxlength: "40", placeholder, disabled: description.kind !== "number", "aria-label": `${words} of ${name}` });
+    return { ...description, name, k, unit, factor: typed("Factor", "0.005 mm"), offset: typed("Offset", "-12 N"), channel, stated: description.unit, guessed: description.channel };
   }
 
   function tableOf(result) {
     const row = (label, cells) => h("tr", {}, h("th", { scope: "row" }, label), cells.map((cell) => h("td", {}, cell)));
     const rows = result.columns[0]?.values.length ?? 0;
-    return h("div", { class: "table", tabindex: "0", role: "region", "aria-label": "Columns of the file" }, h("table", {}, h("caption", {}, "Columns of the file; what is chosen here holds for all files"),
+    return h("div", { class: "table", tabindex: "0", role: "region", "aria-label": "Columns of the file" }, h("table", {}, h("caption", {}, "Columns of the file; what is chosen here holds for all files; a factor takes the place of a unit, as for counts"),
       h("tbody", {}, row("Column", columns.map((shownColumn) => shownColumn.name)), row("Channel", columns.map((shownColumn) => shownColumn.channel)), row("Unit", columns.map((shownColumn) => shownColumn.unit)),
+        row("Factor", columns.map((shownColumn) => shownColumn.factor)), row("Offset", columns.map((shownColumn) => shownColumn.offset)),
         Array.from({ length: rows }, (_, i) => h("tr", {}, i ? null : h("th", { scope: "row", rowspan: String(rows) }, "First rows"), result.columns.map((shownColumn) => h("td", { class: "right" }, number(shownColumn.values[i], 6))))))));
   }
 
@@ -61,9 +63,11 @@ export function uploads(formats, options, taken) {
     const twice = chosen.find((choice, k) => chosen.findIndex((other) => other.channel.value === choice.channel.value) !== k);
     if (twice) throw new Error(`two columns are the ${twice.channel.value}; choose one of them`);
     const unit = chosen.filter((choice) => !choice.stated && choice.unit.value.trim()).map((choice) => `${choice.channel.value}=${choice.unit.value.trim()}`);
-    if (columns.every((shownColumn) => shownColumn.channel.value === shownColumn.guessed)) return { unit };
+    const typed = (which) => chosen.filter((choice) => choice[which].value.trim()).map((choice) => `${choice.channel.value}=${choice[which].value.trim()}`);
+    const scaled = { unit, factor: typed("factor"), offset: typed("offset") };
+    if (columns.every((shownColumn) => shownColumn.channel.value === shownColumn.guessed)) return scaled;
     const dropped = columns.filter((shownColumn) => shownColumn.guessed && !chosen.some((other) => other.channel.value === shownColumn.guessed));
-    return { unit, column: [...chosen.map((choice) => `${choice.channel.value}=${choice.k}`), ...dropped.map((column) => `${column.guessed}=-`)] };
+    return { ...scaled, column: [...chosen.map((choice) => `${choice.channel.value}=${choice.k}`), ...dropped.map((column) => `${column.guessed}=-`)] };
   }
 
   /** What the form says, and nothing while it says what is wrong: the upload tells. */

@@ -3,10 +3,12 @@ import { acceptance, forAddress, fromAddress } from "../lib/acceptance.js";
 import { setAddress } from "../lib/address.js";
 import { get, post, put, query as asQuery, remove } from "../lib/api.js";
 import { charts, COLOURS } from "../lib/chart.js";
+import { cycleFigures } from "../lib/cycle_figures.js";
 import { confirmed, prompted } from "../lib/dialog.js";
 import { button, choice, field, h, number, section, short, tick } from "../lib/dom.js";
 import { attempt, say } from "../lib/notice.js";
 import { oneNumber } from "../lib/numbers.js";
+import { optionsInAddress } from "../lib/options.js";
 import { originBadge, originLine } from "../lib/origin.js";
 import { table } from "../lib/table.js";
 import { uploads } from "../lib/uploads.js";
@@ -23,8 +25,9 @@ export async function show(root, query) {
   const cached = new Map();
   let listed = [];
   let drawings = [];
-  const [sources, formats, reading, judging] = await Promise.all(["sources", "formats", "uploads/options", "acceptance/options"].map((name) => get(`records/${name}`)));
+  const [sources, formats, reading, judging, figures] = await Promise.all(["sources", "formats", "uploads/options", "acceptance/options", "cycle-figures/options"].map((name) => get(`records/${name}`)));
   const request = fromAddress(query, judging);
+  const asked = { options: figures, values: optionsInAddress(figures, query) };
   if (!state.source) { // one's own records, where there are any
     const own = await get(`records/list?${asQuery({ source: "data" })}`);
     state.source = own.length ? "data" : sources.at(-1).name;
@@ -95,7 +98,7 @@ export async function show(root, query) {
   }
 
   function keepAddress() {
-    setAddress(root, "records", { source: state.source, open: state.open, tab: state.tab, ...forAddress(request) });
+    setAddress(root, "records", { source: state.source, open: state.open, tab: state.tab, ...forAddress(request), ...asked.values });
   }
 
   async function draw() {
@@ -185,7 +188,7 @@ export async function show(root, query) {
         columns: [{ name: "record" }, { name: "cycle" }, { name: "level", align: "right" }, { name: "start", unit: "s" }, { name: "frequency", unit: "Hz" }, { name: "stroke", unit: "mm" }, { name: "least force", unit: "N" },
           { name: "largest force", unit: "N" }, { name: "energy", unit: "J" }, { name: "peak velocity, out", unit: "mm/s" }, { name: "force there", unit: "N" },
           { name: "peak velocity, in", unit: "mm/s" }, { name: "force there", unit: "N" }],
-      }))];
+      })), section("Figures of cycles and of the device", ...cycleFigures(keys, asked, keepAddress))];
     },
     acceptance: (keys) => acceptance(keys, request, keepAddress, drawings),
     async about(keys) {
