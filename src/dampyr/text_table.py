@@ -542,7 +542,7 @@ def _with_units_below(names: list[str], cells: list[str]) -> list[str]:
     bare = [cell.strip("[]() ") for cell in cells]
     words = [unit.lower().rstrip(".") for unit in bare]
     known = sum(word in ("", "-") or word in UNIT_WORDS for word in words)
-    named = sum(plain_name(word) in channel for word in words for channel in NAMES.values())
+    named = sum(any(plain_name(word) in channel for channel in NAMES.values()) for word in words)
     if len(names) != len(cells) or not (known == len(cells) or (2 * known >= len(cells) and known > named)):
         return cells
     return [f"{name} [{unit}]" if unit not in ("", "-") else name for name, unit in zip(names, bare)]

@@ -58,6 +58,24 @@ def test_a_sheet_is_read_with_its_units_in_any_order(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("plain")
+def test_a_sheet_of_another_laboratory_is_read_as_records_are(tmp_path: Path) -> None:
+    """Units below the names, thousands, another encoding, names that nobody knows, counts."""
+    sheet = tmp_path / "dyno.txt"
+    sheet.write_bytes(
+        "Geschwindigkeit\tZugstufe\tDruckstufe\nmm/s\tN\tN\n100\t1.250,5\t400,0\n200\t2.000,0\t500,0\n".encode("cp1252")
+    )
+    v = np.array([0.1, 0.2, -0.1, -0.2])
+    np.testing.assert_allclose(along(force_table.from_sheet(sheet, thousands="."), v), [1250.5, 2000.0, -400.0, -500.0])
+    sheet.write_text("rpm Zug Druck\n10 100 40\n20 150 50\n")
+    columns, units = (
+        {"speed": "rpm", "extension": "Zug", "compression": "Druck"},
+        {"extension": "lbf", "compression": "lbf"},
+    )
+    table = force_table.from_sheet(sheet, columns=columns, units=units, factors={"speed": "5 mm/s"})
+    np.testing.assert_allclose(along(table, 0.5 * v), 4.4482216152605 * np.array([100.0, 150.0, -40.0, -50.0]))
+
+
+@pytest.mark.usefixtures("plain")
 def test_a_sheet_of_one_row_is_a_dashpot_in_each_direction() -> None:
     v = np.array([-0.3, 0.0, 0.05, 0.1, 0.4])
     np.testing.assert_allclose(along(force_table.from_rows([0.1], [50.0], [20.0]), v), [-60.0, 0.0, 25.0, 50.0, 200.0])
@@ -98,10 +116,11 @@ def test_rows_that_are_no_table_are_refused_with_the_repair(rows: tuple[list[flo
 def test_a_sheet_without_a_column_or_a_number_is_refused(tmp_path: Path) -> None:
     sheet = tmp_path / "dyno.csv"
     for text, reason in (
-        ("speed (m/s), rebound (N)\n1, 2\n", "no column is the compression with its unit"),
-        ("speed, rebound (N), bump (N)\n1, 2, 3\n", "no column is the speed with its unit"),
-        ("speed (m/s), rebound (N), bump (N)\n1, x, 3\n", "needs a number in every row"),
-        ("speed (m/s), rebound (N), bump (N)\n", "no rows"),
+        ("speed (m/s), rebound (N)\n1, 2\n", r"no column is the compression \(there: .*call it 'compression \(N\)'"),
+        ("speed, rebound (N), bump (N)\n1, 2, 3\n", r"the column 'speed' has no unit; .* units=\{'speed': 'm/s'\}"),
+        ("speed (m/s), rebound (N), bump (N)\n1, 2, 3\n2, x, 4\n", "line 3"),
+        ("speed (m/s), rebound (N), bump (N)\n1, 2, 3\n2,, 4\n", "line 3: the cell of the extension is empty"),
+        ("speed (m/s), rebound (N), bump (N)\n", "numbers"),
     ):
         sheet.write_text(text)
         with pytest.raises(InputError, match=reason):

@@ -6,7 +6,7 @@ r"""The force table: force against speed at six speeds, in extension and in comp
 as the sheet of a shock dyno states it, of any damper without memory. :math:`w_i` is the step of the speed from one row of the
 sheet to the next, :math:`e_i` and :math:`c_i` by how much the force rises over it in extension (rebound) and in compression
 (bump): as no rise is negative, the table is monotone. Beyond the last speed the last slope goes on: the sixth share is not held
-at 1. `from_sheet` reads a csv sheet and `from_rows` takes numbers; of more than six rows the six are kept between which
+at 1. `from_sheet` reads a sheet of text and `from_rows` takes numbers; of more than six rows the six are kept between which
 straight lines leave the others least, and a warning says by how much.
 
 A sheet has no gas force and no friction: forces at a speed of 0 are refused, take them off first and add `offset` or `bingham`.
@@ -19,29 +19,24 @@ It dissipates whatever the motion.
 The piecewise linear characteristic of shock absorbers, as in Dixon (2007), The Shock Absorber Handbook.
 """
 
-import csv
-import re
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from dampyr.errors import DampyrWarning, InputError
+from dampyr.channel_columns import TextOptions, check_cells, check_units, columns_of, in_si
+from dampyr.errors import DampyrWarning, FileError, InputError
 from dampyr.models.part import Scale, checked
 from dampyr.models.parts._slip import slip
-from dampyr.units import Quantity, to_si
+from dampyr.text_table import read_table
+from dampyr.units import Quantity
 
+Numbers = Sequence[float] | np.ndarray
 ROWS = 6
 CONSTANT = ("w1", "w2", "w3", "w4", "w5", "w6")  # the rows of a sheet are at the same speeds whatever the input
-COLUMNS = {  # of a sheet, by the words that begin their names
-    "speed": ("speed", "velocity", "v"),
-    "extension": ("extension", "rebound"),
-    "compression": ("compression", "bump", "jounce"),
-}
-UNITS = {"speed": "m/s", "extension": "N", "compression": "N"}
 
 
 @checked
@@ -93,7 +88,7 @@ def starts(scale: Scale) -> Iterator[dict[str, float]]:
         yield {key: part * scale.speed for key, part in zip(CONSTANT, parts, strict=True)}
 
 
-def from_rows(speeds: Sequence[float], extension: Sequence[float], compression: Sequence[float]) -> ForceTable:
+def from_rows(speeds: Numbers, extension: Numbers, compression: Numbers) -> ForceTable:
     """The table through the rows of a sheet: speeds [m/s], and sizes of the forces [N] at them in each direction.
 
     The speeds rise from row to row, and no force falls. Fewer than six rows are continued by their last slope; of more, six
@@ -156,30 +151,33 @@ def _keep_rows(s: np.ndarray, forces: np.ndarray) -> list[int]:
     return kept if len(kept) > 2 else sorted({0, 1, s.size - 1})
 
 
-def from_sheet(path: str | Path) -> ForceTable:
-    """The table of a csv sheet: a line of names with their units, such as ``speed (mm/s), rebound (N), compression (N)``.
+@dataclass(frozen=True)
+class SheetOptions(TextOptions):
+    """What a caller states of a sheet, which it does not state itself."""
+
+    CHANNELS: ClassVar[Mapping[str, str]] = {"speed": "m/s", "extension": "N", "compression": "N"}
+
+
+def from_sheet(path: str | Path, **options: Any) -> ForceTable:
+    """The table of a sheet of text: names with their units, such as ``speed (mm/s), rebound (N), compression (N)``, then a row
+    for each speed.
 
     The columns are found by their names (speed or velocity; extension or rebound; compression, bump or jounce), in any order;
-    the signs of forces do not matter. With semicolons between the columns a comma is the decimal mark. See `from_rows`.
+    the signs of forces do not matter. Texts are read as those of records are, with their encodings, delimiters and decimal
+    marks; ``options`` are those of `dampyr.records.read` for texts, such as ``columns={"extension": "Zug"}``,
+    ``units={"speed": "in/s"}``, ``factors``, ``header``, ``delimiter``. See `from_rows`.
     """
-    text = Path(path).read_text(encoding="utf-8-sig")
-    mark = ";" if ";" in text.partition("\n")[0] else ","
-    lines = [[cell.strip() for cell in line] for line in csv.reader(text.splitlines(), delimiter=mark) if any(line)]
-    if len(lines) < 2:
-        raise InputError(f"{path}: no rows; give a line of names with their units, then a line for each speed")
-    columns = {}
-    for what, words in COLUMNS.items():
-        for k, name in enumerate(lines[0]):
-            match = re.fullmatch(rf"(?:{'|'.join(words)})\b[^(\[]*[(\[]([^)\]]*)[)\]]", name, re.IGNORECASE)
-            if match and what not in columns:
-                try:
-                    values = [float(line[k].replace(",", ".") if mark == ";" else line[k]) for line in lines[1:]]
-                except (ValueError, IndexError):
-                    raise InputError(f"{path}: the column {name!r} needs a number in every row") from None
-                columns[what] = [float(to_si(value, match[1], UNITS[what])) for value in values]
-        if what not in columns:
-            raise InputError(
-                f"{path}: no column is the {what} with its unit (there: {', '.join(lines[0])}); call it "
-                f"'{words[0]} ({'mm/s' if what == 'speed' else 'N'})'"
+    path, request = Path(path), SheetOptions(**options)
+    table = read_table(path, request, by_number=request.is_by_number)
+    used = columns_of(path, table, request)
+    for what, si in request.CHANNELS.items():
+        if what not in used:
+            name = f"{what} ({'mm/s' if si == 'm/s' else si})"
+            raise FileError(
+                path,
+                f"no column is the {what} (there: {table.listed()}); call it {name!r}, or give columns={{{what!r}: NAME}}",
             )
-    return from_rows(columns["speed"], columns["extension"], columns["compression"])
+    check_cells(path, table, used)
+    check_units(path, table, used, request)
+    sides = {what: in_si(path, table, what, column, request)[0] for what, column in used.items()}
+    return from_rows(sides["speed"], sides["extension"], sides["compression"])
