@@ -6,6 +6,8 @@ import pytest
 
 pytest.importorskip("fastapi")
 
+from tests.stories.test_a_damper_without_an_input import sine, spoken
+
 from dampyr import records
 
 
@@ -130,3 +132,33 @@ def test_every_page_can_be_read_in_the_dark_and_on_a_phone(address, new_page, ac
     page.get_by_role("table" if name != "building" else "group").first.wait_for()
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
     accessible(page)
+
+
+def test_a_damper_without_an_input_goes_through_the_pages_and_nothing_speaks_of_volts(page, data):
+    records.write(sine(name="brace"), data / "brace.h5")
+    said = {}
+
+    def look(name):
+        said[name] = spoken(page.locator("main").inner_text())
+
+    go(page, "records", "?source=data&open=data/brace.h5")
+    for view in ("Loops", "Cycles", "Time", "About"):
+        page.get_by_role("tab", name=view).click()
+        page.get_by_role("tabpanel").locator("canvas, table, dl").first.wait_for()
+        said[view] = spoken(page.get_by_role("tabpanel").inner_text())
+    go(page, "identify")
+    page.get_by_label("Source").select_option("data")
+    page.get_by_label("Choose brace").check()
+    page.get_by_role("button", name="Identify", exact=True).click()
+    page.get_by_role("button", name="Save the card").wait_for(timeout=120_000)
+    look("identify")
+    page.get_by_label("Name of the card").fill("brace")
+    page.get_by_role("button", name="Save the card").click()
+    page.get_by_text("Saved the card brace.toml").wait_for()
+    go(page, "building")
+    page.get_by_label("Damper").select_option("cards/brace.toml")
+    page.get_by_role("button", name="Simulate").click()
+    page.get_by_role("heading", name="Peaks").wait_for(timeout=180_000)
+    page.locator("tr", has_text="no damper").first.wait_for()
+    look("building")
+    assert {name: words for name, words in said.items() if words} == {}
