@@ -306,6 +306,9 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "structures.Fragility": lambda made: made.ensemble.curves[0],
     "structures.Incremental": lambda made: made.incremental,
     "structures.Response": lambda made: made.response,
+    "structures.RideFigures": lambda _: dp.structures.RideFigures(
+        0.9, 1.2, 4.1, 1.4, 2.3, 0.006, 0.021, 420.0, 1400.0, 3530.4, 0.0
+    ),
     "structures.RespondOptions": lambda made: dp.structures.RespondOptions(after=2.0),
     "structures.Responses": lambda made: made.responses,
     "structures.StateSpace": lambda made: dp.structures.state_space(made.building),

@@ -21,6 +21,8 @@ from dampyr.structures.ensembles.incremental import incremental
 from dampyr.structures.ensembles.job_array import collect, write_part
 from dampyr.structures.ensembles.summary import summary
 from dampyr.structures.raminelli_2020_building import two_storey
+from dampyr.structures.ride import RideFigures, ride_figures, vertical_weighting, weighted_acceleration
+from dampyr.structures.road_profile import bump, random_road
 from dampyr.structures.shear import shear_building, single_mass
 from dampyr.structures.structure_file import load
 from dampyr.structures.time_history.respond import respond
@@ -29,7 +31,8 @@ from dampyr.structures.time_history.state_space import from_state_space, state_s
 from dampyr.structures.vehicle import quarter_car, road
 
 __all__ = [
-    "Building", "two_storey", "shear_building", "single_mass", "quarter_car", "road", "condense", "load", "respond",
+    "Building", "two_storey", "shear_building", "single_mass", "quarter_car", "road", "random_road", "bump",
+    "ride_figures", "RideFigures", "vertical_weighting", "weighted_acceleration", "condense", "load", "respond",
     "control_law", "available_control_laws", "RespondOptions", "ensemble", "EnsembleOptions", "EnsembleResult",
     "ensemble_cases", "read_ensemble", "demand_tables", "write_demands", "summary", "fragility", "incremental",
     "write_part", "collect", "Response", "state_space", "from_state_space",
