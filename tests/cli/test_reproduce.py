@@ -101,7 +101,47 @@ def test_plants_are_of_the_other_study(tmp_path: Path) -> None:
     result = run("--plants", "3", "--out", tmp_path / "out")
     assert result.exit_code == 2
     assert "--plants is of vrths_2020; leave it out" in result.stderr
-    assert run("ramineli").exit_code == 2
+    result = run("ramineli")
+    assert result.exit_code == 2
+    assert (
+        "'ramineli' is not a study; choose from ohtori_2004, quarter_car_2025, quiroz_2022, raminelli_2020"
+        in result.stderr
+    )
+
+
+def test_the_studies_are_listed() -> None:
+    assert "quarter_car_2025\n    A quarter car" in run("--list").stdout
+    assert list(json.loads(run("--list", "--json").stdout)) == [
+        "ohtori_2004", "quarter_car_2025", "quiroz_2022", "raminelli_2020", "vrths_2020",
+    ]  # fmt: skip
+
+
+def test_a_study_that_is_a_list_of_numbers_is_printed_with_what_differs(tmp_path: Path) -> None:
+    result = run("quarter_car_2025", "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.stderr
+    assert "2 V                            travel                  29.4" in result.stdout
+    assert "0 V, peak of the body: off by" in result.stdout
+    assert "quarter_car_2025.html" in result.stdout
+    numbers = json.loads((tmp_path / "out" / "quarter_car_2025.json").read_text("utf-8"))
+    assert [value["verdict"] for value in numbers["compared"]].count("agrees") == 10
+
+
+@pytest.mark.usefixtures("no_data")
+def test_all_runs_what_it_can_and_names_the_rest(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The dissertation, which needs a minute, is run in tests/studies."""
+    from dampyr import studies
+
+    names = ["ohtori_2004", "quarter_car_2025", "quiroz_2022", "vrths_2020"]
+    monkeypatch.setattr(studies, "available_studies", lambda: names)
+    result = run("--all", "--out", tmp_path / "out")
+    assert result.exit_code == 0, result.stderr
+    assert "ohtori_2004.html" in result.stdout
+    for name in ("quiroz_2022", "vrths_2020"):
+        assert f"Left out: {name}: " in result.stdout
+    for words in (["quiroz_2022", "--all"], ["--all", "--data", str(tmp_path)]):
+        refused = run(*words)
+        assert refused.exit_code == 2
+        assert "--all" in refused.stderr
 
 
 @pytest.mark.by_hand  # tests/studies/test_vrths_2020.py makes the same table and page

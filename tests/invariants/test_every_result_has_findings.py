@@ -18,6 +18,7 @@ PARTS = {  # of a result that has them, or no result
     "Rig": "a rig; `diagnose` looks at it",
     "Validation": "in Fit",
     "VirtualRun": "a loop that is all computed, with its stability",
+    "StudyRun": "published studies beside ours",
     "VrthsStudy": "a published benchmark beside ours",
 }
 

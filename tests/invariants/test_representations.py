@@ -64,6 +64,7 @@ from dampyr.show.text import MAX_LETTERS, MAX_LINES, rows_as_text
 from dampyr.shown import Shown
 from dampyr.studies.raminelli_2020.study import Study
 from dampyr.studies.raminelli_2020.study_part import StudyPart
+from dampyr.studies.study_run import StudyRun
 from dampyr.studies.vrths_2020.vrths_study import VrthsStudy
 from tests.campaigns.specimen_folders import QUASI_STATIC, dahl, specimen_folder
 from tests.identification.synthetic import sine
@@ -316,6 +317,9 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "studies.ComparedValue": lambda made: made.study.compared[0],
     "studies.Published": lambda made: dp.studies.raminelli_2020.PUBLISHED,
     "studies.Study": lambda made: made.study,
+    "studies.StudyRun": lambda made: StudyRun(
+        "a_2020", "A (2020)", "a paper", tuple(made.study.compared[:3]), ("the rest",)
+    ),
     "studies.VrthsStudy": lambda made: VrthsStudy(
         (), {("El Centro", "kalman", 1): (np.ones(9), np.ones(9))}, {}, (np.zeros(1), {})
     ),

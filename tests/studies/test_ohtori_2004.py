@@ -119,3 +119,18 @@ def test_the_command_knows_it() -> None:
     assert len(case["peak_drift_m"]) == 20
     assert 0.0 < case["truncation_error_displacement"] < case["truncation_error_drift"] < 5e-4
     assert case["truncation_error_drift"] < case["truncation_error_acceleration"] < 1e-3
+
+
+@pytest.mark.prove
+def test_the_study_agrees_where_the_record_allows_it(data_root: Path, el_centro: object, tmp_path: Path) -> None:
+    run = ohtori_2004.reproduce(data_root, tmp_path)
+    verdicts = {(value.artefact, value.quantity): value.verdict for value in run.compared}
+    assert [name for name, verdict in verdicts.items() if verdict == "differs"] == [("El Centro", "largest speed")]
+    assert sum(verdict == "agrees" for verdict in verdicts.values()) == 9
+    assert (tmp_path / "ohtori_2004.html").is_file()
+
+
+def test_the_study_without_a_record_says_what_it_left_out(tmp_path: Path) -> None:
+    run = ohtori_2004.reproduce(tmp_path)
+    assert sum(value.verdict == "agrees" for value in run.compared) == 5
+    assert any("elcentro.dat" in omission for omission in run.left_out)

@@ -21,6 +21,11 @@ if TYPE_CHECKING:
 THESIS = "raminelli_2020"
 
 
+def available_studies() -> list[str]:
+    """The names of the studies that `dampyr reproduce` runs: the modules here that have ``reproduce``."""
+    return [name for name, study in registry.members(__name__) if hasattr(study, "reproduce")]
+
+
 def available_dampers() -> list[str]:
     """The names of all published dampers: of the studies that have one, then those of `dampyr.models.published`."""
     from dampyr.models import published

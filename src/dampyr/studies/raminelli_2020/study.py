@@ -15,19 +15,18 @@ from dampyr.records import locate
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.table import Cell, Table
 from dampyr.shown import Shown
+from dampyr.studies.compared_value import ComparedValue, Erratum, overall
 from dampyr.studies.raminelli_2020.appendix_a import rig
 from dampyr.studies.raminelli_2020.campaign_records import Progress, load
 from dampyr.studies.raminelli_2020.chapter_2 import chapter_2
 from dampyr.studies.raminelli_2020.chapter_4_loops import figures_4
 from dampyr.studies.raminelli_2020.chapter_4_tables import table_4_1, tables
 from dampyr.studies.raminelli_2020.chapter_5 import chapter_5
-from dampyr.studies.raminelli_2020.compared_value import ComparedValue, Erratum, Outcome, overall
 from dampyr.studies.raminelli_2020.cubics import equations
 from dampyr.studies.raminelli_2020.prediction import errors
 from dampyr.studies.raminelli_2020.published import Published
 from dampyr.studies.raminelli_2020.study_part import StudyPart
-
-OUTCOMES: tuple[Outcome, ...] = ("agrees", "differs", "cannot be checked")
+from dampyr.studies.study_run import OUTCOMES
 
 
 @dataclass(frozen=True, repr=False)

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from dampyr.studies.raminelli_2020.compared_value import (
+from dampyr.studies.compared_value import (
     AlternativeValue,
     ComparisonTolerance,
     PrintedNumber,
