@@ -62,9 +62,9 @@ from dampyr.show.plots import Plots
 from dampyr.show.table import Table
 from dampyr.show.text import MAX_LETTERS, MAX_LINES, rows_as_text
 from dampyr.shown import Shown
+from dampyr.studies._study_run import StudyRun
 from dampyr.studies.raminelli_2020.study import Study
 from dampyr.studies.raminelli_2020.study_part import StudyPart
-from dampyr.studies.study_run import StudyRun
 from dampyr.studies.vrths_2020.vrths_study import VrthsStudy
 from tests.campaigns.specimen_folders import QUASI_STATIC, dahl, specimen_folder
 from tests.identification.synthetic import sine

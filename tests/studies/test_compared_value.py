@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from dampyr.studies.compared_value import (
+from dampyr.studies._compared_value import (
     AlternativeValue,
     ComparisonTolerance,
     PrintedNumber,

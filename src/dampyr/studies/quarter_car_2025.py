@@ -17,8 +17,8 @@ import numpy as np
 from dampyr.ground_motions import GroundMotion
 from dampyr.models import published
 from dampyr.structures import Building, Response, control_law, quarter_car, respond, road
-from dampyr.studies.compared_value import ComparedValue, ComparisonTolerance, judge
-from dampyr.studies.study_run import Progress, StudyRun, write
+from dampyr.studies._compared_value import ComparedValue, ComparisonTolerance, judge
+from dampyr.studies._study_run import Progress, StudyRun, write
 
 SPRUNG, UNSPRUNG, SUSPENSION, TYRE, DAMPING = 320.0, 40.0, 22e3, 190e3, 1500.0  # kg, kg, N/m, N/m, N s/m
 HEIGHT, LENGTH, SPEED, DURATION, SPACING = 0.05, 1.0, 12.5, 2.5, 0.0125  # m, m, m/s, s, m
@@ -40,7 +40,7 @@ STATIC = (
 
 
 def reproduce(data: Path | None = None, out: Path | None = None, progress: Progress | None = None) -> StudyRun:
-    """Run the four cars over the bump; no data are needed. See `dampyr.studies.study_run`."""
+    """Run the four cars over the bump; no data are needed. See `dampyr.studies._study_run`."""
     car = quarter_car(SPRUNG, UNSPRUNG, SUSPENSION, TYRE)
     damper = published.damper("spencer_1997_baig")
     law = control_law("on_off", low=0.0, high=2.0, period=0.001)

@@ -21,8 +21,8 @@ from dampyr.models import Damper
 from dampyr.models.parts import modified_bouc_wen
 from dampyr.structures import Response, respond
 from dampyr.studies import vrths_2020
-from dampyr.studies.compared_value import ComparedValue, ComparisonTolerance, judge, unchecked
-from dampyr.studies.study_run import Progress, StudyRun, write
+from dampyr.studies._compared_value import ComparedValue, ComparisonTolerance, judge, unchecked
+from dampyr.studies._study_run import Progress, StudyRun, write
 
 COUNT, INTENSITY = 4, 0.5
 CURRENTS = {"none": None, "off": 0.0, "on": 1.0}  # A

@@ -1,10 +1,10 @@
 """A study of three artefacts, made without a computation."""
 
 from dampyr.show.pages.blocks import Text
-from dampyr.studies.compared_value import ComparisonTolerance, Erratum, PrintedNumber, judge, unchecked
+from dampyr.studies._compared_value import ComparisonTolerance, Erratum, PrintedNumber, judge, unchecked
+from dampyr.studies._study_run import compared_table
 from dampyr.studies.raminelli_2020.study import Study
 from dampyr.studies.raminelli_2020.study_part import StudyPart
-from dampyr.studies.study_run import compared_table
 
 CLOSE = ComparisonTolerance(relative=0.01)
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from tests.studies.raminelli_2020.artefact_values import one
 
-from dampyr.studies.compared_value import PrintedNumber
+from dampyr.studies._compared_value import PrintedNumber
 from dampyr.studies.raminelli_2020 import PUBLISHED
 from dampyr.studies.raminelli_2020.chapter_2 import chapter_2
 from dampyr.studies.raminelli_2020.study_part import StudyPart

@@ -7,7 +7,7 @@ from tests.studies.raminelli_2020.artefact_values import one
 
 from dampyr.errors import ExtrapolationWarning, RangeError
 from dampyr.studies import raminelli_2020
-from dampyr.studies.compared_value import PrintedNumber
+from dampyr.studies._compared_value import PrintedNumber
 from dampyr.studies.raminelli_2020 import PUBLISHED
 from dampyr.studies.raminelli_2020.cubics import equations
 

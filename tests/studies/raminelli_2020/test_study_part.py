@@ -2,8 +2,8 @@
 
 from tests.studies.raminelli_2020.small_study import study
 
-from dampyr.studies.compared_value import PrintedNumber, unchecked
-from dampyr.studies.study_run import compared_table
+from dampyr.studies._compared_value import PrintedNumber, unchecked
+from dampyr.studies._study_run import compared_table
 
 
 def test_published_numbers_keep_their_printed_digits() -> None:

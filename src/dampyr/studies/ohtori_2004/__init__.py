@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 from dampyr.studies.ohtori_2004.frame import FLOOR_MASSES, STOREY_HEIGHTS, structure
 
 if TYPE_CHECKING:
-    from dampyr.studies.study_run import Progress, StudyRun
+    from dampyr.studies._study_run import Progress, StudyRun
 
 __all__ = ["FLOOR_MASSES", "STOREY_HEIGHTS", "STRUCTURES", "reproduce", "structure"]
 

@@ -10,9 +10,9 @@ from dampyr.errors import MissingData
 from dampyr.ground_motions import GroundMotion, read, resampled
 from dampyr.records.datasets import data_root
 from dampyr.structures import respond
-from dampyr.studies.compared_value import ComparedValue, ComparisonTolerance, judge, unchecked
+from dampyr.studies._compared_value import ComparedValue, ComparisonTolerance, judge, unchecked
+from dampyr.studies._study_run import Progress, StudyRun, write
 from dampyr.studies.ohtori_2004.frame import FLOOR_MASSES, STOREY_HEIGHTS, structure
-from dampyr.studies.study_run import Progress, StudyRun, write
 
 FREQUENCIES = (0.2613, 0.7526, 1.299, 1.827, 2.398)  # Hz
 EL_CENTRO = {

@@ -11,7 +11,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from dampyr.studies.compared_value import ComparedValue
+from dampyr.studies._compared_value import ComparedValue
 from dampyr.studies.raminelli_2020.published import PUBLISHED, Published
 
 if TYPE_CHECKING:

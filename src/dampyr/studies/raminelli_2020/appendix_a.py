@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dampyr.studies.compared_value import ComparedValue, Outcome, unchecked
+from dampyr.studies._compared_value import ComparedValue, Outcome, unchecked
+from dampyr.studies._study_run import compared_table
 from dampyr.studies.raminelli_2020.campaign_records import PublishedCampaign
 from dampyr.studies.raminelli_2020.chapter_4_tables import FETCH
 from dampyr.studies.raminelli_2020.published import Published
 from dampyr.studies.raminelli_2020.study_part import StudyPart
-from dampyr.studies.study_run import compared_table
 
 
 def rig(published: Published, campaign: PublishedCampaign | None) -> StudyPart:

@@ -16,7 +16,7 @@ from dampyr.show.figures.phase_portrait import phase_portrait
 from dampyr.show.figures.style import DISPLACEMENT, Axis
 from dampyr.show.figures.theta import theta
 from dampyr.show.pages.blocks import FigureBlock, Text
-from dampyr.studies.compared_value import (
+from dampyr.studies._compared_value import (
     AlternativeValue,
     ComparedValue,
     ComparisonTolerance,
@@ -24,9 +24,9 @@ from dampyr.studies.compared_value import (
     judge,
     unchecked,
 )
+from dampyr.studies._study_run import compared_table
 from dampyr.studies.raminelli_2020.published import BoucWenLetters, Example, Published
 from dampyr.studies.raminelli_2020.study_part import StudyPart
-from dampyr.studies.study_run import compared_table
 
 Array = NDArray[np.float64]
 DT = 1.25e-4  # s; the sampling that the velocities of Step 2 imply, tested below

@@ -9,7 +9,7 @@ from dampyr.records import cycle_bounds
 from dampyr.show.figures.history import history as history_figure
 from dampyr.show.figures.loops import loops as loops_figure
 from dampyr.show.pages.blocks import Block, FigureBlock, Text
-from dampyr.studies.compared_value import (
+from dampyr.studies._compared_value import (
     ComparedValue,
     ComparisonTolerance,
     Erratum,
@@ -17,6 +17,7 @@ from dampyr.studies.compared_value import (
     judge,
     unchecked,
 )
+from dampyr.studies._study_run import compared_table
 from dampyr.studies.raminelli_2020.campaign_records import PublishedCampaign, PublishedTest
 from dampyr.studies.raminelli_2020.chapter_2 import PICTURE
 from dampyr.studies.raminelli_2020.chapter_4_tables import MOTION, NO_FILES
@@ -24,7 +25,6 @@ from dampyr.studies.raminelli_2020.cubics import published_damper
 from dampyr.studies.raminelli_2020.prediction import row_damper
 from dampyr.studies.raminelli_2020.published import Published
 from dampyr.studies.raminelli_2020.study_part import StudyPart
-from dampyr.studies.study_run import compared_table
 
 TITLE = "Figures 4.1 to 4.4"
 SHOWN_ROW = 5  # of tables 4.2 and 4.3: the test that figures 4.1 and 4.2 show

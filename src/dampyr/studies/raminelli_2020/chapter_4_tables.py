@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from dampyr.show.pages.blocks import Block, Text
 from dampyr.show.table import Cell, Table, Verdict
-from dampyr.studies.compared_value import (
+from dampyr.studies._compared_value import (
     AlternativeValue,
     ComparedValue,
     ComparisonTolerance,
@@ -19,10 +19,10 @@ from dampyr.studies.compared_value import (
     overall,
     unchecked,
 )
+from dampyr.studies._study_run import compared_table
 from dampyr.studies.raminelli_2020.campaign_records import PublishedCampaign, PublishedTest
 from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, UNITS, Published, PublishedRow
 from dampyr.studies.raminelli_2020.study_part import StudyPart
-from dampyr.studies.study_run import compared_table
 
 Array = NDArray[np.float64]
 MOTION = ComparisonTolerance(relative=0.05)

@@ -18,7 +18,7 @@ from dampyr.show.figures.ground_motion import ground_motion
 from dampyr.show.pages.blocks import Block, FigureBlock, Text
 from dampyr.show.table import Cell, Table
 from dampyr.structures import Response, respond, state_space, two_storey
-from dampyr.studies.compared_value import (
+from dampyr.studies._compared_value import (
     ComparedValue,
     ComparisonTolerance,
     Erratum,
@@ -26,11 +26,11 @@ from dampyr.studies.compared_value import (
     judge,
     unchecked,
 )
+from dampyr.studies._study_run import compared_table
 from dampyr.studies.raminelli_2020.chapter_2 import PICTURE
 from dampyr.studies.raminelli_2020.cubics import published_damper
 from dampyr.studies.raminelli_2020.published import Published
 from dampyr.studies.raminelli_2020.study_part import StudyPart
-from dampyr.studies.study_run import compared_table
 
 MILLIONTH = ComparisonTolerance(relative=1e-6)
 MOTION_FILE = "ElCentroData.mat"

@@ -14,10 +14,10 @@ from dampyr.show.figures.laws import LawPanel, parameters_against_input
 from dampyr.show.figures.style import Axis
 from dampyr.show.pages.blocks import Block, FigureBlock, Text
 from dampyr.show.table import Cell, Table
-from dampyr.studies.compared_value import ComparedValue, ComparisonTolerance, Erratum, judge
+from dampyr.studies._compared_value import ComparedValue, ComparisonTolerance, Erratum, judge
+from dampyr.studies._study_run import compared_table
 from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, UNITS, Published
 from dampyr.studies.raminelli_2020.study_part import StudyPart
-from dampyr.studies.study_run import compared_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

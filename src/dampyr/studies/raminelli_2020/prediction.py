@@ -15,13 +15,13 @@ from dampyr.records.conditioning.velocity import default_bandwidth
 from dampyr.show.figures.scores import scores
 from dampyr.show.pages.blocks import Block, FigureBlock, Text
 from dampyr.show.table import Cell, Table
-from dampyr.studies.compared_value import ComparedValue, ComparisonTolerance, judge, unchecked
+from dampyr.studies._compared_value import ComparedValue, ComparisonTolerance, judge, unchecked
+from dampyr.studies._study_run import compared_table
 from dampyr.studies.raminelli_2020.campaign_records import PublishedCampaign, PublishedTest
 from dampyr.studies.raminelli_2020.chapter_4_tables import NO_FILES
 from dampyr.studies.raminelli_2020.cubics import published_damper
 from dampyr.studies.raminelli_2020.published import PARAMETERS, TABLES, TO_SI, Published, PublishedRow
 from dampyr.studies.raminelli_2020.study_part import StudyPart
-from dampyr.studies.study_run import compared_table
 
 Array = NDArray[np.float64]
 Readings = Mapping[str, Array]  # of the coefficients or files -> (records, definitions), %

@@ -11,7 +11,7 @@ from dampyr.phrases import listing
 from dampyr.records.files.campaign_folder import campaign_rows
 from dampyr.show.descriptions import Description, describe
 from dampyr.shown import Shown
-from dampyr.studies.compared_value import PrintedNumber
+from dampyr.studies._compared_value import PrintedNumber
 
 PARAMETERS = ("kx", "kw", "rho")
 UNITS = {"kx": "N s/mm", "kw": "N", "rho": "1/mm"}

@@ -15,7 +15,8 @@ from dampyr.records import locate
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.table import Cell, Table
 from dampyr.shown import Shown
-from dampyr.studies.compared_value import ComparedValue, Erratum, overall
+from dampyr.studies._compared_value import ComparedValue, Erratum, overall
+from dampyr.studies._study_run import OUTCOMES
 from dampyr.studies.raminelli_2020.appendix_a import rig
 from dampyr.studies.raminelli_2020.campaign_records import Progress, load
 from dampyr.studies.raminelli_2020.chapter_2 import chapter_2
@@ -26,7 +27,6 @@ from dampyr.studies.raminelli_2020.cubics import equations
 from dampyr.studies.raminelli_2020.prediction import errors
 from dampyr.studies.raminelli_2020.published import Published
 from dampyr.studies.raminelli_2020.study_part import StudyPart
-from dampyr.studies.study_run import OUTCOMES
 
 
 @dataclass(frozen=True, repr=False)

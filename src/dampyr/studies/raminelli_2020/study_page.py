@@ -10,7 +10,7 @@ from pathlib import Path
 from dampyr.show.pages.blocks import Block, Section, Text
 from dampyr.show.pages.html_page import page, write_html
 from dampyr.show.table import Cell, Table, Verdict
-from dampyr.studies.compared_value import ComparedValue, Erratum, overall
+from dampyr.studies._compared_value import ComparedValue, Erratum, overall
 from dampyr.studies.raminelli_2020.study import Study, artefacts_table
 
 SOURCE = (

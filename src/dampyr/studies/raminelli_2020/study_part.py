@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from dampyr.show.pages.blocks import Block
-from dampyr.studies.compared_value import ComparedValue, Erratum
+from dampyr.studies._compared_value import ComparedValue, Erratum
 
 
 @dataclass(frozen=True)

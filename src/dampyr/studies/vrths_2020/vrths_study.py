@@ -31,8 +31,8 @@ from dampyr.show.pages.blocks import FigureBlock, Section, Text
 from dampyr.show.pages.html_page import page, write_html
 from dampyr.show.table import Cell, Table
 from dampyr.shown import Shown
-from dampyr.studies.compared_value import ComparedValue, ComparisonTolerance, claim, judge
-from dampyr.studies.study_run import compared_table
+from dampyr.studies._compared_value import ComparedValue, ComparisonTolerance, claim, judge
+from dampyr.studies._study_run import compared_table
 from dampyr.studies.vrths_2020.benchmark import CASES, INTENSITY, MOTIONS, SOURCE, motion, structure
 from dampyr.to_json import plain
 

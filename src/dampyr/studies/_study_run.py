@@ -19,7 +19,7 @@ from dampyr.show.pages.blocks import Section, Text
 from dampyr.show.pages.html_page import number, page, write_html
 from dampyr.show.table import Cell, Table, Verdict
 from dampyr.shown import Shown
-from dampyr.studies.compared_value import ComparedValue, Outcome
+from dampyr.studies._compared_value import ComparedValue, Outcome
 
 Progress = Callable[[str, float], None]
 OUTCOMES: tuple[Outcome, ...] = ("agrees", "differs", "cannot be checked")
