@@ -10,5 +10,6 @@ def run_as_plain_python(monkeypatch: pytest.MonkeyPatch) -> None:
     """Until the test ends."""
     monkeypatch.setattr(kernels, "jit", lambda function, *_, **__: function)
     monkeypatch.setattr(kernels, "_shared", {})
-    monkeypatch.setattr(kernels, "bind", kernels.bind.__wrapped__)
+    for name in ("bind", "_bound"):  # without their memory, which would hand these functions to later tests
+        monkeypatch.setattr(kernels, name, getattr(kernels, name).__wrapped__)
     monkeypatch.setattr(path_integration, "bind", kernels.bind)

@@ -8,9 +8,13 @@ from itertools import count
 from pathlib import Path
 
 import pytest
+from numba import float64, njit
 
 import dampyr
+from dampyr.models import path_integration
 from dampyr.models.codegen import kernels
+from dampyr.models.codegen.composition import compose
+from dampyr.structures.time_history import time_stepping
 
 PROBE = """
 import sys, numpy as np
@@ -44,6 +48,36 @@ def test_a_kernel_is_cached_and_an_edited_model_is_compiled_anew(tmp_path: Path)
     edited, hits, misses = run(package, cache)
     assert edited == 2 * first
     assert (hits, misses) == (0, 1)
+
+
+def test_inner_functions_are_written_into_their_callers_and_have_no_machine_code_of_their_own() -> None:
+    def formula(x: float) -> float:
+        return 2.0 * x
+
+    def step(x: float) -> float:
+        return formula(x) + 1.0
+
+    formula = kernels.jit(kernels.named(formula, __name__, "of a part"))
+    step = kernels.jit(kernels.named(step, __name__, "of a driver"), inline=True)
+    driver = njit(lambda x: step(x) - 0.5)
+    assert driver(3.0) == 6.5
+    [compiled_step], [compiled_formula] = step.overloads.values(), formula.overloads.values()
+    assert compiled_step.fndesc.inline
+    assert not compiled_formula.fndesc.inline  # numba hands the setting of a caller on, unless told
+    engine = driver.overloads[(float64,)].library.codegen._engine
+    assert engine.is_symbol_defined(driver.overloads[(float64,)].fndesc.mangled_name)
+    for inner in (compiled_step, compiled_formula):
+        assert not engine.is_symbol_defined(inner.fndesc.mangled_name)
+
+
+def test_a_kernel_is_bound_once_for_all_compositions_whose_functions_it_calls_are_the_same() -> None:
+    """A delay has no formula; the derivatives by the parameters, of which it is one, are of no concern to a building."""
+    dahl, late, stiff = (compose(names) for names in ("dahl", "dahl + delay", "dahl + spring"))
+    for driver in (time_stepping.integrate, path_integration.integrate_force):
+        assert kernels.bind(driver, (late,)) is kernels.bind(driver, (dahl,))
+        assert kernels.bind(driver, (stiff,)) is not kernels.bind(driver, (dahl,))
+    of_fit = path_integration.integrate_jacobian
+    assert kernels.bind(of_fit, (late,)) is not kernels.bind(of_fit, (dahl,))
 
 
 def test_where_the_cache_cannot_be_written_kernels_go_to_a_temporary_folder(

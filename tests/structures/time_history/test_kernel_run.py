@@ -6,9 +6,11 @@ from tests.structures.begin_of_el_centro import short
 
 from dampyr.errors import InputError
 from dampyr.models import Damper
-from dampyr.structures import control_law, respond, two_storey
+from dampyr.models.codegen.kernels import bind
+from dampyr.structures import control_law, respond, shear_building, two_storey
 from dampyr.structures.sites import make_sites
-from dampyr.structures.time_history.kernel_run import runner
+from dampyr.structures.time_history.kernel_run import distinct, runner
+from dampyr.structures.time_history.time_stepping import integrate
 from dampyr.studies import raminelli_2020
 
 
@@ -43,3 +45,32 @@ def test_the_kernel_takes_what_is_imposed_and_tells_what_hangs_on_the_step(dampe
     taken = run(8, imposed=others).decisions.sensed[:, :, 4]
     np.testing.assert_array_equal(taken[np.isfinite(others)], others[np.isfinite(others)])
     np.testing.assert_array_equal(run(8).out.state, fine.out.state)
+
+
+def kernels_of(buildings_and_dampers) -> int:
+    """How many kernels short runs of these need: one for each signature, and for each binding that none before it had."""
+    bound, kernels = bind.cache_info().misses, set()
+    for building, dampers in buildings_and_dampers:
+        sites = make_sites(building, dampers, 1.98, None, False)
+        runner(building, short(0.1), sites)(1)
+        kernels.add(bind(integrate, distinct(sites), ""))
+    return max(bind.cache_info().misses - bound, sum(len(kernel.signatures) for kernel in kernels))
+
+
+def test_any_number_of_equal_dampers_runs_in_one_kernel(damper):
+    tower = shear_building([2e4] * 20, [4e7] * 20, damping_ratio=0.03)
+    placed = [(two_storey(), {1: [damper] * count}) for count in (1, 2, 3, 5)]
+    placed += [(two_storey(), {2: damper}), (tower, dict.fromkeys(range(1, 21), damper))]
+    assert kernels_of(placed) == 1
+
+
+def test_the_places_of_different_dampers_make_no_further_kernel_and_each_keeps_its_formula(damper, tangent):
+    one_way, other_way = {1: damper, 2: [tangent, damper]}, {1: [tangent, damper], 2: damper}
+    assert kernels_of([(two_storey(), one_way), (two_storey(), other_way)]) == 1
+    response = respond(two_storey(), short(2.0), one_way, voltage=1.98, step=0.005)
+    c, ft, v0, s = tangent.values(1.98)
+    stroke, rate = response.drift[1], np.diff(response.velocity, axis=0)[0]
+    np.testing.assert_allclose(response.force[1], c * rate + ft * np.tanh((rate + s * stroke) / v0), atol=1e-6)
+    kx, kw, _ = damper.values(1.98)
+    for k, velocity in ((0, response.velocity[0]), (2, rate)):
+        assert np.abs((response.force[k] - kx * velocity) / kw).max() <= 1 + 1e-9

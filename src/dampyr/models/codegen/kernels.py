@@ -11,6 +11,7 @@ folder lies in the user's cache, or in that of ``DAMPYR_CACHE``.
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import math
 import os
@@ -76,25 +77,66 @@ def _user_cache() -> Path:
 
 
 def jit(
-    function: Callable[..., Any], keep: bool = False, reordered: bool = False, flags: Iterable[str] = frozenset(FAST)
+    function: Callable[..., Any],
+    keep: bool = False,
+    reordered: bool = False,
+    flags: Iterable[str] = frozenset(FAST),
+    inline: bool = False,
 ) -> Any:
     """``function`` compiled by numba without Python objects; ``keep`` caches the machine code on disk.
 
     What is not cached is called by kernels only, and has none of the wrappers that Python would call: these took a third of
-    the time of compiling. Without numba's reference counting (``_nrt``): the kernels make no arrays, and counting every row
-    they read took half of their time. A driver that did make one would not compile.
+    the time of compiling. ``inline`` writes it into its callers, whatever its size. Without numba's reference counting
+    (``_nrt``): the kernels make no arrays, and counting every row they read took half of their time. A driver that did make
+    one would not compile.
     """
     from numba import njit
 
     fast = {*flags, "reassoc"} if reordered else set(flags)
-    inner = {} if keep else {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    compiled = njit(error_model="numpy", fastmath=fast, nogil=True, _nrt=False, **inner)(function)
+    inner = {} if keep else {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": _inner_compiler()}
+    # always said, as numba hands the caller's own setting on to what it calls: a part's loops would be written out everywhere
+    compiled = njit(error_model="numpy", fastmath=fast, nogil=True, _nrt=False, forceinline=inline, **inner)(function)
     if keep:
         module = function.__module__
         if module.startswith("dampyr.") and not f"{module}.".startswith(_CACHED):
             raise ValueError(f"{module} has a kernel that is cached on disk; its file must stand in KERNEL_SOURCES")
         compiled._cache = _cache_class()(function)
     return compiled
+
+
+@lru_cache(maxsize=1)
+def _inner_compiler() -> Any:
+    """Numba's compiler for functions that kernels alone call: to the compiler's own language, no further.
+
+    Numba optimises every function with all that it calls, makes machine code of it, and does so again in each caller. Of an
+    inner function no machine code is ever run: the kernel takes its text, and is optimised as a whole, once.
+    """
+    from numba.core.codegen import JITCodeLibrary
+    from numba.core.compiler import Compiler
+
+    class UncompiledLibrary(JITCodeLibrary):
+        def _optimize_final_module(self) -> None:
+            pass
+
+        def _finalize_final_module(self) -> None:
+            self._finalized = True
+
+        def get_pointer_to_function(self, name: str) -> int:
+            self._ensure_finalized()
+            return 0  # as numba says of a function without a wrapper for Python
+
+        @property
+        def codegen(self) -> Any:
+            return self
+
+        def set_env(self, name: str, environment: Any) -> None:
+            """There is no machine code that could hold the Python objects of an error."""
+
+    class InnerCompiler(Compiler):
+        def __init__(self, typing: Any, target: Any, library: Any, *more: Any) -> None:
+            super().__init__(typing, target, UncompiledLibrary(target.codegen(), "inner"), *more)
+
+    return InnerCompiler
 
 
 @lru_cache(maxsize=1)
@@ -164,12 +206,34 @@ def bind(driver: Callable[..., Any], compositions: tuple[Composition, ...], more
     ``site`` in the driver's calls says which of the compositions is meant. Functions that it calls are bound with it where they
     are in its own module or in one that its module names in ``BOUND_WITH``. ``more`` is the text of further functions, of
     which ``decide`` is given to the driver too.
+
+    A kernel is one for all compositions whose functions are the same as far as the driver calls them: a delay, which has no
+    formula, makes no building's kernel compile anew.
     """
-    text, names = namespace_of(compositions)
-    text = f"{text}\n\n{more}" if more else text
-    names.update((name, getattr(math, name)) for name in _MATH)
+    text, _ = namespace_of(compositions)
+    called = [name for name in (*BOUND, *MORE) if _reaches(driver, frozenset([name]))]
+    return _bound(driver, _needed(f"{text}\n\n{more}" if more else text, called))
+
+
+def _needed(text: str, wanted: Iterable[str]) -> str:
+    """The functions of ``text`` that are called ``wanted``, with those that they call, in their order."""
+    functions = {node.name: node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)}
+    lines, open_, needed = text.split("\n"), list(wanted), set[str]()
+    while open_:
+        name = open_.pop()
+        if name in functions and name not in needed:
+            needed.add(name)
+            open_ += [node.id for node in ast.walk(functions[name]) if isinstance(node, ast.Name)]
+    kept = (node for name, node in functions.items() if name in needed)
+    return "\n\n".join("\n".join(lines[node.lineno - 1 : node.end_lineno]) for node in kept)
+
+
+@lru_cache(maxsize=256)
+def _bound(driver: Callable[..., Any], text: str) -> Any:
+    """``driver`` with the functions of ``text``."""
+    names: dict[str, Any] = {"__name__": __name__} | {name: getattr(math, name) for name in _MATH}
     names.update((name, _rebound(getattr(fast_math, name), {}, "alone", _shared)) for name in QUICK)
-    exec(compile(text, f"<{' | '.join(map(str, compositions))}>", "exec"), names)
+    exec(compile(text, f"<functions of {driver.__name__}>", "exec"), names)
     key = hashlib.sha256(text.encode()).hexdigest()[:16]
     for name, value in list(names.items()):
         if isinstance(value, FunctionType):
@@ -188,7 +252,7 @@ def _rebound(function: Any, bound: dict[str, Any], key: str, done: dict[Any, Any
     names = {**function.__globals__, **bound}
     names |= {name: _rebound(called, bound, key, done) for name, called in _called(function) if name not in bound}
     copy = FunctionType(function.__code__, names, function.__name__, function.__defaults__)
-    compiled = jit(named(copy, function.__module__, key), keep, getattr(function, "reordered", False))
+    compiled = jit(named(copy, function.__module__, key), keep, getattr(function, "reordered", False), inline=not keep)
     if not keep:
         done[function] = compiled
     return compiled

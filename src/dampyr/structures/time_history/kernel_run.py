@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
+from dampyr.models.codegen.composition import Composition
 from dampyr.models.laws import polynomial_table
 from dampyr.structures.building import Building
 from dampyr.structures.control_laws import gains, lag_of, settings, source
@@ -45,6 +46,7 @@ class Linear(NamedTuple):
 class Sites(NamedTuple):
     """The dampers: parameters, states and past forces."""
 
+    kind: Any  # (N,) which of the compositions that the kernel was bound with
     params: Any  # (N, 4, P): at h/4, h/2, 3h/4 and h of the step under way; they differ where the input does
     states: Any  # (N, S)
     delays: Any  # (N,) in steps, 0 for none
@@ -111,9 +113,9 @@ def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) ->
     from dampyr.models.codegen.kernels import bind
     from dampyr.structures.time_history.time_stepping import integrate
 
-    compositions, laws = tuple(site.composition for site in sites), tuple(site.law for site in sites)
+    laws = tuple(site.law for site in sites)
     text, kinds = source(laws) if any(laws) else ("", [])
-    kernel = bind(integrate, compositions, text)
+    kernel = bind(integrate, distinct(sites), text)
     law_gains = _gains(building, sites)
     linear = lru_cache(maxsize=2)(lambda step: _linear(building, sites, step))
 
@@ -147,6 +149,12 @@ def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) ->
     return run
 
 
+def distinct(sites: tuple[Site, ...]) -> tuple[Composition, ...]:
+    """What the sites' dampers are composed of, each composition once and in one order: one kernel serves any number of dampers
+    of the same kinds, wherever they stand."""
+    return tuple(sorted({site.composition for site in sites}, key=lambda composition: composition.names))
+
+
 def _gains(building: Building, sites: tuple[Site, ...]) -> Array:
     """What each law senses (N, 2n + 1); zeros where a site has none."""
     rows = connections(building, sites)
@@ -178,7 +186,9 @@ def _dampers(sites: tuple[Site, ...], step: float, start: float = 0.0) -> Sites:
         states[d, : site.composition.n_states] = site.composition.state0
     delays = np.array([site.delay / step for site in sites], dtype=float)
     nodes = 2 * math.ceil(max([0.0, *delays])) + 6
-    return Sites(params, states, delays, np.zeros(len(sites)), np.zeros((len(sites), nodes)))
+    compositions = distinct(sites)
+    kind = np.array([compositions.index(site.composition) for site in sites], dtype=np.int64)
+    return Sites(kind, params, states, delays, np.zeros(len(sites)), np.zeros((len(sites), nodes)))
 
 
 def _check_bounded(out: Output, motion: GroundMotion) -> None:

@@ -48,27 +48,27 @@ MAX_ITERATIONS = 40  # of Newton's method in a step, which takes two or three: w
 NEGLIGIBLE_FORCE = 1e-4  # of the largest force so far: smaller forces need not be solved to as many digits
 
 
-def along(site: int, s: Any, x0: float, x1: float, v0: float, v1: float, dt: float, p: Any, k: Any) -> None:
-    """Advance the states of a site along half a step, in two pieces where it turns; k becomes (dF/dx1, dF/dv1)."""
+def along(kind: int, s: Any, x0: float, x1: float, v0: float, v1: float, dt: float, p: Any, k: Any) -> None:
+    """Advance a damper's states along half a step, in two pieces where it turns; k becomes (dF/dx1, dF/dv1)."""
     if v0 * v1 < 0.0:
         part, middle = turning_point(x0, x1, v0, v1, dt)
-        advance(site, s, x0, middle, v0, 0.0, part * dt, p)
+        advance(kind, s, x0, middle, v0, 0.0, part * dt, p)
         x0, v0, dt = middle, 0.0, (1.0 - part) * dt
-    k[0], k[1] = slopes(site, s, x0, x1, v0, v1, dt, p)
-    advance(site, s, x0, x1, v0, v1, dt, p)
+    k[0], k[1] = slopes(kind, s, x0, x1, v0, v1, dt, p)
+    advance(kind, s, x0, x1, v0, v1, dt, p)
 
 
-def evaluate(states: Any, work: Any, start: Any, y: Any, h: float, params: Any, raw: Any, k: Any) -> None:
+def evaluate(sites: Any, work: Any, start: Any, y: Any, h: float, raw: Any, k: Any) -> None:
     """The damper laws over a step whose motion is y: forces ``raw`` (fh, f1), slopes ``k`` (2N, 2), states in ``work``."""
-    n = states.shape[0]
+    n = sites.kind.shape[0]
     for d in range(n):
-        s, p = work[d], params[d]
-        copy_into(states[d], s, 0)
+        kind, s, p = sites.kind[d], work[d], sites.params[d]
+        copy_into(sites.states[d], s, 0)
         xh, vh, x1, v1 = y[d], y[n + d], y[3 * n + d], y[4 * n + d]
-        along(d, s, start[d], xh, start[n + d], vh, 0.5 * h, p[0], k[d])
-        raw[d] = force(d, s, xh, vh, y[2 * n + d], p[1])
-        along(d, s, xh, x1, vh, v1, 0.5 * h, p[2], k[n + d])
-        raw[n + d] = force(d, s, x1, v1, y[5 * n + d], p[3])
+        along(kind, s, start[d], xh, start[n + d], vh, 0.5 * h, p[0], k[d])
+        raw[d] = force(kind, s, xh, vh, y[2 * n + d], p[1])
+        along(kind, s, xh, x1, vh, v1, 0.5 * h, p[2], k[n + d])
+        raw[n + d] = force(kind, s, x1, v1, y[5 * n + d], p[3])
 
 
 def correct(unknown: Any, raw: Any, k: Any, inertance: Any, delays: Any, g: Any, jacobian: Any, residual: Any) -> None:
@@ -145,10 +145,10 @@ def store_sample(i: int, at: Any, work: Any, out: Any) -> None:
 def initialise(sites: Any, w: Any, first: Any, h: float, out: Any) -> None:
     """Set the forces and slopes at rest, and the mass that each damper adds between its ends."""
     for d in range(sites.delays.shape[0]):
-        p = sites.params[d, 3]
-        w.rest[d] = force(d, sites.states[d], 0.0, 0.0, 0.0, p)
-        sites.inertance[d] = force(d, sites.states[d], 0.0, 0.0, 1.0, p) - w.rest[d]
-        fx, fv = slopes(d, sites.states[d], 0.0, 0.0, 0.0, 0.0, h, p)
+        kind, s, p = sites.kind[d], sites.states[d], sites.params[d, 3]
+        w.rest[d] = force(kind, s, 0.0, 0.0, 0.0, p)
+        sites.inertance[d] = force(kind, s, 0.0, 0.0, 1.0, p) - w.rest[d]
+        fx, fv = slopes(kind, s, 0.0, 0.0, 0.0, 0.0, h, p)
         out.rest_slopes[d, 0], out.rest_slopes[d, 1] = fx, fv
         first.f[d] = w.rest[d]
         sites.ring[d, 0] = w.rest[d]
@@ -188,7 +188,7 @@ def solve_forces(lin: Any, sites: Any, w: Any, h: float, tol: float, out: Any) -
         scale = max(scale, NEGLIGIBLE_FORCE * out.force_peak[d])
     for _ in range(MAX_ITERATIONS):
         site_motion(lin.unknown, w.base, w.g, w.y)
-        evaluate(sites.states, w.states, w.start, w.y, h, sites.params, w.raw, w.slope)
+        evaluate(sites, w.states, w.start, w.y, h, w.raw, w.slope)
         misfit = relative_residual(w.raw, w.g, sites.delays, scale)
         out.misfit[2] += 1.0
         if misfit <= tol:
@@ -282,14 +282,14 @@ def apply_force_jump(lin: Any, sites: Any, w: Any, now: Any) -> None:
         for c in range(2 * count):
             w.jacobian[r, c] = 1.0 if r == c else 0.0
     for d in range(count):
-        p, s, a = sites.params[d, 0], sites.states[d], w.y[5 * count + d]
+        kind, s, p, a = sites.kind[d], sites.states[d], sites.params[d, 0], w.y[5 * count + d]
         x, v = 0.0, 0.0
         for i in range(n):
             x += lin.connections[d, i] * now.z[i]
             v += lin.connections[d, i] * now.z[n + i]
-        sites.inertance[d] = force(d, s, x, v, 1.0, p) - force(d, s, x, v, 0.0, p)
+        sites.inertance[d] = force(kind, s, x, v, 1.0, p) - force(kind, s, x, v, 0.0, p)
         if sites.delays[d] == 0.0:
-            w.residual[d] = force(d, s, x, v, a, p) - now.f[d]
+            w.residual[d] = force(kind, s, x, v, a, p) - now.f[d]
             for c in range(count):
                 for i in range(n):
                     w.jacobian[d, c] -= sites.inertance[d] * lin.connections[d, i] * lin.acceleration[i, 2 * n + c]
