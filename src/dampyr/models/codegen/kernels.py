@@ -252,7 +252,10 @@ def _rebound(function: Any, bound: dict[str, Any], key: str, done: dict[Any, Any
     names = {**function.__globals__, **bound}
     names |= {name: _rebound(called, bound, key, done) for name, called in _called(function) if name not in bound}
     copy = FunctionType(function.__code__, names, function.__name__, function.__defaults__)
-    compiled = jit(named(copy, function.__module__, key), keep, getattr(function, "reordered", False), inline=not keep)
+    unique = key if keep else f"{key}.inner"  # what is a kernel of its own may be within another one, and inlined there
+    compiled = jit(
+        named(copy, function.__module__, unique), keep, getattr(function, "reordered", False), inline=not keep
+    )
     if not keep:
         done[function] = compiled
     return compiled
