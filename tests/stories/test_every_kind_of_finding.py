@@ -15,7 +15,7 @@ from dampyr.findings import OF_DAMPER, handed_on
 from dampyr.ground_motions import el_centro
 from dampyr.identification import fit
 from dampyr.models import Damper
-from dampyr.records import Record, with_smoothing, write
+from dampyr.records import Record, repair, with_smoothing, write
 from dampyr.records.checks.certificates import Certificates, RelativeCertificate
 from dampyr.records.conditioning.integrated_displacement import INTEGRATED
 from dampyr.records.description import findings_by_kind
@@ -70,6 +70,11 @@ def spiked(force: np.ndarray) -> np.ndarray:
     return force
 
 
+def often_spiked(force: np.ndarray) -> np.ndarray:
+    force[40::125] += 0.7 * np.ptp(force)
+    return force
+
+
 def noisy(x: np.ndarray) -> np.ndarray:
     return x + 3e-6 * np.random.default_rng(0).standard_normal(x.size)
 
@@ -77,6 +82,7 @@ def noisy(x: np.ndarray) -> np.ndarray:
 PLANTED: dict[str, Callable[[], Record]] = {
     "created energy": lambda: with_force(lambda force: -force),
     "mark": lambda: replace_marks(sine()),
+    "many repaired": lambda: repair(with_force(often_spiked), "false samples"),
     "certificate": lambda: with_expired_certificate(sine()),
     "label": lambda: sine().replace(note="planted", label=Label(0.02, 2.0)),
     "gap": lambda: sine(np.r_[T[:600], T[640:]]),
@@ -89,6 +95,7 @@ PLANTED: dict[str, Callable[[], Record]] = {
     "coarse": lambda: sine(T[::8]),
     "undeclared smoothing": lambda: rounded(smoothed(of_motion(noisy(random_motion()), noise=3.0), 40)),
     "noise": lambda: of_motion(noisy(random_motion())),
+    "repaired": lambda: repair(with_force(spiked), "false samples"),
     "integrated": lambda: integrated(sine()),
     "irregular": lambda: of_motion(random_motion()),
     "declared smoothing": lambda: with_smoothing(smoothed(of_motion(random_motion(), noise=3.0), 40), "40 samples"),

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
-from typing import TypeVar
+from typing import Concatenate, ParamSpec, TypeVar
 from weakref import WeakKeyDictionary
 
 from dampyr.records.record import Record
 
 Answer = TypeVar("Answer")
+Others = ParamSpec("Others")
 
 
 def cached_by_record(function: Callable[[Record], Answer]) -> Callable[[Record], Answer]:
@@ -21,5 +22,22 @@ def cached_by_record(function: Callable[[Record], Answer]) -> Callable[[Record],
         if record not in answers:
             answers[record] = function(record)
         return answers[record]
+
+    return answer
+
+
+def latest_by_record(
+    function: Callable[Concatenate[Record, Others], Answer],
+) -> Callable[Concatenate[Record, Others], Answer]:
+    """As `cached_by_record`, of further arguments: the answer to the latest ones is kept, so that a record keeps one."""
+    answers: WeakKeyDictionary[Record, tuple[object, Answer]] = WeakKeyDictionary()
+
+    @wraps(function)
+    def answer(record: Record, *others: Others.args, **named: Others.kwargs) -> Answer:
+        asked = (others, tuple(sorted(named.items())))
+        kept = answers.get(record)
+        if kept is None or kept[0] != asked:
+            kept = answers[record] = asked, function(record, *others, **named)
+        return kept[1]
 
     return answer

@@ -43,7 +43,7 @@ NO_LAW = "needs a control law with a Kalman filter on measured accelerations, wh
 LEFT_OUT = f"clipped-optimal control: it {NO_LAW}"
 
 
-def damper(current: float) -> Damper:
+def four_dampers(current: float) -> Damper:
     """All four dampers as one, at a current in A."""
     gamma = 1e6 * 1.89407553 * math.exp(-3.65610854 * current)
     printed = modified_bouc_wen.PrintedModifiedBoucWen(
@@ -73,7 +73,7 @@ def reproduce(data: Path | None = None, out: Path | None = None, progress: Progr
             progress(f"{name}, case {case}", k / len(cases))
         building = vrths_2020.structure(case)
         for column, (kind, current) in enumerate(CURRENTS.items()):
-            installed = None if current is None else {1: damper(current)}
+            installed = None if current is None else {1: four_dampers(current)}
             response = respond(building, motions[name], installed)
             where = f"{name}, case {case}, {kind}"
             if (name, case) in ROOFS:
