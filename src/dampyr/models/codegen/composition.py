@@ -225,6 +225,7 @@ def _composed(listed: tuple[str, ...]) -> Composition:
     return composition
 
 
+@lru_cache(maxsize=256)  # each driver asks for it: a sum of products, a force along a path, a building
 def namespace_of(compositions: tuple[Composition, ...]) -> tuple[str, dict[str, Any]]:
     """The text of several compositions with the functions that choose among them by ``site``, and its names."""
     texts = [c.source(site) for site, c in enumerate(compositions)]
