@@ -433,7 +433,7 @@ def run_trials(
 @pytest.mark.filterwarnings("ignore:the Uno had stopped by itself")  # a host that comes after a fault
 @pytest.mark.filterwarnings("ignore:the Uno was left in state")
 def test_whatever_goes_wrong_is_safe_and_no_wrong_record_is_good(tmp_path: Path, endurance: Endurance) -> None:
-    seed, count = 20201126, endurance.count(2000, part=80)
+    seed, count = 20201126, endurance.count(2000)
     trials, ratios = run_trials(count, seed, tmp_path)
     ended = Counter(trial.ended for trial in trials)
     assert [str(trial) for trial in trials if trial.unsafe] == []
@@ -476,7 +476,7 @@ def test_whatever_goes_wrong_is_safe_and_no_wrong_record_is_good(tmp_path: Path,
 @pytest.mark.endure
 def test_no_healthy_run_is_marked(tmp_path: Path, endurance: Endurance) -> None:
     """Campaigns without a fault on rigs that are what they were calibrated to be, and hybrid tests of other voltages."""
-    seed, count, marked, good = 20201127, endurance.count(500, part=40), [], 0
+    seed, count, marked, good = 20201127, endurance.count(500), [], 0
     for k in range(count):
         draw = np.random.default_rng([seed, k])
         out, path = tmp_path / str(k), tmp_path / "short.toml"
