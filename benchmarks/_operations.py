@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.models.codegen.composition import namespace_of
+from dampyr.models.codegen.composition import text_of
 from dampyr.structures.batch import branchless_math, run_blocks
 from dampyr.structures.batch.engine import Engine
 
@@ -126,7 +126,7 @@ def _names(engine: Engine, sheet: Sheet) -> dict[str, Any]:
     for name, value in vars(branchless_math).items():
         if isinstance(value, FunctionType) and value.__module__ == branchless_math.__name__ and name[0] != "_":
             names[name] = FunctionType(value.__code__, names, name)
-    exec(namespace_of(engine.compositions)[0] if engine.compositions else "", names)
+    exec(text_of(engine.compositions) if engine.compositions else "", names)
     return names
 
 

@@ -48,37 +48,17 @@ NAMES = {
         *("acceleration", "acc", "accel", "a", "beschleunigung", "aceleracao", "aceleracion", "accelerazione"),
         "加速度",
     ),
-    "speed": (
-        "speed",
-        "velocity",
-        "v",
-        "vel",
-        "geschwindigkeit",
-        "velocidade",
-        "velocidad",
-        "vitesse",
-        "velocita",
-        "速度",
-    ),
     "extension": (
         *("extension", "extension force", "rebound", "rebound force", "zugstufe", "extensao", "detente"),
         *("estensione", "distensao"),
     ),
     "compression": (
-        *(
-            "compression",
-            "compression force",
-            "bump",
-            "bump force",
-            "jounce",
-            "jounce force",
-            "druckstufe",
-            "compressao",
-        ),
-        *("compresion", "compressione"),
+        *("compression", "compression force", "bump", "bump force", "jounce", "jounce force"),
+        *("druckstufe", "compressao", "compresion", "compressione"),
     ),
 }
 """What columns are called, by the channel: without accents, in lower case."""
+NAMES["speed"] = NAMES["velocity"]
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,6 @@ from dampyr.errors import InputError, MissingData
 
 DEFAULT, HYBRID = "raminelli_2020", "vrths_2020"
 PLANTS = 1000
-OUTCOMES = ("agrees", "differs", "cannot be checked")
 
 
 @click.command(epilog=examples("dampyr reproduce --out reproduce", "dampyr reproduce --all --out reproduce"))
@@ -105,12 +104,13 @@ def _run_all(known: list[str], out: Path, plants: int | None, as_json: bool) -> 
     if as_json:
         print_json({"studies": {name: result.as_dict() for name, result in results.items()}, "left_out": absent})
         return
+    from dampyr.show.table import Table
+    from dampyr.studies._study_run import OUTCOMES
+
     rows = []
     for name, result in results.items():
         verdicts = [value.verdict for value in result.compared]
         rows.append([name, *(verdicts.count(kind) for kind in OUTCOMES), result.page.name])
-    from dampyr.show.table import Table
-
     print_result(Table(("study", *OUTCOMES, "page"), rows, caption=f"Studies run again, pages in {out}."))
     for name, why in absent.items():
         click.echo(f"Left out: {name}: {why}.")

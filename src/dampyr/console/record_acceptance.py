@@ -162,8 +162,12 @@ async def judge(app: CurrentApp, request: Request, query: Annotated[AcceptanceRe
 async def give_page(app: CurrentApp, request: Request, query: Annotated[AcceptanceRequest, Query()]) -> Response:
     """The page as `dampyr accept --report` writes it, as a file to keep."""
     html = await app.workers.run(request, READING, page_of, app.data, query)
-    headers = {"content-disposition": 'attachment; filename="acceptance.html"'}
-    return Response(html, media_type="text/html", headers=headers)
+    return page_to_keep(html, "acceptance.html")
+
+
+def page_to_keep(html: str, name: str) -> Response:
+    """A page that the browser saves under a name, in the place of showing it."""
+    return Response(html, media_type="text/html", headers={"content-disposition": f'attachment; filename="{name}"'})
 
 
 def judgement_of(folder: Path, query: AcceptanceRequest) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from dampyr.console.equivalent_commands import cycles_command
 from dampyr.console.limits import READING
 from dampyr.console.option_schemas import form_of, request_of
 from dampyr.console.page_words import in_page_words
-from dampyr.console.record_acceptance import MAX_RECORDS, Key
+from dampyr.console.record_acceptance import MAX_RECORDS, Key, page_to_keep
 from dampyr.console.state import CurrentApp
 from dampyr.records import CycleOptions, cycles
 from dampyr.records.cycle_analysis.cycle_figures import CycleFigures
@@ -69,8 +69,7 @@ async def tell(app: CurrentApp, request: Request, query: Annotated[CyclesRequest
 async def give_page(app: CurrentApp, request: Request, query: Annotated[CyclesRequest, Query()]) -> Response:
     """The page as `dampyr cycles --report` writes it, as a file to keep."""
     html = await app.workers.run(request, READING, page_of, app.data, query)
-    headers = {"content-disposition": 'attachment; filename="cycles.html"'}
-    return Response(html, media_type="text/html", headers=headers)
+    return page_to_keep(html, "cycles.html")
 
 
 def answer_of(data: Path, query: CyclesRequest) -> dict[str, Any]:

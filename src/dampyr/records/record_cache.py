@@ -13,23 +13,13 @@ Answer = TypeVar("Answer")
 Others = ParamSpec("Others")
 
 
-def cached_by_record(function: Callable[[Record], Answer]) -> Callable[[Record], Answer]:
-    """``function``, called once for each record, as long as the record lives; what it returns must not be changed."""
-    answers: WeakKeyDictionary[Record, Answer] = WeakKeyDictionary()
-
-    @wraps(function)
-    def answer(record: Record) -> Answer:
-        if record not in answers:
-            answers[record] = function(record)
-        return answers[record]
-
-    return answer
-
-
-def latest_by_record(
+def cached_by_record(
     function: Callable[Concatenate[Record, Others], Answer],
 ) -> Callable[Concatenate[Record, Others], Answer]:
-    """As `cached_by_record`, of further arguments: the answer to the latest ones is kept, so that a record keeps one."""
+    """``function``, called once for each record, as long as the record lives; what it returns must not be changed.
+
+    Of a function with further arguments the answer to the latest ones is kept.
+    """
     answers: WeakKeyDictionary[Record, tuple[object, Answer]] = WeakKeyDictionary()
 
     @wraps(function)

@@ -57,7 +57,7 @@ def random_road(road_class: str, length: float, spacing: float = 0.05, seed: int
     Raises
     ------
     InputError
-        A class, a length or a spacing that is none, or a length of fewer than ten waves' spacings.
+        A class, a length or a spacing that is none, or a length under twenty spacings.
 
     Examples
     --------

@@ -81,7 +81,7 @@ def reproduce(data: Path | None = None, out: Path | None = None, progress: Progr
                 compared.append(judge(where, "roof", ROOFS[name, case][column], roof, "mm", TOLERANCE))
             else:
                 compared += _of_floors(where, kind, response)
-        published = ROOFS.get((name, case), (*[0.0] * 3, FLOORS[OPTIMAL][0][-1]))[-1]
+        published = ROOFS[name, case][-1] if (name, case) in ROOFS else FLOORS[OPTIMAL][0][-1]
         compared.append(unchecked(f"{name}, case {case}, {OPTIMAL}", "roof", published, "mm", NO_LAW))
     source = "a replica from github.com/DanielMaurelE/vRTHS_AMBC_MRdamper (commit 08753ff)"
     study = StudyRun("quiroz_2022", "Quiroz (2022)", source, tuple(compared), (LEFT_OUT,))

@@ -13,7 +13,7 @@ from tests.models.dahl_of_chapter_4 import T, V, X
 from dampyr.errors import InputError
 from dampyr.models import Damper, parts
 from dampyr.models.codegen import batched_path
-from dampyr.models.codegen.composition import compose, namespace_of
+from dampyr.models.codegen.composition import compose, text_of
 
 
 @pytest.mark.prove
@@ -99,7 +99,7 @@ def test_functions_of_two_parts_under_one_name_do_not_take_each_others_place(own
     with pytest.raises(InputError, match=r"two functions .* named 'times' .*another name"):
         compose("twofold + threefold").source()
     with pytest.raises(InputError, match="named 'times'"):
-        namespace_of((compose("twofold"), compose("threefold")))
+        text_of((compose("twofold"), compose("threefold")))
 
 
 @pytest.mark.parametrize("name", ["phi", "solve", "advance"])
@@ -111,7 +111,8 @@ def test_a_function_of_a_part_is_not_called_as_one_of_the_whole(own_part: Callab
 
 def test_a_function_of_a_part_may_end_in_a_number_as_those_of_sites_do(own_part: Callable[..., None]) -> None:
     own_part("numbered", "phi_1", 2.0)
-    text, names = namespace_of((compose("numbered"), compose("numbered + compliance")))
+    text = text_of((compose("numbered"), compose("numbered + compliance")))
+    names: dict[str, object] = {}
     exec(text, names)
     assert names["force"](0, np.zeros(0), 0.0, 0.5, 0.0, np.array([100.0])) == 100.0
     assert names["force"](1, np.array([7.0]), 0.0, 0.5, 0.0, np.array([100.0, 1e9])) == 7.0

@@ -14,7 +14,7 @@ from dampyr.records.checks.quality import motion_start
 from dampyr.records.conditioning.moving_average import whole_windows
 from dampyr.records.conditioning.nominal_input import Commanded, commanded_input, in_common
 from dampyr.records.conditioning.smoothing import force_average
-from dampyr.records.record_cache import latest_by_record
+from dampyr.records.record_cache import cached_by_record
 
 Array = NDArray[np.float64]
 MOTION_SHARE = 0.9  # of the range of displacement and velocity: a part of a record that represents the whole
@@ -90,7 +90,7 @@ class Piece:
         return np.append(np.flatnonzero(np.diff(self.cycle)) + 1, self.t.size)
 
 
-@latest_by_record  # a search of models, and every part that is left out, takes the same records
+@cached_by_record  # a search of models, and every part that is left out, takes the same records
 def piece(record: Record, bandwidth: float | None) -> Piece:
     """A record as arrays: velocity as recorded or derived, weight 1 over the force's standard deviation."""
     if record.input is None:

@@ -10,7 +10,6 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any
 
 from dampyr.errors import InputError
 from dampyr.models.codegen import batched_path, parallel_parts, series
@@ -226,8 +225,8 @@ def _composed(listed: tuple[str, ...]) -> Composition:
 
 
 @lru_cache(maxsize=256)  # each driver asks for it: a sum of products, a force along a path, a building
-def namespace_of(compositions: tuple[Composition, ...]) -> tuple[str, dict[str, Any]]:
-    """The text of several compositions with the functions that choose among them by ``site``, and its names."""
+def text_of(compositions: tuple[Composition, ...]) -> str:
+    """The text of several compositions with the functions that choose among them by ``site``."""
     texts = [c.source(site) for site, c in enumerate(compositions)]
     for name, arguments in SIGNATURES.items():
         last = len(compositions) - 1
@@ -238,7 +237,7 @@ def namespace_of(compositions: tuple[Composition, ...]) -> tuple[str, dict[str, 
     text = "\n\n".join(texts)
     functions = re.findall(r"^def (\w+)(.*?)(?=^def |\Z)", text, flags=re.MULTILINE | re.DOTALL)
     _refuse_two_of_one_name((name, rest.strip()) for name, rest in functions)
-    return text, {"__name__": __name__}
+    return text
 
 
 def _refuse_two_of_one_name(functions: Iterable[tuple[str, str]]) -> None:

@@ -27,7 +27,7 @@ from pathlib import Path
 from types import FunctionType
 from typing import Any
 
-from dampyr.models.codegen.composition import Composition, namespace_of
+from dampyr.models.codegen.composition import Composition, text_of
 from dampyr.models.codegen.layout import SIGNATURES
 from dampyr.models.numerics import fast_math
 from dampyr.source_digest import source_digest
@@ -210,7 +210,7 @@ def bind(driver: Callable[..., Any], compositions: tuple[Composition, ...], more
     A kernel is one for all compositions whose functions are the same as far as the driver calls them: a delay, which has no
     formula, makes no building's kernel compile anew.
     """
-    text, _ = namespace_of(compositions)
+    text = text_of(compositions)
     called = [name for name in (*BOUND, *MORE) if _reaches(driver, frozenset([name]))]
     return _bound(driver, _needed(f"{text}\n\n{more}" if more else text, called))
 

@@ -15,8 +15,7 @@ from dampyr.errors import InputError
 from dampyr.phrases import counted
 from dampyr.records.checks.quality import quality, spikes
 from dampyr.records.conditioning.drift import drift
-from dampyr.records.conditioning.repair_kinds import REPAIR_KINDS, as_repairs
-from dampyr.records.conditioning.repair_step import RepairStep
+from dampyr.records.conditioning.repair_step import REPAIR_KINDS, RepairStep, as_repairs
 from dampyr.records.cycle_analysis.cycles import cycle_bounds, mean_over_time, require_cycles
 from dampyr.records.record import CHANNELS, Array, Record
 
@@ -239,7 +238,7 @@ def repair_sentences(record: Record) -> tuple[list[str], list[str]]:
     doubts: list[str] = []
     notes: list[str] = []
     for step in record.repairs:
-        share = float(np.isin(step.time, record.time).mean()) * len(step.time) / record.n
+        share = float(np.isin(step.time, record.time).sum()) / record.n
         drifted = step.kind.endswith("drift")
         doubtful = step.kind == "position drift" if drifted else share > MANY
         (doubts if doubtful else notes).append(step.words)

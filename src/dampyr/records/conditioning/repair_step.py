@@ -1,4 +1,4 @@
-"""What a repair changed in a record, with the samples as they were before: enough to undo it."""
+"""The kinds of repair by name, and what a repair changed in a record, with the samples as they were: enough to undo it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,29 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.errors import InputError
+
 Array = NDArray[np.float64]
+REPAIR_KINDS = ("false samples", "gaps", "force drift", "position drift")
+GAPS = REPAIR_KINDS[1]
+NONE = "none"
+
+
+def as_repairs(text: object) -> tuple[str, ...]:
+    """The kinds that ``text`` names, in their order, "none" being no kind; else an :class:`~dampyr.errors.InputError`.
+
+    A dash is a blank, as shells like it: ``false-samples,gaps``.
+    """
+    words = [word.strip().replace("-", " ") for word in text.split(",")] if isinstance(text, str) else []
+    if words == [NONE]:
+        return ()
+    unknown = [word for word in words if word not in REPAIR_KINDS]
+    if not words or unknown:
+        raise InputError(
+            f"repair = {text!r} is not known; choose from {', '.join(REPAIR_KINDS)}, several with commas between them, or "
+            f"{NONE}, which undoes those that an .h5 file holds"
+        )
+    return tuple(kind for kind in REPAIR_KINDS if kind in words)
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +41,7 @@ class RepairStep:
     Attributes
     ----------
     kind
-        Which repair it was, such as "false samples": one of `dampyr.records.conditioning.repair.REPAIRS`.
+        Which repair it was, such as "false samples": one of `REPAIR_KINDS`.
     time
         ``(k,)`` in s: the samples, by their time.
     before, after

@@ -21,7 +21,7 @@ from dampyr.origin import ORIGIN_KINDS
 from dampyr.phrases import counted
 from dampyr.records.conditioning.integrated_displacement import with_integrated_displacement
 from dampyr.records.conditioning.nominal_input import MEASURED, SOURCE
-from dampyr.records.conditioning.repair_kinds import GAPS
+from dampyr.records.conditioning.repair_step import GAPS
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.record import CHANNELS, GROUPS, PUBLISHED, Array, Record
 
@@ -51,7 +51,11 @@ def record_of(path: Path, table: ColumnTable, request: ReadOptions, kind: str) -
     used = channel_columns.columns_of(path, table, request)
     _check_needed(path, table, used, request)
     measuring = {channel: column for channel, column in used.items() if channel != "time" or request.dt is None}
-    whole, gaps = _whole_rows(table, measuring, request)
+    columns = [column for channel, column in measuring.items() if channel != "time"]
+    incomplete = np.isnan(table.values[:, columns]).any(axis=1) if request.fills_gaps else np.zeros(0, dtype=bool)
+    whole = replace(
+        table, empty={k: line for k, line in table.empty.items() if not (incomplete.any() and k in columns)}
+    )
     channel_columns.check_cells(
         path, whole, measuring, f", or have it filled as a gap: --repair {GAPS} or repair='{GAPS}'"
     )
@@ -63,9 +67,10 @@ def record_of(path: Path, table: ColumnTable, request: ReadOptions, kind: str) -
             channels[name], notes = channel_columns.in_si(path, table, name, column, request)
             said += notes
     time, stamp, notes = _time(path, table, used.get("time"), request)
-    if gaps:
-        keep = ~np.isnan([channels[name] for name in measuring if name != "time"]).any(axis=0)
-        time, channels = time[keep], {name: values[keep] for name, values in channels.items()}
+    gaps: tuple[str, ...] = ()
+    if incomplete.any():
+        gaps = (f"{counted(int(incomplete.sum()), 'row')} with an empty cell left out",)
+        time, channels = time[~incomplete], {name: values[~incomplete] for name, values in channels.items()}
     measured = {name: channels.pop(name, None) for name in ("voltage", "current")}
     groups = dict(table.groups)
     inputs = request.input_channels(**measured, no_input=groups.pop("input", None) == NO_INPUT)
@@ -97,16 +102,6 @@ def record_of(path: Path, table: ColumnTable, request: ReadOptions, kind: str) -
         **groups,
     )
     return Record(**fields) if "displacement" in channels else with_integrated_displacement(**fields)
-
-
-def _whole_rows(
-    table: ColumnTable, measuring: dict[str, int], request: ReadOptions
-) -> tuple[ColumnTable, tuple[str, ...]]:
-    """The table without what it says of empty cells, and what the history says of their rows, where they count as gaps."""
-    columns = [column for channel, column in measuring.items() if channel != "time"]
-    count = int(np.isnan(table.values[:, columns]).any(axis=1).sum()) if request.fills_gaps else 0
-    left = {column: line for column, line in table.empty.items() if not (count and column in columns)}
-    return replace(table, empty=left), (f"{counted(count, 'row')} with an empty cell left out",) * bool(count)
 
 
 def guess_channels(path: Path, table: ColumnTable) -> dict[str, int]:

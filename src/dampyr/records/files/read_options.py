@@ -16,7 +16,7 @@ from dampyr.records.conditioning.cut_record import check_cut
 from dampyr.records.conditioning.lowpass import as_lowpass
 from dampyr.records.conditioning.moving_average import Declaration
 from dampyr.records.conditioning.nominal_input import agrees
-from dampyr.records.conditioning.repair_kinds import GAPS, as_repairs
+from dampyr.records.conditioning.repair_step import GAPS, as_repairs
 from dampyr.records.record import CHANNELS, GROUPS, as_group
 from dampyr.records.record_thresholds import RecordThresholds
 from dampyr.units import Quantity

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from dampyr.models.codegen.composition import Composition, namespace_of
+from dampyr.models.codegen.composition import Composition, text_of
 from dampyr.models.codegen.formula import read
 from dampyr.models.codegen.kernels import jit, named
 from dampyr.structures.batch import bouc_wen_branchless, branchless_math
@@ -36,7 +36,7 @@ def compiled(source: str, compositions: tuple[Composition, ...], precision: int,
 
 def functions_of(compositions: tuple[Composition, ...]) -> str:
     """The text of the functions that a kernel of these dampers calls."""
-    text = namespace_of(compositions)[0] if compositions else ""
+    text = text_of(compositions) if compositions else ""
     delayed = any(composition.has_delay for composition in compositions)
     return f"{text}\n\n{read(quadratic, 'quadratic').source}" if delayed else text
 

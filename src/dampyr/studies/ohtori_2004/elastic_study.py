@@ -68,8 +68,7 @@ def _motion(data: Path | None) -> GroundMotion:
     folder = data_root() if data is None else data
     if not (folder / FILE).is_file():
         raise MissingData(f"El Centro: there is no {folder / FILE}; {MOTION}")
-    fine = resampled(read(folder / FILE, units="g"), STEP, "linear")
-    return fine
+    return resampled(read(folder / FILE, units="g"), STEP, "linear")
 
 
 def _el_centro(motion: GroundMotion) -> list[ComparedValue]:
