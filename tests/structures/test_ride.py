@@ -70,6 +70,7 @@ def test_a_ride_on_a_random_road_is_that_of_the_two_masses_by_frequency():
     assert figures.tyre_load == pytest.approx(rms(TYRE * (wheel - 1.0)), rel=0.01)
     assert figures.static_load == pytest.approx(360.0 * 9.80665)
     assert figures.off_road == 0.0
+    assert figures.findings == ()
     assert figures.transient >= figures.weighted_acceleration
     assert figures.peak_travel > 2.0 * figures.travel
 
@@ -80,6 +81,9 @@ def test_a_wheel_that_leaves_the_road_is_told():
     figures = ride_figures(respond(car, motion), car, start=0.4)
     assert 0.0 < figures.off_road < 0.5
     assert figures.peak_tyre_load > figures.static_load
+    assert any("pull at the road" in finding.words for finding in figures.findings)
+    assert "pull at the road" in repr(figures)
+    assert figures.as_dict()["findings"][0]["severity"] == "doubt"
 
 
 def test_what_is_no_ride_is_refused():

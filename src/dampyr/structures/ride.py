@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dampyr.errors import InputError
+from dampyr.findings import Finding, worst_first
 from dampyr.shown import Shown
 from dampyr.structures.building import Building
 from dampyr.structures.time_history.response import Response
@@ -91,7 +92,9 @@ class RideFigures(Shown):
         The weight on the tyre, N.
     off_road
         Share of the time in which the tyre would have to pull at the road, where a real one leaves it: the other figures do not
-        hold then.
+        hold then, which is one of the findings.
+    findings
+        What a person should look at in the response, and in these figures, the worst first.
     """
 
     weighted_acceleration: float
@@ -105,6 +108,7 @@ class RideFigures(Shown):
     peak_tyre_load: float
     static_load: float
     off_road: float
+    findings: tuple[Finding, ...] = ()
 
 
 def ride_figures(response: Response, car: Building, start: float = 0.0) -> RideFigures:
@@ -149,6 +153,11 @@ def ride_figures(response: Response, car: Building, start: float = 0.0) -> RideF
     window = max(1, round(RUNNING / dt))
     total = np.cumsum(np.r_[0.0, felt**2])
     running = (total[window:] - total[:-window]) / window if felt.size >= window else total[-1:] / felt.size
+    off_road = float(np.mean(load > static))  # positive where the tyre is stretched
+    pulls = (
+        f"the tyre would have to pull at the road for {100.0 * off_road:.2g} % of the time, and a real one leaves it"
+    )
+    findings = worst_first(response.findings, [Finding("doubt", pulls)] if off_road else [])
     return RideFigures(
         weighted_acceleration=_rms(felt),
         acceleration=_rms(body[part]),
@@ -160,7 +169,8 @@ def ride_figures(response: Response, car: Building, start: float = 0.0) -> RideF
         tyre_load=_rms(load),
         peak_tyre_load=float(np.abs(load).max()),
         static_load=static,
-        off_road=float(np.mean(load > static)),  # positive where the tyre is stretched
+        off_road=off_road,
+        findings=findings,
     )
 
 

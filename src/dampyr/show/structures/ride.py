@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
+from dampyr.findings import as_dicts
 from dampyr.show.descriptions import Description, describe
 from dampyr.structures.ride import RideFigures
 
@@ -25,5 +26,5 @@ def describe_ride_figures(figures: RideFigures) -> Description:
             ("tyre load", f"{f.tyre_load:.4g} N rms, peak {f.peak_tyre_load:.4g} N; static {f.static_load:.4g} N"),
             ("off the road", f"{100.0 * f.off_road:.3g} % of the time"),
         ],
-        data=lambda: asdict(figures),
+        data=lambda: asdict(f) | {"findings": as_dicts(f.findings)},
     )
