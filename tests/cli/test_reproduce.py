@@ -136,6 +136,8 @@ def test_all_runs_what_it_can_and_names_the_rest(tmp_path: Path, monkeypatch: py
     result = run("--all", "--out", tmp_path / "out")
     assert result.exit_code == 0, result.stderr
     assert "ohtori_2004.html" in result.stdout
+    assert "VIRTUAL" not in result.stdout  # which is not of all; a column says it
+    assert result.stdout.count("virtual") == 2
     for name in ("quiroz_2022", "vrths_2020"):
         assert f"Left out: {name}: " in result.stdout
     for words in (["quiroz_2022", "--all"], ["--all", "--data", str(tmp_path)]):

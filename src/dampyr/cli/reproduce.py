@@ -62,6 +62,8 @@ def command(
         _run_all(known, out, plants, as_json)
         return
     result = _run(study or DEFAULT, data, out, plants)
+    if hasattr(result, "origin"):
+        state_origin(result.origin)
     if as_json:
         print_json(result.as_dict())
     else:
@@ -110,8 +112,9 @@ def _run_all(known: list[str], out: Path, plants: int | None, as_json: bool) -> 
     rows = []
     for name, result in results.items():
         verdicts = [value.verdict for value in result.compared]
-        rows.append([name, *(verdicts.count(kind) for kind in OUTCOMES), result.page.name])
-    print_result(Table(("study", *OUTCOMES, "page"), rows, caption=f"Studies run again, pages in {out}."))
+        origin = result.origin.kind if hasattr(result, "origin") else None
+        rows.append([name, *(verdicts.count(kind) for kind in OUTCOMES), origin, result.page.name])
+    print_result(Table(("study", *OUTCOMES, "origin", "page"), rows, caption=f"Studies run again, pages in {out}."))
     for name, why in absent.items():
         click.echo(f"Left out: {name}: {why}.")
 
@@ -122,7 +125,4 @@ def _run(name: str, data: Path | None, out: Path, plants: int | None) -> Any:
 
     more = {"plants": PLANTS if plants is None else plants} if name == HYBRID else {}
     with stages() as progress:
-        result = registry.member(studies.__name__, name).reproduce(data, out, progress=progress, **more)
-    if hasattr(result, "origin"):
-        state_origin(result.origin)
-    return result
+        return registry.member(studies.__name__, name).reproduce(data, out, progress=progress, **more)
