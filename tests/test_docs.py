@@ -29,6 +29,7 @@ from dampyr.models import Constant, Damper, Polynomial, available_parts
 from dampyr.models.part import part
 from dampyr.records.record import CHANNELS
 from dampyr.structures import available_control_laws, control_law
+from dampyr.structures.law_form import SHARED
 
 Array = np.ndarray
 ROOT = Path(__file__).resolve().parents[1]
@@ -503,7 +504,7 @@ def test_the_reference_names_every_control_law_and_its_settings() -> None:
     text = (DOCS / "reference" / "control-laws.md").read_text(encoding="utf-8")
     rows = {line.split("`")[1]: line for line in text.splitlines() if line.startswith("| `")}
     for law in available_control_laws():
-        settings = vars(control_law(law, high=1.0)).keys() - {"low", "high", "period", "lag"}
+        settings = vars(control_law(law, high=1.0)).keys() - set(SHARED)
         assert all(f"`{name}`" in rows[law] for name in settings), law
 
 

@@ -38,6 +38,8 @@ from dampyr.models.part import part
 from dampyr.options import Option, Thresholds, options_of
 from dampyr.phrases import listing
 from dampyr.records.datasets import available_data_sets, data_set
+from dampyr.structures.law_form import SHARED
+from dampyr.structures.sensors import MEASURES
 from dampyr.units import Quantity, for_people
 
 CHECKOUT = Path(__file__).resolve().parents[1]
@@ -50,7 +52,6 @@ NOTEBOOKS = ("docs/tutorials/first-damper.md",)  # pages that are notebooks too
 BIBLIOGRAPHY = "bibliography.md"  # beside the pages that docstrings are written into
 COMMANDS_PAGE = "docs/reference/commands.md"
 MARKS = re.compile(r"(<!-- generated: ([\w-]+) -->)(.*?)(<!-- end -->)", re.DOTALL)
-SHARED_SETTINGS = ("low", "high", "period", "lag")  # of every control law
 LINE = 140  # characters of a line of prose
 HELP_WIDTH = 140  # characters of a command's summary
 
@@ -297,12 +298,17 @@ def law_table() -> str:
     """One row for each control law: what it is, its equation, and its own settings."""
     rows = []
     for name, module in registry.members(LAWS):
-        own = [field for field in fields(class_of(module)) if field.name not in SHARED_SETTINGS]
+        own = [field for field in fields(class_of(module)) if field.name not in SHARED]
         settings = ", ".join(f"`{field.name}`{setting(field.default)}" for field in own)
         label, _, words = registry.summary(module).partition(": ")
         equation = re.search(r"^\$\$(.*)\$\$$", about(module), flags=re.M)
         rows.append([f"`{name}`", words or label, f"${equation[1]}$" if equation else "", settings])
     return table(["law", "what", "input", "settings of its own"], rows)
+
+
+def measures() -> str:
+    """One row for each quantity that a law can measure."""
+    return table(["measure", "unit", "what"], [[f"`{name}`", m.unit, m.about] for name, m in MEASURES.items()])
 
 
 def setting(default: Any) -> str:
@@ -507,6 +513,7 @@ LISTS: dict[str, Callable[[], str]] = {
     "protocol-sections": protocol_sections,
     "control-laws": lambda: in_line(LAWS),
     "law-table": law_table,
+    "measures": measures,
     "law-sections": lambda: sections_of(LAWS),
     "record-suffixes": record_suffixes,
     "record-formats": record_formats,

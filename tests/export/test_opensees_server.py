@@ -218,7 +218,7 @@ def test_wrong_arguments_are_refused_before_anything_listens() -> None:
             (["--opensees", "0", "--voltage", "9"], "calibrated"),
             (["--opensees", "0"], "takes a voltage"),
             (["--opensees", "0", "--voltage", "0", "--control", "lyapunov"], "give one of --control"),
-            (["--opensees", "0", "--control", "on_off"], "needs the velocity of the ground"),
+            (["--opensees", "0", "--control", "on_off"], "needs the motion of the ground"),
             (["--opensees", "0", "--voltage", "0", "--storey", "1"], "give --structure too"),
             (["--opensees", "0", "--control", "lyapunov", "--storey", "5"], "5"),
         ):

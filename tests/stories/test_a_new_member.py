@@ -21,7 +21,7 @@ pytest.importorskip("fastapi")
 ROOT = Path(__file__).resolve().parents[2]
 COPIED = ("src", "docs", "tools", "tests", "benchmarks", "examples")
 FILES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "LICENSE", "Makefile", "pyproject.toml")
-NAMES = "bent_dashpot or standstill or passive_on or example_2026 or one_spring or parts"
+NAMES = "bent_dashpot or standstill or halfway or example_2026 or one_spring or parts"
 
 STEP = r'''r"""Standstill: the table stands away from the middle, for what a specimen does at rest under pressure.
 
@@ -64,42 +64,29 @@ class Standstill:
         return Peaks(self.place, top_speed(self.place, GLIDE))
 '''
 
-LAW = r'''r"""Passive-on: the greatest input at all times.
+LAW = r'''r"""Halfway: half of the range while the damper lengthens.
 
-.. math:: u = u_{max}
+.. math:: u = \tfrac12 (u_{min} + u_{max}) \text{ if } \dot x > 0, \text{ else } u_{min}
 
-The case that a controller has to be better than.
+An example.
 """
 
 from dataclasses import dataclass
-from typing import Annotated
-
-import numpy as np
-from numpy.typing import NDArray
 
 from dampyr.models.part import checked
-from dampyr.structures.building import Building
-from dampyr.units import Quantity
+from dampyr.structures.law_form import ControlLaw
+
+MEASURES = ("rate",)
 
 
 @checked
 @dataclass(frozen=True)
-class PassiveOn:
-    """The inputs ``low`` and ``high`` [V or A], the ``period`` between decisions and the ``lag`` of the coil [s]."""
-
-    low: Annotated[float, Quantity("V or A")]
-    high: Annotated[float, Quantity("V or A")]
-    period: Annotated[float, Quantity("s", low=0, open_low=True)] = 0.005
-    lag: Annotated[float, Quantity("s", low=0)] = 0.0
+class Halfway(ControlLaw):
+    """The settings of every law, and no others."""
 
 
-def gains(law: PassiveOn, building: Building, row: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Nothing."""
-    return np.zeros(2 * building.n + 1)
-
-
-def decide(high: float) -> float:
-    return high
+def decide(rate: float, low: float, high: float) -> float:
+    return 0.5 * (low + high) if rate > 0.0 else low
 '''
 
 RECORD_FORMAT = '''"""JSON: an object with the lists time, displacement and force, in SI, and the voltage."""
@@ -247,7 +234,7 @@ def command(containing: str, as_json: bool) -> None:
 
 MEMBERS = {
     "campaigns/steps/standstill.py": STEP,
-    "structures/control/passive_on.py": LAW,
+    "structures/control/halfway.py": LAW,
     "records/formats/json.py": RECORD_FORMAT,
     "ground_motions/formats/headed.py": MOTION_FORMAT,
     "models/published/example_2026.toml": PUBLISHED_SET,
@@ -277,9 +264,9 @@ from dampyr.models import published
 from dampyr.structures import control_law
 
 ROOT = Path(__file__).resolve().parents[1]
-LISTED = ["bent_dashpot", "standstill", "passive_on", ".json", ".shake", "one_spring", "table", "parts"]
+LISTED = ["bent_dashpot", "standstill", "halfway", ".json", ".shake", "one_spring", "table", "parts"]
 REFERENCE = {
-    "models": "## `bent_dashpot`", "campaign-file": "## `standstill`", "control-laws": "## `passive_on`",
+    "models": "## `bent_dashpot`", "campaign-file": "## `standstill`", "control-laws": "## `halfway`",
     "published": "## `example_2026`", "studies": "## `one_spring`", "commands": "## `dampyr parts`",
 }  # fmt: skip
 STEP = '[[step]]\\nkind = "standstill"\\nplace = "4 mm"\\n'
@@ -337,7 +324,7 @@ def test_the_command_line_takes_them(data, tmp_path):
 
 
 def test_python_takes_them(data):
-    assert control_law("passive_on", high=2.0).high == 2.0
+    assert control_law("halfway", high=2.0).high == 2.0
     assert studies.published_damper("one_spring").composition.names == ("spring",)
     assert ground_motions.read(data / "motions" / "weak.shake").n == 500
     assert records.read_campaign(data)[0].voltage == 1.0
@@ -349,7 +336,7 @@ def test_the_console_offers_them(client):
     assert "bent_dashpot" in choices["models"]
     assert choices["exports"]["table"] == "Table"
     offered = client.get("/api/building/choices").json()
-    assert "passive_on" in offered["laws"]
+    assert "halfway" in offered["laws"]
     assert {"example_2026", "one_spring"} <= {one["name"] for one in offered["dampers"]}
     assert offered["motions"] == ["weak.shake"]
     formats = client.get("/api/records/formats").json()

@@ -16,7 +16,6 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import IntEnum
-from types import FunctionType
 from typing import Any
 
 import numpy as np
@@ -29,7 +28,8 @@ from dampyr.input_kinds import input_arguments
 from dampyr.models import Damper
 from dampyr.models.codegen.kernels import bind
 from dampyr.structures import Building
-from dampyr.structures.control_laws import gains, lag_of, settings, source, values_at
+from dampyr.structures.control_laws import lag_of, values_at
+from dampyr.structures.controller import ControllerRun, controller
 from dampyr.structures.sites import connections, make_sites
 
 Array = NDArray[np.float64]
@@ -115,7 +115,7 @@ class LiveDamper:
         self.s[:] = self.work
         self.at[:] = self.now
         if self.law is not None:
-            self.law.decide_at(self.now[0], self.x, self.v, self.now[1], self.now[2], float(self.out[0]))
+            self.law.decide_at(self.now[0], self.x, self.v, float(self.out[0]))
 
 
 class LawInput:
@@ -124,14 +124,11 @@ class LawInput:
     def __init__(self, law: Any, damper: Damper, building: Building, row: Array, motion: GroundMotion | None) -> None:
         values_at(law, damper)
         self.law, self.lag = law, lag_of(law, damper)
-        self.gains, self.settings = gains(law, building, row), settings(law)
-        text, [self.kind] = source((law,))
-        names: dict[str, Any] = {name: getattr(np, name) for name in ("exp", "sqrt", "tanh", "copysign")}
-        exec(compile(text, "<laws>", "exec"), names)
-        self.decide: FunctionType = names["decide"]
-        if self.gains[-1] != 0.0 and motion is None:
+        made = controller(law, building, row[None], 0)
+        self.run = ControllerRun(made)
+        if np.any(made.rows[:, 2 * building.n : 2 * building.n + 2]) and motion is None:
             raise InputError(
-                "this law needs the velocity of the ground, which OpenSees does not send; give the motion that shakes the "
+                "this law needs the motion of the ground, which OpenSees does not send; give the motion that shakes the "
                 "structure there, --motion FILE or motion=, or choose a law of the state alone, such as clipped_optimal"
             )
         self.motion = motion
@@ -146,14 +143,15 @@ class LawInput:
             return self.command
         return self.command + (self.level - self.command) * float(np.exp(-(t - self.since) / self.lag))
 
-    def decide_at(self, t: float, x: Array, v: Array, stroke: float, rate: float, force: float) -> None:
+    def decide_at(self, t: float, x: Array, v: Array, force: float) -> None:
         """The law's decision at a committed time, where its period has passed."""
         self.level, self.since = self.input_at(t), t
         if t < self.next - 1e-9 * self.law.period:
             return
-        ground = 0.0 if self.motion is None else float(np.interp(t, self.motion.time, self.ground))
-        signal = float(self.gains @ np.concatenate([x, v, [ground]]))
-        self.command = float(self.decide(self.kind, signal, stroke, rate, force, self.settings))
+        ground = [0.0, 0.0]
+        if self.motion is not None:
+            ground = [float(np.interp(t, self.motion.time, of)) for of in (self.ground, self.motion.acceleration)]
+        self.command = self.run.decide(np.concatenate([x, v, ground, [force]]))
         self.next += self.law.period * max(1.0, np.floor((t - self.next) / self.law.period + 1e-9) + 1.0)
 
 

@@ -4,7 +4,8 @@
 damper stands in a storey or between any two floors, ``{(0, 2): damper}``, and one alone in storey 1. ``two_storey()``
 is the building of chapter 5, ``Building(M, C, K)``, ``shear_building``, ``single_mass``, ``quarter_car`` and
 ``condense`` make others, ``load`` reads one from a TOML file, ``state_space`` writes one as matrices. ``control_law``
-makes a law that sets an input in the place of a number; a list of inputs gives `Responses`, a case for each.
+makes a law that sets an input in the place of a number, `Sensor` says what is wrong with what it measures, and `ControlLaw`
+and `LawDesign` are for laws of one's own; a list of inputs gives `Responses`, a case for each.
 ``ensemble`` runs the outer product of buildings, dampers, inputs, motions and scales, and returns the peaks;
 ``fragility`` and ``incremental`` evaluate them, ``write_part`` and ``collect`` divide the work for a batch system.
 """
@@ -20,9 +21,11 @@ from dampyr.structures.ensembles.fragility import fragility
 from dampyr.structures.ensembles.incremental import incremental
 from dampyr.structures.ensembles.job_array import collect, write_part
 from dampyr.structures.ensembles.summary import summary
+from dampyr.structures.law_form import ControlLaw, LawDesign
 from dampyr.structures.raminelli_2020_building import two_storey
 from dampyr.structures.ride import RideFigures, ride_figures, vertical_weighting, weighted_acceleration
 from dampyr.structures.road_profile import bump, random_road
+from dampyr.structures.sensors import Sensor
 from dampyr.structures.shear import shear_building, single_mass
 from dampyr.structures.structure_file import load
 from dampyr.structures.time_history.respond import respond
@@ -31,9 +34,9 @@ from dampyr.structures.time_history.state_space import from_state_space, state_s
 from dampyr.structures.vehicle import quarter_car, road
 
 __all__ = [
-    "Building", "two_storey", "shear_building", "single_mass", "quarter_car", "road", "random_road", "bump",
-    "ride_figures", "RideFigures", "vertical_weighting", "weighted_acceleration", "condense", "load", "respond",
-    "control_law", "available_control_laws", "RespondOptions", "ensemble", "EnsembleOptions", "EnsembleResult",
-    "ensemble_cases", "read_ensemble", "demand_tables", "write_demands", "summary", "fragility", "incremental",
-    "write_part", "collect", "Response", "state_space", "from_state_space",
+    "Building", "two_storey", "shear_building", "single_mass", "quarter_car", "road", "random_road", "bump", "ride_figures",
+    "RideFigures", "vertical_weighting", "weighted_acceleration", "condense", "load", "respond", "control_law",
+    "available_control_laws", "ControlLaw", "LawDesign", "Sensor", "RespondOptions", "ensemble", "EnsembleOptions",
+    "EnsembleResult", "ensemble_cases", "read_ensemble", "demand_tables", "write_demands", "summary", "fragility",
+    "incremental", "write_part", "collect", "Response", "state_space", "from_state_space",
 ]  # fmt: skip

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 import inspect
 import math
-import sys
 from collections.abc import Iterable
-from dataclasses import MISSING, Field, fields, is_dataclass
+from dataclasses import MISSING, Field, fields
 from fractions import Fraction
-from functools import lru_cache
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -17,13 +14,12 @@ from numpy.typing import NDArray
 
 from dampyr import registry, units
 from dampyr.errors import InputError
-from dampyr.models.codegen.formula import read
 from dampyr.models.part import quantities
+from dampyr.structures.controller import REGISTRY, class_in, module_of
+from dampyr.structures.law_form import ControlLaw
+from dampyr.structures.sensors import MEASURES, Sensor
 
 Array = NDArray[np.float64]
-REGISTRY = "dampyr.structures.control"
-SENSED = ("signal", "stroke", "rate", "force")
-NEEDED = ("low", "high", "period", "lag")
 MIN_LAG = 2e-5  # s, as `dampyr.structures.sites.MIN_DELAY`: steps resolve the lag
 MAX_PARTS = 400  # of a sample of the motion: steps of 50 us at 20 ms, far below the period of any controller
 
@@ -38,8 +34,10 @@ def control_law(name: str, **settings: Any) -> Any:
 
     ``low`` (default 0) and ``high`` [V or A, as the damper takes it] are the least and the greatest input, ``period`` the
     time between decisions (default 0.005 s), ``lag`` the time constant of the coil (default 0 s: it follows at once; a
-    damper with the part ``lag`` has its own). Other settings are the law's own; its file in
-    ``dampyr.structures.control`` says what they mean, and when not to use it.
+    damper with the part ``lag`` has its own). ``sensors``, a mapping from what the law measures to a
+    :class:`~dampyr.structures.sensors.Sensor`, give noise, bias, quantum, range and delay, ``seed`` the noise; what is not
+    in it is measured ideally. Other settings are the law's own; its file in ``dampyr.structures.control`` says what they
+    mean, and when not to use it.
 
     Raises :class:`~dampyr.errors.InputError` for a name, a setting or a value that is not allowed.
 
@@ -47,9 +45,9 @@ def control_law(name: str, **settings: Any) -> Any:
     --------
     >>> import dampyr as dp
     >>> dp.structures.control_law("on_off", high=3.212, lag=0.01)
-    OnOff(low=0.0, high=3.212, period=0.005, lag=0.01)
+    OnOff(low=0.0, high=3.212, period=0.005, lag=0.01, sensors=(), seed=1)
     """
-    cls = _class(registry.member(REGISTRY, name))
+    cls = class_in(registry.member(REGISTRY, name))
     allowed = {field.name: field for field in fields(cls)}
     settings = {"low": 0.0} | settings
     unknown = [key for key in settings if key not in allowed]
@@ -58,7 +56,8 @@ def control_law(name: str, **settings: Any) -> Any:
     missing = [key for key, field in allowed.items() if field.default is MISSING and key not in settings]
     if missing:
         raise InputError(f"{name} needs {missing[0]}; write {missing[0]}=, a number")
-    law = cls(**{key: _number(name, allowed[key], value) for key, value in settings.items()})
+    given = {key: settings.pop(key) for key in ("sensors", "seed") if key in settings}
+    law = cls(**{key: _number(name, allowed[key], value) for key, value in settings.items()}, **given)
     _check_order(law)
     return law
 
@@ -66,19 +65,43 @@ def control_law(name: str, **settings: Any) -> Any:
 def law_of(text: str, damper: Any) -> Any:
     """The control law written as ``on_off:lag=10ms,high=3``, over the damper's calibrated range unless it gives low and high.
 
-    Several weights are parted by slashes, ``lyapunov:weights=1/2/3/4``.
+    Several weights are parted by slashes, ``lyapunov:weights=1/2/3/4``; the number of a sensor has the name of what it
+    measures before it, ``bang_bang:force.noise=3,force.delay=1,seed=4``.
     """
     name, _, rest = text.partition(":")
     low, high = damper.range
     settings: dict[str, Any] = {"low": low, "high": high}
+    sensors: dict[str, dict[str, Any]] = {}
     for part in rest.split(",") if rest else []:
         key, equals, value = (word.strip() for word in part.partition("="))
         if not equals:
             raise InputError(
                 f"control law {text!r}: {part!r} is not a setting; write it as in on_off:period=0.01,lag=0.005"
             )
-        settings[key] = value.split("/") if key == "weights" else _value_of_text(key, value)
+        measure, point, fault = key.partition(".")
+        if point:
+            sensors.setdefault(measure, {})[_fault(text, key, fault)] = _in_unit_of(measure, fault, value)
+        else:
+            settings[key] = value.split("/") if key == "weights" else _value_of_text(key, value)
+    if sensors:
+        settings["sensors"] = {measure: Sensor(**faults) for measure, faults in sensors.items()}
     return control_law(name, **settings)
+
+
+def _fault(text: str, key: str, fault: str) -> str:
+    allowed = [field.name for field in fields(Sensor)]
+    if fault not in allowed:
+        raise InputError(f"control law {text!r}: {key!r} is no number of a sensor; it has {', '.join(allowed)}")
+    return fault
+
+
+def _in_unit_of(measure: str, fault: str, value: str) -> Any:
+    """The number of a sensor, in the SI unit of what it measures or with a unit, ``0.05m/s^2``; a delay is in samples."""
+    try:
+        return float(value)
+    except ValueError:
+        known = measure in MEASURES and fault != "delay"
+        return units.parse(value, MEASURES[measure].unit) if known else value
 
 
 def _value_of_text(key: str, value: str) -> Any:
@@ -87,11 +110,6 @@ def _value_of_text(key: str, value: str) -> Any:
         return float(value)
     except ValueError:
         return units.parse(value, "s") if key in ("period", "lag") else value
-
-
-def _class(module: ModuleType) -> type:
-    wanted = module.__name__.rpartition(".")[2].replace("_", "")
-    return next(cls for name, cls in vars(module).items() if isinstance(cls, type) and name.lower() == wanted)
 
 
 def _number(name: str, field: Field[Any], value: Any) -> Any:
@@ -104,27 +122,21 @@ def _number(name: str, field: Field[Any], value: Any) -> Any:
 
 
 def is_control_law(value: Any) -> bool:
-    """Whether ``value`` is a law: a dataclass whose file has ``gains`` and ``decide``."""
-    if isinstance(value, type) or not is_dataclass(value):
-        return False
-    return all(hasattr(_module(value), name) for name in ("gains", "decide"))
-
-
-def _module(law: Any) -> ModuleType:
-    return sys.modules[type(law).__module__]
+    """Whether ``value`` is a law."""
+    return isinstance(value, ControlLaw)
 
 
 def _name(law: Any) -> str:
-    return _module(law).__name__.rpartition(".")[2]
+    return module_of(law).__name__.rpartition(".")[2]
 
 
 def describe_law(law: Any, unit: str = "") -> str:
     """A law in short, for labels: its name, its inputs, and the settings that are not the default."""
     description = f"{_name(law)} {law.low:g} to {law.high:g} {unit}".rstrip()
-    other = [field for field in fields(law) if field.name not in ("low", "high")]
+    other = [field for field in fields(law) if field.name not in ("low", "high", "sensors")]
     changed = [field for field in other if getattr(law, field.name) != field.default]
     settings = [f"{field.name} {_short(getattr(law, field.name))}{_unit(law, field.name)}" for field in changed]
-    return ", ".join([description, *settings])
+    return ", ".join([description, *settings, *(sensor.in_words(measure) for measure, sensor in law.sensors)])
 
 
 def _short(value: Any) -> str:
@@ -138,9 +150,9 @@ def _unit(law: Any, name: str) -> str:
 
 def spelled(law: Any) -> str:
     """A law with all its settings, exactly, and the source of its file: for a digest."""
-    values = [(field.name, getattr(law, field.name)) for field in fields(law)]
+    values = [(field.name, getattr(law, field.name)) for field in fields(law) if field.name != "sensors"]
     exact = ", ".join(f"{k}={tuple(map(float, v)) if isinstance(v, tuple) else float(v)!r}" for k, v in values)
-    return f"{_name(law)}({exact})\n{inspect.getsource(_module(law))}"
+    return f"{_name(law)}({exact}) {law.sensors!r}\n{inspect.getsource(module_of(law))}"
 
 
 def values_at(law: Any, damper: Any, allow_extrapolation: bool = False) -> Array:
@@ -162,12 +174,20 @@ def values_at(law: Any, damper: Any, allow_extrapolation: bool = False) -> Array
 
 
 def _check_order(law: Any) -> None:
-    if missing := [name for name in NEEDED if not hasattr(law, name)]:
-        raise InputError(f"{_name(law)} has no setting {missing[0]!r}; every law has {', '.join(NEEDED)}")
     if not law.low <= law.high:
         raise InputError(f"low = {law.low:g} of {_name(law)} is above high = {law.high:g}; exchange them")
     if not 0 < law.period < math.inf:
         raise InputError(f"period = {law.period:g} s of {_name(law)} is not allowed; it must be greater than 0")
+
+
+def check_decided(law: Any, where: str, low: float, high: float) -> None:
+    """Raise InputError where the least or the greatest decision of ``law`` is outside its own bounds."""
+    slack = 1e-9 * max(abs(law.low), abs(law.high), 1.0)
+    if not law.low - slack <= low <= high <= law.high + slack:
+        raise InputError(
+            f"the law {where} asked for {low if low < law.low else high:g}; it must stay between its low = {law.low:g} and "
+            f"high = {law.high:g}"
+        )
 
 
 def lag_of(law: Any, damper: Any) -> float:
@@ -202,58 +222,3 @@ def parts(laws: Iterable[Any], dt: float) -> int:
             f"{MAX_PARTS} are allowed; take periods that are multiples of one another"
         )
     return count
-
-
-def gains(law: Any, building: Any, row: Array) -> Array:
-    """The factors of the state and of the ground's velocity in the signal of a law, (2n + 1,)."""
-    values = np.ascontiguousarray(_module(law).gains(law, building, row), dtype=float)
-    if values.shape != (2 * building.n + 1,) or not np.all(np.isfinite(values)):
-        raise InputError(f"the gains of {_name(law)} must be {2 * building.n + 1} finite numbers, not {values!r}")
-    return values
-
-
-def settings(law: Any) -> Array:
-    """The numbers of a law in the order of its fields."""
-    return np.array([getattr(law, name) for name in _numbers(type(law))], dtype=float)
-
-
-def _numbers(cls: Any) -> list[str]:
-    return [field.name for field in fields(cls) if not isinstance(field.default, tuple)]
-
-
-def source(laws: tuple[Any, ...]) -> tuple[str, list[int]]:
-    """The Python text of ``decide(kind, ...)``, which chooses among the laws, and the kind of each; None stands for no law.
-
-    All registered laws are in it, so that what is compiled once serves every one of them.
-    """
-    classes = _law_classes()
-    classes += tuple(c for c in dict.fromkeys(type(law) for law in laws if law) if c not in classes)
-    return _text(classes), [classes.index(type(law)) if law else -1 for law in laws]
-
-
-@lru_cache(maxsize=1)
-def _law_classes() -> tuple[type, ...]:
-    return tuple(_class(module) for _, module in registry.members(REGISTRY))
-
-
-@lru_cache(maxsize=16)
-def _text(classes: tuple[type, ...]) -> str:
-    texts: dict[str, str] = {}
-    lines = []
-    for kind, cls in enumerate(classes):
-        formula = read(sys.modules[cls.__module__].decide, f"law_{kind}")
-        texts |= {name: read(f, name).source for name, f in formula.intrinsics().items()}
-        texts[formula.name] = formula.source
-        lines.append(f"if kind == {kind}: return {formula.name}({', '.join(_places(cls, formula.arguments))})")
-    head = f"def decide(kind, {', '.join(SENSED)}, p):"
-    return "\n\n".join([*texts.values(), "\n    ".join([head, *lines, "return 0.0"])])
-
-
-def _places(cls: type, arguments: tuple[str, ...]) -> list[str]:
-    numbers = _numbers(cls)
-    unknown = [name for name in arguments if name not in (*SENSED, *numbers)]
-    if unknown:
-        raise InputError(
-            f"decide of {cls.__name__} asks for {unknown[0]!r}; it may use {', '.join((*SENSED, *numbers))}"
-        )
-    return [name if name in SENSED else f"p[{numbers.index(name)}]" for name in arguments]

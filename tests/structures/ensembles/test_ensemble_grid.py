@@ -10,6 +10,7 @@ from dampyr.ground_motions import el_centro
 from dampyr.models import Damper
 from dampyr.structures import control_law, ensemble, two_storey
 from dampyr.structures.ensembles.ensemble_grid import cases
+from dampyr.structures.sensors import Sensor
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*was calibrated:dampyr.errors.DampyrWarning")
 
@@ -25,10 +26,11 @@ def test_shards_are_many_enough_to_share_out_and_worth_their_beginning(lines: in
     assert sum(map(len, shard_lines)) == lines
 
 
-def test_shards_under_laws_are_small(cubics: Damper) -> None:
-    """A case under a law takes as long as thousands without."""
-    laws = [control_law("on_off", high=2.0), 0.0]
-    assert cases(two_storey(), el_centro(), [cubics] * 20, laws, [1.0, 2.0]).shards() == 10
+def test_shards_of_cases_that_run_one_by_one_are_small(cubics: Damper) -> None:
+    """A case under a law whose sensor is late by more samples than an engine keeps takes as long as thousands of others."""
+    late = control_law("on_off", high=2.0, sensors={"rate": Sensor(delay=9)})
+    for law, shards in ((control_law("on_off", high=2.0), 1), (late, 10)):
+        assert cases(two_storey(), el_centro(), [cubics] * 20, [law, 0.0], [1.0, 2.0]).shards() == shards
 
 
 def test_lists_of_the_wrong_thing_are_refused() -> None:

@@ -36,13 +36,13 @@ def test_the_kernel_takes_what_is_imposed_and_tells_what_hangs_on_the_step(dampe
     fine = run(8, before=coarse.sensed)
     others = fine.decisions.others()
     assert others.shape == (1, fine.decisions.count) == (1, round(4.0 / 0.005))
-    differ = coarse.sensed[:, :, 4] != fine.decisions.sensed[:, :, 4]
+    differ = coarse.sensed[:, :, -1] != fine.decisions.sensed[:, :, -1]
     assert np.all(np.isfinite(others[differ]))
-    signal, rate = (fine.decisions.sensed[0, :, k] for k in (0, 2))
-    change = [np.abs(fine.decisions.sensed[0, :, k] - coarse.sensed[0, :, k]) for k in (0, 2)]
+    signal, rate = (fine.decisions.sensed[0, :, k] for k in (0, 1))
+    change = [np.abs(fine.decisions.sensed[0, :, k] - coarse.sensed[0, :, k]) for k in (0, 1)]
     crosses = ((np.abs(signal) < change[0]) & (rate != 0.0)) | ((np.abs(rate) < change[1]) & (signal != 0.0))
     np.testing.assert_array_equal(np.isfinite(others[0]), crosses | differ[0])
-    taken = run(8, imposed=others).decisions.sensed[:, :, 4]
+    taken = run(8, imposed=others).decisions.sensed[:, :, -1]
     np.testing.assert_array_equal(taken[np.isfinite(others)], others[np.isfinite(others)])
     np.testing.assert_array_equal(run(8).out.state, fine.out.state)
 

@@ -38,7 +38,7 @@ KERNEL_SOURCES = (
     "ground_motions/oscillator.py",
     "identification/search/bounded_least_squares.py", "identification/search/normal_equations.py",
 )  # fmt: skip
-MORE = ("decide",)
+MORE = ("decide", "remember")
 QUICK = ("quick_exp", "quick_tanh")
 MAX_CACHE_AGE = 30 * 86400.0  # s: a month in which a version of the sources was not run
 FAST = {"contract", "nsz", "arcp"}

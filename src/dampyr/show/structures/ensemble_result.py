@@ -40,7 +40,9 @@ def describe_ensemble(result: EnsembleResult) -> Description:
         ("cases", f"{attributes['cases']}: {cases_in_words(result.dataset)}"),
         (
             "accuracy",
-            f"{attributes['accuracy']}, largest change on halving the step {100 * attributes['error_estimate']:.2g} %",
+            f"{attributes['accuracy']}, largest change on halving the step {100 * attributes['error_estimate']:.2g} %"
+            if attributes["judged"]
+            else attributes["accuracy"],
         ),
         ("end", end_in_words(attributes.get("after_s", 0.0))),
         ("without bound", f"{attributes['unbounded']} cases"),
@@ -103,8 +105,12 @@ def trust(dataset: Any) -> list[str]:
     moving = attributes.get("error_estimate_moving")
     among = f" ({100 * moving:.2g} % among {FLOOR})" if moving is not None else ""
     measured = (
-        f"The largest change of a peak displacement or drift on halving the step was {error}{among}, measured on "
-        f"{attributes['judged']} of {attributes['cases']} cases, the hardest and others at random."
+        ""
+        if not attributes["judged"]
+        else (
+            f"The largest change of a peak displacement or drift on halving the step was {error}{among}, measured on "
+            f"{attributes['judged']} of {attributes['cases']} cases, the hardest and others at random."
+        )
     )
     bound = f"{100 * BOUNDS[attributes['accuracy']]:.2g} %"
     at_high = " at a high input" if dataset.input.attrs.get("units") else ""
@@ -117,7 +123,13 @@ def trust(dataset: Any) -> list[str]:
     end = f"Each case {end_in_words(attributes.get('after_s', 0.0))}."
     left_out = truncation_in_words(attributes)
     reduced = [f"{left_out[0].upper()}{left_out[1:]}."] if left_out else []
-    return [measured, fast if attributes["accuracy"] == "fast" else strict, *reduced, end, *lost]
+    return [
+        *([measured] if measured else []),
+        fast if attributes["accuracy"] == "fast" else strict,
+        *reduced,
+        end,
+        *lost,
+    ]
 
 
 def _peaks(result: EnsembleResult) -> DataFrameColumns:

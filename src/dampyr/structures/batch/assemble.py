@@ -40,6 +40,7 @@ from numpy.typing import NDArray
 from dampyr.models.codegen.composition import Composition
 from dampyr.structures.batch.branchless_math import BLOCK_WIDTH
 from dampyr.structures.batch.damper_step import Half, half_step
+from dampyr.structures.batch.law_step import JUMPING, LawStep, SiteControl, ground_velocity, jumps
 from dampyr.structures.batch.loop_fission import Loops
 from dampyr.structures.batch.modal import ModalStep
 
@@ -86,6 +87,7 @@ class KernelText:
     quantities: tuple[str, ...]
     block_width: int = BLOCK_WIDTH
     ring_width: str = ""
+    controls: tuple[SiteControl | None, ...] = ()
     coefficients: list[float] = field(default_factory=list)
     lines: list[str] = field(default_factory=list)
     updates: dict[str, str] = field(default_factory=dict)
@@ -99,13 +101,42 @@ class KernelText:
         self.ring_width = self.ring_width or str(self.block_width)
         self.size, self.sites = self.step.end.shape[0], len(self.compositions)
         self.unknown = [f"g{r}" for r in range(2 * self.sites)]
+        controlled = ((d, control) for d, control in enumerate(self.controls) if control is not None)
+        self.laws = {d: LawStep(self, d, control) for d, control in controlled}
         self.frame = (Small if self.size <= WRITTEN_OUT_UP_TO else Large)(self)
         self.starts = self.frame.starts
         self.frame.before()
         if self.sites:
             self._dampers()
         self.frame.after()
+        self.decisions = self._decisions()
         self.source = self._source()
+
+    @property
+    def functions(self) -> str:
+        """The text of the formulas of control laws."""
+        return "\n\n".join(dict.fromkeys(text for law in self.laws.values() for text in law.functions))
+
+    @property
+    def starts_at(self) -> dict[str, float]:
+        """What rows hold at the start besides what a history brings, where it is not 0."""
+        return {row: value for law in self.laws.values() for row, value in law.starts.items()}
+
+    def value_rows(self, d: int) -> list[str]:
+        """The rows of the numbers that a site brings: its parameters, and under a law all that these follow."""
+        if d in self.laws:
+            return self.laws[d].value_rows
+        return [f"p{d}_{k}" for k in range(len(self.compositions[d].parameters))]
+
+    def _decisions(self) -> list[str]:
+        """What comes before a step: laws decide, forces jump, and the ground's velocity goes on."""
+        lines = []
+        for d, law in self.laws.items():
+            for row in ("V", *self.value_rows(d), *law.starts):
+                self.rows[row]
+            lines += law.decision()
+        lines += jumps(self, self.laws)
+        return lines + (ground_velocity(self) if any(law.needs_ground_velocity for law in self.laws.values()) else [])
 
     def emit(self, *lines: str) -> None:
         self.lines += lines
@@ -138,6 +169,8 @@ class KernelText:
         self.ends = [self._numbers(row) for row in moved]
         for d in range(N):
             self.emit(*(self._delayed(d) if self.is_delayed(d) else self._guess(d)))
+        for law in self.laws.values():
+            self.emit(*law.coil())
         self.cut()
         done = self._laws()
         self.cut()
@@ -188,23 +221,26 @@ class KernelText:
         self.emit(*(f"e{r} = {self._moved(r)}" for r in range(2 * N)))
         for d, composition in enumerate(self.compositions):
             self.emit(*self._middle(d, f"e{d}", f"e{N + d}"))
-            values = [self._value(d, k) for k in range(len(composition.parameters))]
+            quarter, half, three, end = (
+                [self._value(d, k, at) for k in range(len(composition.parameters))] for at in "abcd"
+            )
             states = [f"s{d}_{k}" for k in range(composition.n_states - composition.in_series)]
             before = f"u{d}" if self.is_delayed(d) else f"f{d}"
             states += [before] * composition.in_series
             early = {"x0": self.starts[d], "x1": f"h{d}", "v0": self.starts[N + d], "v1": f"h{N + d}", "dt": "dt"}
             early |= {"g0": before, "g1": before if self.is_delayed(d) else f"g{d}"}
             late = {"x0": f"h{d}", "x1": f"e{d}", "v0": f"h{N + d}", "v1": f"e{N + d}", "dt": "dt"}
-            first = half_step(composition, f"_half{d}", states, values, early)
+            first = half_step(composition, f"_half{d}", states, quarter, early, half)
             late |= {"g0": first.force, "g1": first.force if self.is_delayed(d) else f"g{N + d}"}
-            second = half_step(composition, f"_end{d}", [*first.ends, *states[len(first.ends) :]], values, late)
+            second = half_step(composition, f"_end{d}", [*first.ends, *states[len(first.ends) :]], three, late, end)
             self.emit(*first.lines, *second.lines)
             done.append((first, second))
         return done
 
-    def _value(self, d: int, k: int) -> str:
+    def _value(self, d: int, k: int, at: str) -> str:
+        """The name of a parameter at an instant of the step."""
         self.rows[f"p{d}_{k}"]
-        return f"p{d}_{k}"
+        return self.laws[d].value(k, at) if d in self.laws else f"p{d}_{k}"
 
     def _correct(self, done: list[tuple[Half, Half]]) -> None:
         """Newton's correction of the guess."""
@@ -267,8 +303,14 @@ class KernelText:
                 peak_rows.append((quantity, i, wide))
         return peak_rows
 
-    def peak(self, name: str, now: str, mid: str, old: str) -> list[str]:
+    def jumps(self, quantity: str) -> bool:
+        """Whether a quantity may jump or bend between two nodes, so that no parabola leads through them."""
+        return bool(self.laws) and quantity in JUMPING
+
+    def peak(self, name: str, now: str, mid: str, old: str, jumps: bool = False) -> list[str]:
         """Raise a peak by the middle one of three nodes in a row, and by the parabola through them where it turns near it."""
+        if jumps:
+            return [f"{name}n = max({name}, abs({mid}))"]
         return [
             f"apart = {now} - {old}",
             f"bend = abs({now} - two*{mid} + {old})",
@@ -300,7 +342,7 @@ class KernelText:
                 "    for j in range(parts):",
                 "        steps = i*parts + j",
                 "        slot_0, slot_1 = (2*steps + 1) & mask, (2*steps + 2) & mask",
-                *("        " + line for line in body),
+                *("        " + line for line in [*self.decisions, *body]),
                 "        part = part + share",
                 "",
             ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import groupby
 from typing import Any
 
 import numpy as np
@@ -66,7 +67,8 @@ class Small:
             key = tuple(row)
             if key not in seen:
                 name = seen[key] = f"P{len(seen)}"
-                text.emit(f"{name}a = {text.sum(row, names)}", *text.peak(name, f"{name}a", f"{name}b", f"{name}c"))
+                peak = text.peak(name, f"{name}a", f"{name}b", f"{name}c", text.jumps(quantity))
+                text.emit(f"{name}a = {text.sum(row, names)}", *peak)
                 for row_name, value in ((name, f"{name}n"), (f"{name}b", f"{name}a"), (f"{name}c", f"{name}b")):
                     text.carry(row_name, value)
             text.peaks[quantity, i] = seen[key]
@@ -102,12 +104,12 @@ class Large:
         text = self.text
         for r, start in enumerate(self.starts):
             text.carry(start, f"new{r}")
-        self.named_ = len(text.coefficients)
         outputs = text.outputs()
         self.values = text.rows.run("~q", len(outputs))
         self.top, self.mid, self.old = (text.rows.run(letter, len(outputs)) for letter in ("P", "Pb", "Pc"))
         for r, (quantity, i, _) in enumerate(outputs):
             text.peaks[quantity, i] = f"P{r}"
+        self.jumping = [text.jumps(quantity) for quantity, _, _ in outputs]
         self.outputs = np.array([row for _, _, row in outputs]).reshape(len(outputs), text.size + text.sites + 1)
 
     def latest(self, peak: str) -> str:
@@ -122,6 +124,7 @@ class Large:
     def body(self) -> list[str]:
         """The lines of a step."""
         text = self.text
+        self.named_ = len(text.coefficients)  # the others are matrices, behind them
         size, N = text.size, text.sites
         shared = {f"base{r}": f"~base{r}" for r in range(2 * N)} | {f"g{r}": f"~g{r}" for r in range(2 * N)}
         dampers = text.loops(shared) if N else []
@@ -143,7 +146,15 @@ class Large:
         lines += dampers
         lines += self._product(unknown, range(self.g, self.g + 2 * N), self.z, start=self.k)
         lines += self._values([*range(self.z, self.z + size), *(self.f + d for d in range(N)), self.a + 1])
-        return [*lines, *self._peaks(len(self.outputs))]
+        pieces = [
+            (jumps, len(list(some))) for jumps, some in groupby(self.jumping)
+        ]  # of outputs of the same kind in a row
+        firsts = np.cumsum([0, *(count for _, count in pieces)]).tolist()
+        return lines + [
+            line
+            for first, (jumps, count) in zip(firsts, pieces, strict=False)
+            for line in self._peaks(first, count, jumps)
+        ]
 
     def _values(self, columns: list[int]) -> list[str]:
         """What peaks are taken of; drifts are differences of displacements where both are wanted."""
@@ -196,15 +207,15 @@ class Large:
             lines += self._loop(len(matrix), rows, given, [f"x[l] = {' + '.join(terms) or 'zero'}"])
         return lines
 
-    def _peaks(self, count: int) -> list[str]:
+    def _peaks(self, first: int, count: int, jumps: bool) -> list[str]:
         rows = {
-            "now": self._row(self.values),
-            "old": self._row(self.old),
-            "mid": self._row(self.mid),
-            "top": self._row(self.top),
+            "now": self._row(self.values + first),
+            "old": self._row(self.old + first),
+            "mid": self._row(self.mid + first),
+            "top": self._row(self.top + first),
         }
         loop = [f"{name}_ = {name}[l]" for name in rows]
-        loop += self.text.peak("top_", "now_", "mid_", "old_")
+        loop += self.text.peak("top_", "now_", "mid_", "old_", jumps)
         return self._loop(count, rows, [], [*loop, "top[l] = top_n", "old[l] = mid_", "mid[l] = now_"])
 
     def _row(self, first: int, apart: int = 1) -> str:

@@ -27,23 +27,36 @@ class Half:
 _NUMBERS: dict[object, str] = {0.0: "zero", 0.5: "half", 1.0: "one"}
 
 
-def half_step(composition: Composition, tag: str, states: list[str], values: list[str], motion: dict[str, str]) -> Half:
+def half_step(
+    composition: Composition,
+    tag: str,
+    states: list[str],
+    values: list[str],
+    motion: dict[str, str],
+    at_end: list[str] | None = None,
+) -> Half:
     """The half step that begins with ``states``; every new name ends in ``tag``.
 
-    ``motion`` names x0, x1, v0, v1 and dt, and g0 and g1: the force at the start and the guess of it at the end.
+    ``values`` are the parameters along it, ``at_end`` those of the force at its end where they differ. ``motion`` names x0, x1,
+    v0, v1 and dt, and g0 and g1: the force at the start and the guess of it at the end.
     """
     if composition.in_series:
         return _in_series(composition, tag, states, values, motion)
     names = _Names(tag, states, values, motion)
-    body, force = _body(composition, "slopes"), _body(composition, "force")
+    body = _body(composition, "slopes")
     written = {name for line in body for name in _targets(line)}
     lines = [ast.unparse(names.visit(line)) for line in body[:-1]]
     ends = [f"e{k}{tag}" if f"e{k}" in written else states[k] for k in range(composition.n_states)]
-    at_end = _Names(tag, ends, values, motion | {"x": motion["x1"], "v": motion["v1"], "a": "zero"})
-    result = ast.unparse(at_end.visit(force[-1].value))  # type: ignore[attr-defined]
-    lines.append(f"raw{tag} = {result}")
+    end = {"x": motion["x1"], "v": motion["v1"], "a": "zero"}
+    lines.append(f"raw{tag} = {force_now(composition, tag, ends, at_end or values, motion | end)}")
     by = [[f"d{axis}{k}{tag}" if f"d{axis}{k}" in written else "" for k in range(len(ends))] for axis in "xv"]
     return Half(lines, ends, f"raw{tag}", (f"fx{tag}", f"fv{tag}"), by[0], by[1])
+
+
+def force_now(composition: Composition, tag: str, states: list[str], values: list[str], motion: dict[str, str]) -> str:
+    """The force of states, parameters and ``motion`` (x, v and a), of dampers that nothing stretches in series with."""
+    [*_, result] = _body(composition, "force")
+    return ast.unparse(_Names(tag, states, values, motion).visit(result.value))  # type: ignore[attr-defined]
 
 
 def _in_series(

@@ -15,9 +15,12 @@ from numpy.typing import NDArray
 from dampyr.models.codegen.composition import Composition
 from dampyr.structures.batch.assemble import KernelText
 from dampyr.structures.batch.branchless_math import BLOCK_WIDTH
+from dampyr.structures.batch.law_step import SiteControl, pieces_of
 from dampyr.structures.batch.modal import basis_of, step
 from dampyr.structures.batch.run_blocks import compiled
 from dampyr.structures.building import Building
+from dampyr.structures.control_laws import lag_of
+from dampyr.structures.controller import controller
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -86,12 +89,14 @@ class Engine:
         rows = self.text.rows
         block: Array = np.zeros((len(rows.names), len(rest)), kind)
         for d, parameters in enumerate(values):
-            for k in range(parameters.shape[1]):
-                block[rows[f"p{d}_{k}"]] = parameters[:, k]
+            for name, column in zip(self.text.value_rows(d), parameters.T, strict=True):
+                block[rows[name]] = column
             for name in (f"f{d}", f"mf{d}", *((f"u{d}", f"R{d}") if self.text.is_delayed(d) else ())):
                 block[rows[name]] = rest[:, d]
             if self.text.is_delayed(d):
                 block[rows[f"D{d}"]] = steps[:, d]
+        for name, value in self.text.starts_at.items():
+            block[rows[name]] = value
         return block
 
     def ring(self, block: Array, steps: Array) -> Array:
@@ -105,6 +110,8 @@ class Engine:
 
     def _read(self, final_block: Array) -> dict[str, Array]:
         text = self.text
+        for law in text.laws.values():
+            law.check(final_block)
         read: dict[str, list[Array]] = {quantity: [] for quantity in text.quantities}
         for (quantity, _), name in text.peaks.items():
             last = final_block[text.rows[text.frame.latest(name)]]
@@ -123,7 +130,7 @@ def launch_blocks(engine: Engine, batch: Batch) -> Array:
     )
     block = buffer.reshape(-1, width)
     delayed, ring = any(map(text.is_delayed, range(text.sites))), np.empty((0, 0))
-    kernel = compiled(text.source, engine.compositions, engine.precision, engine.branchless)
+    kernel = compiled(text.source, engine.compositions, engine.precision, engine.branchless, text.functions)
     for k, ground in enumerate(grounds(batch.motions, batch.scales, width, kind)):
         some = slice(k * width, (k + 1) * width)
         ends = batch.ends[some]
@@ -178,17 +185,27 @@ def engine(
     quantities: tuple[str, ...],
     precision: int = 64,
     branchless: bool = False,
+    controls: tuple[SiteControl | None, ...] = (),
 ) -> Engine:
     """The engine of ``building`` with sites at ``connections`` (N, n), m steps to a sample of ``dt`` seconds.
 
     ``branchless`` is for dampers whose Bouc-Wen states can be integrated without branches
-    (`dampyr.structures.batch.bouc_wen_branchless.is_vectorisable`).
+    (`dampyr.structures.batch.bouc_wen_branchless.is_vectorisable`). ``controls`` are the laws of the sites, if they have some.
     """
     building_step = step(building, connections, dt / m, basis_of(building))
-    text = KernelText(building_step, compositions, quantities, BLOCK_WIDTH * 64 // precision)
+    text = KernelText(building_step, compositions, quantities, BLOCK_WIDTH * 64 // precision, controls=controls)
     compiled_engine = Engine(text, compositions, precision, m, launch_blocks, branchless=branchless)
-    compiled(text.source, compositions, precision, branchless)  # by one thread, before several ask for it
+    compiled(
+        text.source, compositions, precision, branchless, text.functions
+    )  # by one thread, before several ask for it
     return compiled_engine
+
+
+def control_of(building: Building, connections: Array, d: int, law: Any, damper: Any, dt: float, m: int) -> SiteControl:
+    """The law of damper ``d`` at m steps to a sample of ``dt`` seconds, for the engine of ``building``."""
+    made, n, basis = controller(law, building, connections, d), building.n, basis_of(building)
+    rows = made.rows if basis is None else np.hstack([made.rows[:, : 2 * n] @ basis, made.rows[:, 2 * n :]])
+    return SiteControl(made, rows, round(law.period * m / dt), lag_of(law, damper), pieces_of(damper))
 
 
 def can_run(compositions: Sequence[Composition]) -> bool:

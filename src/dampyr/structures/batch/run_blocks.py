@@ -24,9 +24,11 @@ CONSTANTS = {"zero": 0.0, "one": 1.0, "two": 2.0, "four": 4.0, "half": 0.5, "qua
 
 
 @lru_cache(maxsize=64)
-def compiled(source: str, compositions: tuple[Composition, ...], precision: int, branchless: bool = False) -> Any:
-    """The kernel of a text, cached on disk; ``branchless`` takes the branch-free Bouc-Wen state."""
-    text = functions_of(compositions)
+def compiled(
+    source: str, compositions: tuple[Composition, ...], precision: int, branchless: bool = False, more: str = ""
+) -> Any:
+    """The kernel of a text, cached on disk; ``branchless`` takes the branch-free Bouc-Wen state, ``more`` are functions."""
+    text = functions_of(compositions) + (f"\n\n{more}" if more else "")
     text += "\n\n" + bouc_wen_branchless.source() if branchless else ""
     names = _parts(text, precision)
     exec(compile(source, "<block>", "exec"), names)

@@ -15,31 +15,18 @@ study, Journal of Engineering Mechanics 126 (2000) 795-803.
 """
 
 from dataclasses import dataclass
-from typing import Annotated
-
-import numpy as np
-from numpy.typing import NDArray
 
 from dampyr.models.part import checked
-from dampyr.structures.building import Building
-from dampyr.units import Quantity
+from dampyr.structures.law_form import ControlLaw
+
+MEASURES = ("absolute_rate", "force")
 
 
 @checked
 @dataclass(frozen=True)
-class BangBang:
-    """The inputs ``low`` and ``high`` [V or A], the ``period`` between decisions and the ``lag`` of the coil [s]."""
-
-    low: Annotated[float, Quantity("V or A")]
-    high: Annotated[float, Quantity("V or A")]
-    period: Annotated[float, Quantity("s", low=0, open_low=True)] = 0.005
-    lag: Annotated[float, Quantity("s", low=0)] = 0.0
+class BangBang(ControlLaw):
+    """The settings of every law, and no others."""
 
 
-def gains(law: BangBang, building: Building, row: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The rate of the stroke where the ground counts as still."""
-    return np.concatenate([np.zeros(building.n), row, [row @ building.carried]])
-
-
-def decide(signal: float, force: float, low: float, high: float) -> float:
-    return high if signal * force > 0.0 else low
+def decide(absolute_rate: float, force: float, low: float, high: float) -> float:
+    return high if absolute_rate * force > 0.0 else low

@@ -22,39 +22,28 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.errors import InputError
 from dampyr.models.part import checked
 from dampyr.structures.building import Building
-from dampyr.structures.control._sensed import weighted
-from dampyr.structures.propagator import system
+from dampyr.structures.control._optimal import optimal_gains
+from dampyr.structures.law_form import ControlLaw, LawDesign
 from dampyr.units import Quantity
+
+MEASURES = ("state", "force")
 
 
 @checked
 @dataclass(frozen=True)
-class ClippedOptimal:
-    """The inputs ``low`` and ``high`` [V or A], the ``period`` between decisions and the ``lag`` of the coil [s], the
-    ``effort`` and, where it is not the energy, the diagonal of Q in ``weights`` (2n,)."""
+class ClippedOptimal(ControlLaw):
+    """The ``effort``, and the diagonal of Q in ``weights`` (2n,) where it is not the energy."""
 
-    low: Annotated[float, Quantity("V or A")]
-    high: Annotated[float, Quantity("V or A")]
-    period: Annotated[float, Quantity("s", low=0, open_low=True)] = 0.005
-    lag: Annotated[float, Quantity("s", low=0)] = 0.0
     effort: Annotated[float, Quantity("", low=0, open_low=True)] = 0.01
     weights: tuple[float, ...] = ()
 
 
-def gains(law: ClippedOptimal, building: Building, row: NDArray[np.float64]) -> NDArray[np.float64]:
-    """-G, and nothing of the ground's velocity."""
-    from scipy.linalg import solve_continuous_are
-
-    if np.linalg.cond(building.K) > 1e12:
-        raise InputError(f"{building.name} can move without springs, so clipped_optimal has no stiffness to go by")
-    a, _, b = system(building, row[None])
-    effort = law.effort * float(row @ np.linalg.solve(building.K, row))
-    p = solve_continuous_are(a, b, weighted(building, law.weights), np.array([[effort]]))
-    return np.append(-(b.T @ p)[0] / effort, 0.0)
+def design(law: ClippedOptimal, building: Building, row: NDArray[np.float64]) -> LawDesign:
+    """The wanted force -G z."""
+    return LawDesign({"wanted": np.append(-optimal_gains(building, row, law.effort, law.weights), 0.0)})
 
 
-def decide(signal: float, force: float, low: float, high: float) -> float:
-    return high if (signal - force) * force > 0.0 else low
+def decide(wanted: float, force: float, low: float, high: float) -> float:
+    return high if (wanted - force) * force > 0.0 else low

@@ -14,7 +14,6 @@ Intelligent Material Systems and Structures 5 (1994) 841-846.
 """
 
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,26 +21,23 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.models.part import checked
 from dampyr.structures.building import Building
-from dampyr.structures.control._sensed import weighted
+from dampyr.structures.control._optimal import weighted
+from dampyr.structures.law_form import ControlLaw, LawDesign
 from dampyr.structures.propagator import system
-from dampyr.units import Quantity
+
+MEASURES = ("state", "force")
 
 
 @checked
 @dataclass(frozen=True)
-class Lyapunov:
-    """The inputs ``low`` and ``high`` [V or A], the ``period`` between decisions and the ``lag`` of the coil [s], and, where
-    it is not the energy, the diagonal of Q in ``weights`` (2n,)."""
+class Lyapunov(ControlLaw):
+    """The diagonal of Q in ``weights`` (2n,) where it is not the energy."""
 
-    low: Annotated[float, Quantity("V or A")]
-    high: Annotated[float, Quantity("V or A")]
-    period: Annotated[float, Quantity("s", low=0, open_low=True)] = 0.005
-    lag: Annotated[float, Quantity("s", low=0)] = 0.0
     weights: tuple[float, ...] = ()
 
 
-def gains(law: Lyapunov, building: Building, row: NDArray[np.float64]) -> NDArray[np.float64]:
-    """-B^T P, and nothing of the ground's velocity."""
+def design(law: Lyapunov, building: Building, row: NDArray[np.float64]) -> LawDesign:
+    """The rate at which the damper's force makes the measure grow, over that force: -B^T P z."""
     from scipy.linalg import solve_continuous_lyapunov
 
     a, _, b = system(building, row[None])
@@ -52,8 +48,8 @@ def gains(law: Lyapunov, building: Building, row: NDArray[np.float64]) -> NDArra
             "no P; give the building damping, or take bang_bang"
         )
     p = solve_continuous_lyapunov(a.T, -weighted(building, law.weights))
-    return np.append(-(b.T @ p)[0], 0.0)
+    return LawDesign({"fall": np.append(-(b.T @ p)[0], 0.0)})
 
 
-def decide(signal: float, force: float, low: float, high: float) -> float:
-    return high if signal * force > 0.0 else low
+def decide(fall: float, force: float, low: float, high: float) -> float:
+    return high if fall * force > 0.0 else low

@@ -13,32 +13,18 @@ for a semi-active vibration isolator, Shock and Vibration Bulletin 50 (1980) 69-
 """
 
 from dataclasses import dataclass
-from typing import Annotated
-
-import numpy as np
-from numpy.typing import NDArray
 
 from dampyr.models.part import checked
-from dampyr.structures.building import Building
-from dampyr.structures.control._sensed import absolute
-from dampyr.units import Quantity
+from dampyr.structures.law_form import ControlLaw
+
+MEASURES = ("velocity", "rate")
 
 
 @checked
 @dataclass(frozen=True)
-class OnOff:
-    """The inputs ``low`` and ``high`` [V or A], the ``period`` between decisions and the ``lag`` of the coil [s]."""
-
-    low: Annotated[float, Quantity("V or A")]
-    high: Annotated[float, Quantity("V or A")]
-    period: Annotated[float, Quantity("s", low=0, open_low=True)] = 0.005
-    lag: Annotated[float, Quantity("s", low=0)] = 0.0
+class OnOff(ControlLaw):
+    """The settings of every law, and no others."""
 
 
-def gains(law: OnOff, building: Building, row: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The absolute velocity of the upper end."""
-    return absolute(building, row)
-
-
-def decide(signal: float, rate: float, low: float, high: float) -> float:
-    return high if signal * rate > 0.0 else low
+def decide(velocity: float, rate: float, low: float, high: float) -> float:
+    return high if velocity * rate > 0.0 else low

@@ -16,34 +16,20 @@ Engineering for Industry 96 (1974) 619-626.
 from dataclasses import dataclass
 from typing import Annotated
 
-import numpy as np
-from numpy.typing import NDArray
-
 from dampyr.models.part import checked
-from dampyr.structures.building import Building
-from dampyr.structures.control._sensed import absolute
+from dampyr.structures.law_form import ControlLaw
 from dampyr.units import Quantity
+
+MEASURES = ("velocity", "rate")
 
 
 @checked
 @dataclass(frozen=True)
-class Skyhook:
-    """The inputs ``low`` and ``high`` [V or A], the ``period`` between decisions and the ``lag`` of the coil [s], and the
-    ``ratio`` of the skyhook's coefficient to the damper's greatest."""
+class Skyhook(ControlLaw):
+    """``ratio``: the skyhook's coefficient over the damper's greatest."""
 
-    low: Annotated[float, Quantity("V or A")]
-    high: Annotated[float, Quantity("V or A")]
-    period: Annotated[float, Quantity("s", low=0, open_low=True)] = 0.005
-    lag: Annotated[float, Quantity("s", low=0)] = 0.0
     ratio: Annotated[float, Quantity("", low=0, open_low=True)] = 1.0
 
 
-def gains(law: Skyhook, building: Building, row: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The absolute velocity of the upper end."""
-    return absolute(building, row)
-
-
-def decide(signal: float, rate: float, low: float, high: float, ratio: float) -> float:
-    if signal * rate <= 0.0:
-        return low
-    return low + (high - low) * min(1.0, ratio * signal / rate)
+def decide(velocity: float, rate: float, low: float, high: float, ratio: float) -> float:
+    return low + (high - low) * min(1.0, ratio * velocity / rate) if velocity * rate > 0.0 else low

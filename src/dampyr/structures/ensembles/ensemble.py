@@ -57,7 +57,7 @@ def ensemble(
         these; ``damper.draws(n, seed)`` is such a list, and ``draws`` makes one of each damper.
     voltage, current
         the inputs, one or several in a list or an array: numbers [V], [A], which are constant, and control laws
-        (:func:`~dampyr.structures.control_laws.control_law`), whose cases run one by one. ``input_name`` tells them apart.
+        (:func:`~dampyr.structures.control_laws.control_law`). ``input_name`` tells them apart.
     scales
         factors of the motions, one or a list.
     executor

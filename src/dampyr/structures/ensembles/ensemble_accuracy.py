@@ -29,6 +29,28 @@ def truncation_in_words(attributes: Mapping[str, Any]) -> str:
     return f"reduced structure: beside {judge}, peaks of the judged cases differ by at most: {listed}"
 
 
+def under_laws(attributes: Mapping[str, Any]) -> str:
+    """What half the step changes in cases under control laws, from the ``attrs`` of a dataset, as a sentence; "" without laws.
+
+    No doubt and no error: where a decision falls the other way a case is another one, at any step, while the means hardly move.
+    """
+    judged = attributes.get("judged_under_laws", 0)
+    if not judged:
+        return ""
+    names = ("drift", "acceleration", "force")
+    means = ", ".join(_change(attributes, name) for name in names)
+    return (
+        f"under control laws, {attributes['changed_under_laws']} of {judged} cases at random change a peak of displacement or "
+        f"drift by more than {100 * BOUNDS[attributes['accuracy']]:.2g} % at half the step, as a decision falls the other way; "
+        f"mean peaks change by: {means}. Take means and shares of many cases from this, and a single case from `respond`"
+    )
+
+
+def _change(attributes: Mapping[str, Any], name: str) -> str:
+    change, error = (100 * attributes[f"{part}_of_mean_{name}"] for part in ("change", "error"))
+    return f"{name} {change:+.2g} % ± {error:.2g} %"
+
+
 def outside_sentence(beyond: int, cases: int, times: float, limits: Sequence[float]) -> str:
     """How many of the ``cases`` with calibrated dampers leave the displacement [m] that these were calibrated on, one of
     ``limits``, and by how much; "" for none.

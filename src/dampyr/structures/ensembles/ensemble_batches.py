@@ -23,10 +23,12 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.structures.batch import bouc_wen_branchless
-from dampyr.structures.batch.engine import Engine, can_run, engine
+from dampyr.structures.batch.engine import Engine, control_of, engine
 from dampyr.structures.batch.gpu import engine as gpu_engine
+from dampyr.structures.batch.law_step import pieces_of, values_of
 from dampyr.structures.building import Building, Condensed
-from dampyr.structures.ensembles.ensemble_grid import STEPS, STEPS_IN_SERIES, STEPS_WITH_MEMORY, Cases
+from dampyr.structures.ensembles.ensemble_accuracy import BOUNDS
+from dampyr.structures.ensembles.ensemble_grid import STEPS, STEPS_IN_SERIES, STEPS_WITH_MEMORY, Cases, runs_in_blocks
 from dampyr.structures.sites import Site, calibrated_displacements, connections, laws_of
 from dampyr.structures.time_history.kernel_run import runner
 from dampyr.structures.time_history.modal_coordinates import refinements
@@ -42,8 +44,10 @@ from dampyr.structures.time_history.step_size import (
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+STEP_UNDER_LAWS = {"fast": 2.5e-3, "strict": 1.25e-3}  # s, at most: what a decision changes lies between two nodes
 LIMIT = 1.0  # of omega h: fast stays below 0.1 % of the peak in the standard suite with it
 JUDGED = ("displacement", "drift")
+BIASED = ("drift", "acceleration", "force")  # whose mean change with the step is told under control laws
 LEFT_OUT = {"displacement": "truncation", "drift": "truncation", "acceleration": "truncation_acceleration",
             "force": "truncation_force"}  # fmt: skip
 # Peaks above both of these are held to a bound: smaller ones are of no consequence, and of a floor that a stuck damper locks
@@ -60,12 +64,14 @@ class Shard:
 
     ``error`` is the largest relative change of a peak on halving the step, among ``judged`` cases, twice that where the step
     counts to first order; ``moving`` the same of peaks above 0.1 mm and 1 % of the largest of the case; ``unbounded`` counts
-    cases that grew without bound; ``general`` counts those that no engine can run, ``unconverged`` those under control
-    laws whose step could not be made short enough. ``truncation`` is the largest relative change of a peak displacement or
-    drift of reduced structures beside half as many coordinates, among the judged cases, -1 where there is none;
-    ``truncation_acceleration`` and ``truncation_force`` are those of accelerations and forces. ``calibrated`` counts the cases
-    of which a damper's card states the displacement that it was calibrated on, ``beyond`` those of them that leave it, by up to
-    ``beyond_times``.
+    cases that grew without bound; ``general`` counts those that no engine can run, ``unconverged`` those under control laws
+    whose step could not be made short enough. ``truncation`` is the largest relative change of a peak displacement or drift
+    of reduced structures beside half as many coordinates, among the judged cases, -1 where there is none;
+    ``truncation_acceleration`` and ``truncation_force`` are those of accelerations and forces. ``calibrated`` counts the
+    cases of which a damper's card states the displacement that it was calibrated on, ``beyond`` those of them that leave it,
+    by up to ``beyond_times``. Under control laws ``judged_under_laws`` cases were judged; in ``flipped`` of them half the
+    step changes a peak by more than the bound, and ``bias_drift``, ``bias_acceleration`` and ``bias_force`` sum up the
+    relative changes, ``square_drift`` ... their squares.
     """
 
     number: int
@@ -83,6 +89,14 @@ class Shard:
     calibrated: int = 0
     beyond: int = 0
     beyond_times: float = 0.0
+    judged_under_laws: int = 0
+    flipped: int = 0
+    bias_drift: float = 0.0
+    bias_acceleration: float = 0.0
+    bias_force: float = 0.0
+    square_drift: float = 0.0
+    square_acceleration: float = 0.0
+    square_force: float = 0.0
 
 
 def run_shard(number: int, shards: int, cases: Cases) -> Shard:
@@ -133,11 +147,14 @@ def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
         b, d, u, k = cases.line(number)
         if (b, d, u) not in cached:
             sites = tuple(map(_without_zero_delay, cases.sites_of(b, d, u)))
-            share = 1.0 if laws_of(sites) else _share(cases.accuracy, sites)  # under laws the step is halved
             slopes = difference_slopes(sites)
             building = refinements(cases.buildings[b], connections(cases.buildings[b], sites))[0]
-            rule = largest_step(building, sites, slopes, LIMIT)
-            cached[b, d, u] = sites, share * rule, largest_stiffness(building, sites, slopes)
+            step = largest_step(building, sites, slopes, LIMIT)
+            if not laws_of(sites):
+                step *= _share(cases.accuracy, sites)
+            elif runs_in_blocks(sites):  # one by one the step is halved
+                step = min(step * _share(cases.accuracy, sites), STEP_UNDER_LAWS[cases.accuracy])
+            cached[b, d, u] = sites, step, largest_stiffness(building, sites, slopes)
         sites, step, stiffness = cached[b, d, u]
         dt = cases.motions[k].dt
         m = steps_per_sample(dt, step, sites)
@@ -146,7 +163,8 @@ def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
         branchless = cases.device == "cpu" and bouc_wen_branchless.is_vectorisable(
             (site.composition, site.values) for site in sites
         )
-        key = (b, rows, compositions, dt, branchless, m if can_run(compositions) and not laws_of(sites) else None)
+        laws = tuple((replace(site.law, seed=0), pieces_of(site.damper)) if site.law else None for site in sites)
+        key = (b, rows, compositions, dt, branchless, laws, m if runs_in_blocks(sites) else None)
         groups.setdefault(key, []).append(Member(row, b, sites, k, m, stiffness))
     return groups
 
@@ -176,14 +194,19 @@ def _in_blocks(cases: Cases, kind: tuple[Any, ...], members: list[Member], shard
         peaks = inputs.run(block_engine, who, cases.scales[scale])
         _store(inputs.rows[who], scale, peaks, shard)
     if any(quantity in shard.values for quantity in JUDGED):
-        who, scale = _hardest_and_random(cases, inputs, block_engine.text.block_width, shard)
-        coarse = {
-            q: shard.values[q][inputs.rows[who], scale, : cases.buildings[kind[0]].n_floors]
-            for q in JUDGED
-            if q in shard.values
-        }
-        finer = inputs.run(_engine_of(cases, kind, members[0].sites, 2 * m), who, cases.scales[scale])
-        _judge(coarse, finer, shard, any(composition.in_series for composition in kind[2]))
+        if laws_of(members[0].sites):
+            who, scale = _at_random(cases, inputs, block_engine.text.block_width, shard)
+            finer = inputs.run(_engine_of(cases, kind, members[0].sites, 2 * m), who, cases.scales[scale])
+            _judge_under_laws(cases, inputs.rows[who], scale, finer, shard)
+        else:
+            who, scale = _hardest_and_random(cases, inputs, block_engine.text.block_width, shard)
+            coarse = {
+                q: shard.values[q][inputs.rows[who], scale, : cases.buildings[kind[0]].n_floors]
+                for q in JUDGED
+                if q in shard.values
+            }
+            finer = inputs.run(_engine_of(cases, kind, members[0].sites, 2 * m), who, cases.scales[scale])
+            _judge(coarse, finer, shard, any(composition.in_series for composition in kind[2]))
         whole, half = refinements(cases.buildings[kind[0]], np.array(kind[1]).reshape(-1, cases.buildings[kind[0]].n))
         if whole is not cases.buildings[kind[0]]:
             peaks = inputs.run(block_engine, who, cases.scales[scale])
@@ -221,6 +244,13 @@ def _hardest_and_random(cases: Cases, inputs: Inputs, count: int, shard: Shard) 
     return who, scale
 
 
+def _values(site: Site) -> Array:
+    """What a site brings to an engine: its parameters, and under a law what these follow."""
+    if site.law is None:
+        return site.values
+    return values_of(site.damper, site.values, site.law.seed, pieces_of(site.damper))
+
+
 @dataclass(frozen=True, eq=False)
 class Inputs:
     """Inputs of an engine for members of one kind, a row for a member."""
@@ -240,7 +270,7 @@ class Inputs:
         return cls(
             np.array([member.row for member in members]),
             [cases.motions[member.motion].acceleration for member in members],
-            [np.array([member.sites[d].values for member in members]) for d in range(count)],
+            [np.array([_values(member.sites[d]) for member in members]) for d in range(count)],
             np.array([rest_forces[id(member.sites)] for member in members]),
             np.array([[site.delay for site in member.sites] for member in members]),
             np.array([cases.motions[member.motion].pga for member in members]),
@@ -262,18 +292,32 @@ def _engine_of(
 ) -> Engine:
     """The engine of a kind of cases with m steps per sample, of the ``building`` that responses take unless one is given; this
     process caches the latest ones."""
-    compositions, dt, branchless = kind[2], kind[3], kind[4]
+    compositions, dt, branchless, laws = kind[2], kind[3], kind[4], kind[5]
     if building is None:
         whole = cases.buildings[kind[0]]
         building = refinements(whole, connections(whole, sites))[0]
     ground = building.ground_terms()[0]
     matrices = tuple(a.tobytes() for a in (building.M, building.C, building.K, building.influence, ground))
-    key = (matrices, kind[1], compositions, dt, m, cases.quantities, cases.precision, cases.device, branchless)
+    key = (matrices, kind[1], compositions, dt, m, cases.quantities, cases.precision, cases.device, branchless, laws)
     with _LOCK:
         if key not in _ENGINES:
             make = gpu_engine if cases.device == "gpu" else engine
             rows = connections(building, sites)
-            _ENGINES[key] = make(building, rows, compositions, dt, m, cases.quantities, cases.precision, branchless)
+            controls = (
+                [
+                    {
+                        "controls": tuple(
+                            control_of(building, rows, d, site.law, site.damper, dt, m) if site.law else None
+                            for d, site in enumerate(sites)
+                        )
+                    }
+                ]
+                if laws_of(sites)
+                else [{}]
+            )
+            _ENGINES[key] = make(
+                building, rows, compositions, dt, m, cases.quantities, cases.precision, branchless, **controls[0]
+            )
             while len(_ENGINES) > MAX_ENGINES:
                 _ENGINES.popitem(last=False)
         return _ENGINES[key]
@@ -307,6 +351,38 @@ def _judge(coarse: dict[str, Array], fine: dict[str, Array], shard: Shard, first
             shard.error = max(shard.error, float(np.max(gap, initial=0.0)))
             shard.moving = max(shard.moving, float(np.max(gap, initial=0.0, where=moving)))
             shard.judged += len(gap) if quantity == JUDGED[0] or JUDGED[0] not in coarse else 0
+
+
+def _at_random(cases: Cases, inputs: Inputs, count: int, shard: Shard) -> tuple[Integers, Integers]:
+    """Up to ``count`` members and scales of a kind."""
+    size, scales = len(inputs.rows) * len(cases.scales), len(cases.scales)
+    chosen = np.random.default_rng((SEED, shard.number)).choice(size, min(size, count), replace=False)
+    who, scale = np.divmod(np.sort(chosen), scales)
+    return who, scale
+
+
+def _judge_under_laws(cases: Cases, rows: Integers, scale: Integers, fine: dict[str, Array], shard: Shard) -> None:
+    """Measure what half the step changes where a decision may fall the other way: in how many cases a peak changes by more than
+    the bound of the accuracy, and by how much the peaks of all change in the mean."""
+    flipped = np.zeros(len(rows), dtype=bool)
+    for quantity in ("drift", "displacement", *BIASED):
+        if quantity not in fine:
+            continue
+        size_of = np.abs(fine[quantity])
+        moving = (size_of > (MOVING if quantity in JUDGED else 0.0)) & (
+            size_of > MOVING_SHARE * size_of.max(axis=1, keepdims=True)
+        )
+        coarse = shard.values[quantity][rows, scale, : size_of.shape[1]]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            change = np.where(moving & np.isfinite(coarse), coarse / fine[quantity] - 1.0, 0.0)
+        if quantity in JUDGED:
+            flipped |= np.any(np.abs(change) > BOUNDS[cases.accuracy], axis=1)
+        if quantity in BIASED:
+            means = change.mean(axis=1)
+            for name, total in ((f"bias_{quantity}", means.sum()), (f"square_{quantity}", np.sum(means**2))):
+                setattr(shard, name, getattr(shard, name) + float(total))
+    shard.judged_under_laws += len(rows)
+    shard.flipped += int(flipped.sum())
 
 
 def _judge_truncation(

@@ -22,16 +22,20 @@ from dampyr.ground_motions import GroundMotion, followed_by_rest
 from dampyr.input_kinds import NO_INPUT
 from dampyr.options import takes
 from dampyr.structures.batch.assemble import QUANTITIES
+from dampyr.structures.batch.engine import can_run
 from dampyr.structures.batch.gpu import missing
+from dampyr.structures.batch.law_step import MAX_DELAY
 from dampyr.structures.building import Building, Condensed
 from dampyr.structures.building_options import EnsembleOptions
-from dampyr.structures.control_laws import gains, is_control_law, parts, spelled
+from dampyr.structures.control_laws import is_control_law, parts, spelled
+from dampyr.structures.controller import controller
 from dampyr.structures.sites import (
     Site,
     any_has_input,
     drawn_placements,
     input_of,
     installed,
+    laws_of,
     make_sites,
     placement,
     places_and_dampers,
@@ -46,7 +50,7 @@ STEPS = {"fast": 1.0, "strict": 0.4}
 STEPS_IN_SERIES = {"fast": 1.0, "strict": 0.1}
 STEPS_WITH_MEMORY = {"fast": 0.1, "strict": 0.05}
 CASES_PER_SHARD = 8192  # large enough that starting a shard costs little beside it
-SHARDS, MIN_CASES, MIN_CASES_UNDER_LAWS = 32, 2048, 8  # shards to share out, where each has so many cases or more
+SHARDS, MIN_CASES, MIN_CASES_ONE_BY_ONE = 32, 2048, 8  # shards to share out, where each has so many cases or more
 AXES = ("building", "damper", "input", "motion", "scale")
 
 
@@ -110,7 +114,11 @@ class Cases:
         """Into how many pieces the work is cut by default: so many that cores end together, each worth its start."""
         if self.device == "gpu":
             return min(self.lines, -(-self.size // (8 * CASES_PER_SHARD)))
-        min_cases = MIN_CASES_UNDER_LAWS if any(map(is_control_law, self.inputs)) else MIN_CASES
+        under_laws = any(map(is_control_law, self.inputs))
+        slow = under_laws and not all(
+            runs_in_blocks(self.sites_of(0, d, u)) for d in range(self.shape[1]) for u in range(self.shape[2])
+        )
+        min_cases = MIN_CASES_ONE_BY_ONE if slow else MIN_CASES
         return min(self.lines, max(-(-self.size // CASES_PER_SHARD), min(SHARDS, self.size // min_cases)))
 
     def lines_of(self, shard: int, shards: int) -> range:
@@ -137,6 +145,14 @@ class Cases:
             (self.kind, self.accuracy, self.quantities, self.precision, self.device),
         ]
         return hashlib.sha256(pickle.dumps(parts, protocol=5)).hexdigest()[:16]
+
+
+def runs_in_blocks(sites: tuple[Site, ...]) -> bool:
+    """Whether an engine can run these sites: under laws without a delay of the damper, and with short ones of the sensors."""
+    if not can_run([site.composition for site in sites]):
+        return False
+    late = (sensor.delay for law in laws_of(sites) for _, sensor in law.sensors)
+    return not laws_of(sites) or (not any(site.delay > 0 for site in sites) and max(late, default=0) <= MAX_DELAY)
 
 
 def _left_out(building: Building) -> tuple[Any, ...]:
@@ -222,10 +238,10 @@ def _check(grid: Cases) -> None:
             ):  # an input's range is the damper's, whatever the building
                 grid.sites_of(b, d, u)
     places = {place for placed in grid.placements for place, _ in places_and_dampers(placed)}
-    for law in laws:  # it must have gains wherever a damper stands, and decide at the ends of steps of every motion
+    for law in laws:  # it must have a design wherever a damper stands, and decide at the ends of steps of every motion
         for building in grid.buildings:
             for place in places:
-                gains(law, building, building.connection(place))
+                controller(law, building, building.connection(place)[None], 0)
         for dt in {motion.dt for motion in grid.motions}:
             parts((law,), dt)
 

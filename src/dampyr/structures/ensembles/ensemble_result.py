@@ -10,7 +10,7 @@ from typing import Any
 from dampyr.findings import Finding, worst_first
 from dampyr.origin import Origin
 from dampyr.shown import Shown
-from dampyr.structures.ensembles.ensemble_accuracy import doubts
+from dampyr.structures.ensembles.ensemble_accuracy import doubts, under_laws
 from dampyr.structures.ensembles.fragility import Fragility, fragility
 from dampyr.structures.ensembles.peak_limits import limits_of
 from dampyr.structures.ensembles.store import finding_of, origin_of, read_dataset
@@ -38,9 +38,11 @@ class EnsembleResult(Shown):
         """What is wrong or in doubt in the dampers, the accuracy and the cases; the worst first."""
         attributes = self.dataset.attrs
         outside = [attributes["outside"]] if attributes.get("outside") else []
+        note = under_laws(attributes)
         return worst_first(
             map(finding_of, attributes.get("findings", ())),
             (Finding("doubt", sentence) for sentence in (*doubts(attributes), *outside)),
+            (Finding("note", sentence) for sentence in (note,) if sentence),
         )
 
     def to_xarray(self) -> Any:

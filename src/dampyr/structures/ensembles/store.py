@@ -22,7 +22,7 @@ from dampyr.origin import NOT_STATED, Origin, combined
 from dampyr.records.files.self_contained import check_contained
 from dampyr.structures.control_laws import describe_law, is_control_law
 from dampyr.structures.ensembles.ensemble_accuracy import outside_sentence
-from dampyr.structures.ensembles.ensemble_batches import Shard
+from dampyr.structures.ensembles.ensemble_batches import BIASED, Shard
 from dampyr.structures.ensembles.ensemble_grid import AXES, Cases
 from dampyr.structures.ensembles.peak_limits import UNITS
 from dampyr.structures.sites import calibrated_displacements, places_and_dampers
@@ -40,6 +40,8 @@ DIAGNOSTICS = (
     *("error", "judged", "unbounded", "general", "moving", "unconverged"),
     *TRUNCATION,
     *("calibrated", "beyond", "beyond_times"),
+    *("judged_under_laws", "flipped"),
+    *(f"{part}_{quantity}" for part in ("bias", "square") for quantity in BIASED),
 )
 BARE, WITH_DAMPER = "no damper", "with damper"  # the second where the damper has no input that names its case
 SA_DAMPING = 0.05  # ratio to critical, that of published spectra
@@ -316,9 +318,25 @@ def attributes(
             for name, attribute in TRUNCATION.items()
             if name in largest and np.max(diagnostics[:, DIAGNOSTICS.index(name)], initial=-1.0) >= 0.0
         },
+        **_under_laws(sums),
         **({"findings": of_dampers} if of_dampers else {}),
         **({"outside": outside} if outside else {}),
     }
+
+
+def _under_laws(sums: Mapping[str, float]) -> dict[str, Any]:
+    """What half the step changes under control laws, in the cases that were judged; nothing where there were none."""
+    judged = int(sums.get("judged_under_laws", 0))
+    if not judged:
+        return {}
+    told: dict[str, Any] = {"judged_under_laws": judged, "changed_under_laws": int(sums["flipped"])}
+    for quantity in BIASED:
+        mean, square = (sums[f"{part}_{quantity}"] / judged for part in ("bias", "square"))
+        told[f"change_of_mean_{quantity}"] = float(mean)
+        told[f"error_of_mean_{quantity}"] = 2.0 * math.sqrt(
+            max(square - mean**2, 0.0) / judged
+        )  # twice the standard error
+    return told
 
 
 def read_dataset(path: str | Path) -> Any:

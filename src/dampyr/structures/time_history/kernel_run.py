@@ -17,7 +17,8 @@ from dampyr.ground_motions import GroundMotion
 from dampyr.models.codegen.composition import Composition
 from dampyr.models.laws import polynomial_table
 from dampyr.structures.building import Building
-from dampyr.structures.control_laws import gains, lag_of, settings, source
+from dampyr.structures.control_laws import check_decided, lag_of
+from dampyr.structures.controller import Controller, controller, source
 from dampyr.structures.propagator import propagator, system
 from dampyr.structures.sites import Site, connections, describe_place, drifts
 from dampyr.structures.time_history.linear_response import bare_response
@@ -57,8 +58,25 @@ class Sites(NamedTuple):
 class Control(NamedTuple):
     """The laws that set the inputs of the dampers; a site without one has ``every`` 0."""
 
-    kind: Any  # (N,) which of the functions of `dampyr.structures.control_laws.source`
-    gains: Any  # (N, 2n + 1): factors of the state and the ground's velocity in the signal
+    kind: Any  # (N,) which of the functions of `dampyr.structures.controller.source`
+    rows: Any  # (N, Y, 2n + 2 + N): this and the following as in `Controller`, a law each, filled up with zeros
+    faults: Any  # (N, Y, 4)
+    late: Any  # (N, Y)
+    of_memory: Any  # (N, A, X)
+    of_measured: Any  # (N, A, Y)
+    F: Any  # (N, X, X)
+    G: Any  # (N, X, Y)
+    ideal: Any  # (N,) whether all of its sensors give what they measure
+    seed: Any  # (N,) of their noise
+    moments: Any  # (N,) how many arguments of the law are signals: the others are its states
+    count: Any  # (N,) how many arguments it has
+    known: Any  # (2n + 2 + N,): what a step knows; this and the following are written by the kernel
+    past: Any  # (N, depth, Y): the latest measures
+    measured: Any  # (N, Y): what the sensors give
+    memory: Any  # (N, X)
+    next_memory: Any  # (X,)
+    arguments: Any  # (N, A): signals and states at the latest decision
+    corner: Any  # (A,): arguments that are a little off
     settings: Any  # (N, the longest of a law)
     every: Any  # (N,) whole steps between decisions
     decay: Any  # (N, 4): the remaining share of the coil's gap to its command at h/4, h/2, 3h/4, h
@@ -67,8 +85,8 @@ class Control(NamedTuple):
     command: Any  # (N,) the latest decision
     level: Any  # (N,) at the coil, at the end of the step under way
     reached: Any  # (N, 2): the least and the greatest decision so far
-    sensed: Any  # (N, D, 5): signal, stroke, rate and force at every decision, and the decision; written by the kernel
-    before: Any  # (N, D, 5): the same of the run at twice the step; (N, 0, 5) for none
+    sensed: Any  # (N, D, A + 1): the arguments at every decision, and the decision; written by the kernel
+    before: Any  # (N, D, A + 1): the same of the run at twice the step; (N, 0, A + 1) for none
     other: Any  # (N, D): the farthest decision that the law could have taken within the change from ``before``; written too
     imposed: Any  # (N, D): decisions to take in place of the law's, NaN for the law's own; (N, 0) for none
     knots: Any  # (N, P, K), see dampyr.models.laws
@@ -116,7 +134,8 @@ def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) ->
     laws = tuple(site.law for site in sites)
     text, kinds = source(laws) if any(laws) else ("", [])
     kernel = bind(integrate, distinct(sites), text)
-    law_gains = _gains(building, sites)
+    rows = connections(building, sites)
+    controllers = [controller(site.law, building, rows, d) if site.law else None for d, site in enumerate(sites)]
     linear = lru_cache(maxsize=2)(lambda step: _linear(building, sites, step))
 
     def run(
@@ -134,7 +153,7 @@ def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) ->
         out = output(len(ag), building.n, len(sites))
         dampers = _dampers(sites, step, start)
         steps = (len(ag) - 1) * m
-        control = _control(sites, kinds, law_gains, step, steps, before, imposed) if any(laws) else None
+        control = _control(sites, kinds, controllers, step, steps, before, imposed) if any(laws) else None
         if control is None:
             out.input[:] = out.mean_input[:] = [site.input_value for site in sites]
         work = _scratch(building.n, dampers.states)
@@ -153,13 +172,6 @@ def distinct(sites: tuple[Site, ...]) -> tuple[Composition, ...]:
     """What the sites' dampers are composed of, each composition once and in one order: one kernel serves any number of dampers
     of the same kinds, wherever they stand."""
     return tuple(sorted({site.composition for site in sites}, key=lambda composition: composition.names))
-
-
-def _gains(building: Building, sites: tuple[Site, ...]) -> Array:
-    """What each law senses (N, 2n + 1); zeros where a site has none."""
-    rows = connections(building, sites)
-    nothing = np.zeros(2 * building.n + 1)
-    return np.array([gains(s.law, building, row) if s.law else nothing for s, row in zip(sites, rows, strict=True)])
 
 
 def _linear(building: Building, sites: tuple[Site, ...], step: float) -> Linear:
@@ -205,20 +217,41 @@ def _check_bounded(out: Output, motion: GroundMotion) -> None:
 def _control(
     sites: tuple[Site, ...],
     kinds: list[int],
-    law_gains: Array,
+    controllers: list[Controller | None],
     step: float,
     steps: int,
     before: Array | None = None,
     imposed: Array | None = None,
 ) -> Control:
     """The laws of the sites for ``steps`` steps of ``step`` seconds; ``kinds``, ``before`` ... as in `Control`."""
+    made = [each for each in controllers if each is not None]
+    measured, known = max(len(each.rows) for each in made), made[0].rows.shape[1]
+    memory, most = max(len(each.F) for each in made), max(1, *(len(each.formulas.arguments) for each in made))
     decisions = max(math.ceil(steps / max(1, round(site.law.period / step))) for site in sites if site.law)
     count, tables = len(sites), [polynomial_table(site.damper, static=False) for site in sites]
-    max_settings = max(1, *(len(settings(site.law)) for site in sites if site.law))
+    max_settings = max(1, *(len(each.settings) for each in made))
+    depth_of_past = max(1, *(int(each.delays.max(initial=0)) + 1 for each in made))
     depth = [max(c.shape[axis] for _, c in tables) for axis in range(3)]
     control = Control(
         kind=np.array(kinds),
-        gains=law_gains,
+        rows=np.zeros((count, measured, known)),
+        faults=np.zeros((count, measured, 4)),
+        late=np.zeros((count, measured), dtype=np.int64),
+        of_memory=np.zeros((count, most, memory)),
+        of_measured=np.zeros((count, most, measured)),
+        F=np.zeros((count, memory, memory)),
+        G=np.zeros((count, memory, measured)),
+        ideal=np.ones(count, dtype=np.bool_),
+        seed=np.zeros(count, dtype=np.uint64),
+        moments=np.zeros(count, dtype=np.int64),
+        count=np.zeros(count, dtype=np.int64),
+        known=np.zeros(known),
+        past=np.zeros((count, depth_of_past, measured)),
+        measured=np.zeros((count, measured)),
+        memory=np.zeros((count, memory)),
+        next_memory=np.zeros(memory),
+        arguments=np.zeros((count, most)),
+        corner=np.zeros(most),
         settings=np.zeros((count, max_settings)),
         every=np.zeros(count, dtype=np.int64),
         decay=np.zeros((count, 4)),
@@ -227,8 +260,8 @@ def _control(
         command=np.zeros(count),
         level=np.zeros(count),
         reached=np.tile([math.inf, -math.inf], (count, 1)),
-        sensed=np.zeros((count, decisions, 5)),
-        before=np.zeros((count, 0, 5)) if before is None else before,
+        sensed=np.zeros((count, decisions, most + 1)),
+        before=np.zeros((count, 0, most + 1)) if before is None else before,
         other=np.zeros((count, decisions)),
         imposed=np.zeros((count, 0)) if imposed is None else imposed,
         knots=np.full((count, *depth[:2]), math.inf),
@@ -236,20 +269,26 @@ def _control(
     )
     for d, site in enumerate(sites):
         control.level[d] = control.command[d] = site.law.low if site.law else site.input_value
-        if site.law:
-            _fill(control, d, site, step)
+        if made_here := controllers[d]:
+            _fill(control, d, site, made_here, step)
             knots, coefficients = tables[d]
             control.knots[d, : knots.shape[0], : knots.shape[1]] = knots
             control.coefficients[d][tuple(map(slice, coefficients.shape))] = coefficients
     return control
 
 
-def _fill(control: Control, d: int, site: Site, step: float) -> None:
-    """Fill in the sampling, the settings and the coil of one law."""
-    lag, numbers = lag_of(site.law, site.damper), settings(site.law)
+def _fill(control: Control, d: int, site: Site, made: Controller, step: float) -> None:
+    """Fill in what a law measures, its filter and settings, its sampling and the coil."""
+    for name in ("rows", "faults", "of_memory", "of_measured", "F", "G"):
+        values = getattr(made, name)
+        getattr(control, name)[d][tuple(map(slice, values.shape))] = values
+    control.late[d, : len(made.delays)] = made.delays
+    control.ideal[d], control.seed[d] = made.is_ideal, site.law.seed
+    control.moments[d], control.count[d] = len(made.formulas.moments), len(made.formulas.arguments)
+    control.arguments[d, control.moments[d] : control.count[d]] = made.formulas.states
     control.every[d] = round(site.law.period / step)
-    control.settings[d, : len(numbers)] = numbers
-    if lag > 0:
+    control.settings[d, : len(made.settings)] = made.settings
+    if (lag := lag_of(site.law, site.damper)) > 0:
         control.decay[d] = np.exp(-np.arange(1, 5) * 0.25 * step / lag)
         control.mean_decay[d] = -math.expm1(-step / lag) * lag / step
 
@@ -265,12 +304,7 @@ def _check_inputs(sites: tuple[Site, ...], control: Control) -> None:
     for site, (low, high) in zip(sites, control.reached, strict=True):
         if site.law is None or low > high:
             continue
-        slack = 1e-9 * max(abs(site.law.low), abs(site.law.high), 1.0)
-        if not site.law.low - slack <= low <= high <= site.law.high + slack:
-            raise InputError(
-                f"the law {describe_place(site.place)} asked for {low if low < site.law.low else high:g}; it must "
-                f"stay between its low = {site.law.low:g} and high = {site.law.high:g}"
-            )
+        check_decided(site.law, describe_place(site.place), low, high)
 
 
 def _node(n: int, sites: int) -> Node:

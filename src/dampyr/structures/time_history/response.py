@@ -142,15 +142,13 @@ class Truncation(NamedTuple):
 class Decisions:
     """What the laws of a run sensed and decided, at each of their D instants."""
 
-    sensed: Array  # (N, D, 5): signal, stroke, rate, force, and the decision
-    other: (
-        Array  # (N, D): what the law could have decided, had it sensed all as far off as in the run at twice the step
-    )
+    sensed: Array  # (N, D, A + 1): the arguments of the law, and the decision
+    other: Array  # (N, D): what the law could have decided, had all been as far off as in the run at twice the step
     taken: Array  # (N, D): which of these are decisions; False where a site has no law, or one that decides less often
 
     def others(self) -> Array | None:
         """Each decision that could have been another, taken so; NaN for the others, and None where there is no such one."""
-        hanging = self.taken & (self.other != self.sensed[:, :, 4])
+        hanging = self.taken & (self.other != self.sensed[:, :, -1])
         return np.where(hanging, self.other, np.nan) if hanging.any() else None
 
     @property

@@ -16,16 +16,18 @@ taken. The states of a damper are continuous where its parameters jump, so its f
 the same states, at the same motion, and the accelerations with it. The ground's velocity is the integral of its acceleration
 from 0.
 
-``integrate`` is plain Python for numba: ``advance``, ``force``, ``slopes`` and ``decide`` below are names that
+``integrate`` is plain Python for numba: ``advance``, ``force``, ``slopes``, ``decide`` and ``remember`` are names that
 :func:`dampyr.models.codegen.kernels.bind` gives the functions of the dampers and of the laws. ``control`` is None where no law
 sets an input; numba then leaves out everything that depends on it.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from dampyr.models.laws import look_up
+from dampyr.structures.sensor_noise import counter, normal_pair
 from dampyr.structures.time_history.kernel_math import (
     copy_into,
     delayed_force,
@@ -35,14 +37,14 @@ from dampyr.structures.time_history.kernel_math import (
     turning_point,
 )
 
-BOUND_WITH = ("dampyr.structures.time_history.kernel_math", "dampyr.models.laws")
+BOUND_WITH = ("dampyr.structures.time_history.kernel_math", "dampyr.models.laws", "dampyr.structures.sensor_noise")
 
 
 def _unbound(*_: Any) -> Any:
     raise TypeError("a driver runs only after dampyr.models.codegen.kernels.bind has given it its dampers")
 
 
-advance = force = slopes = decide = _unbound
+advance = force = slopes = decide = remember = _unbound
 
 MAX_ITERATIONS = 40  # of Newton's method in a step, which takes two or three: what has not converged by then never does
 NEGLIGIBLE_FORCE = 1e-4  # of the largest force so far: smaller forces need not be solved to as many digits
@@ -215,51 +217,83 @@ def finish_step(lin: Any, sites: Any, w: Any, half: Any, whole: Any, steps: int)
     multiply(lin.whole, w.u, whole.z)
 
 
-def sense(d: int, lin: Any, control: Any, now: Any, ground: float) -> tuple[float, float, float]:
-    """The signal of a site's law, its stroke and its rate."""
-    n = lin.pull.shape[0]
-    signal, stroke, rate = control.gains[d, 2 * n] * ground, 0.0, 0.0
-    for i in range(n):
-        signal += control.gains[d, i] * now.z[i] + control.gains[d, n + i] * now.z[n + i]
-        stroke += lin.connections[d, i] * now.z[i]
-        rate += lin.connections[d, i] * now.z[n + i]
-    return signal, stroke, rate
+def measure(d: int, number: int, lin: Any, control: Any, now: Any, ground: float, ag: float) -> None:
+    """What the sensors of a site's law give at its sample ``number``."""
+    n, known, y = lin.pull.shape[0], control.known, control.measured[d]
+    copy_into(now.z, known, 0)
+    known[2 * n], known[2 * n + 1] = ground, ag
+    copy_into(now.f, known, 2 * n + 2)
+    multiply(control.rows[d], known, y)
+    if control.ideal[d]:
+        return
+    past, faults = control.past[d], control.faults[d]
+    depth = past.shape[0]
+    copy_into(y, past[number % depth], 0)
+    for c in range(y.shape[0]):
+        late = control.late[d, c]
+        y[c] = past[(number - late) % depth, c] if number >= late else 0.0
+        if faults[c, 0] > 0.0:
+            pair = normal_pair(control.seed[d], counter(number, d, c // 2))
+            y[c] += faults[c, 0] * (pair[0] if c % 2 == 0 else pair[1])
+        y[c] = min(max(y[c] + faults[c, 1], -faults[c, 3]), faults[c, 3])
+        if faults[c, 2] > 0.0:
+            y[c] = faults[c, 2] * math.floor(y[c] / faults[c, 2] + 0.5)
 
 
-def take_decision(d: int, number: int, signal: float, stroke: float, rate: float, f: float, control: Any) -> float:
-    """The decision of a site's law, stored with what the law sensed; one that is given in ``control.imposed`` is taken instead.
+def filtered(d: int, control: Any) -> None:
+    """The arguments of a site's law: its signals from memory and measures, its states updated; then the next memory."""
+    s, x, y = control.arguments[d], control.memory[d], control.measured[d]
+    for j in range(control.moments[d]):
+        s[j] = 0.0
+        for k in range(x.shape[0]):
+            s[j] += control.of_memory[d, j, k] * x[k]
+        for c in range(y.shape[0]):
+            s[j] += control.of_measured[d, j, c] * y[c]
+    remember(control.kind[d], s, control.settings[d])
+    for i in range(x.shape[0]):
+        control.next_memory[i] = 0.0
+        for k in range(x.shape[0]):
+            control.next_memory[i] += control.F[d, i, k] * x[k]
+        for c in range(y.shape[0]):
+            control.next_memory[i] += control.G[d, i, c] * y[c]
+    copy_into(control.next_memory, x, 0)
 
-    Beside it is stored the decision farthest from it that the law could have taken, had each quantity been off by as much as
+
+def take_decision(d: int, number: int, control: Any) -> float:
+    """The decision of a site's law, stored with its arguments; one that is given in ``control.imposed`` is taken instead.
+
+    Beside it is stored the decision farthest from it that the law could have taken, had each argument been off by as much as
     it differs from the run at twice the step (``control.before``): the law is a sign of something, so the corners tell.
     """
-    settings, sensed = control.settings[d], control.sensed[d, number]
-    u = decide(control.kind[d], signal, stroke, rate, f, settings)
+    kind, s, settings = control.kind[d], control.arguments[d], control.settings[d]
+    sensed, count = control.sensed[d, number], control.count[d]
+    u = decide(kind, s, settings)
     if number < control.imposed.shape[1] and control.imposed[d, number] == control.imposed[d, number]:
         u = control.imposed[d, number]
-    sensed[0], sensed[1], sensed[2], sensed[3], sensed[4] = signal, stroke, rate, f, u
+    copy_into(s, sensed, 0)
+    sensed[s.shape[0]] = u
     if number < control.before.shape[1]:
         before = control.before[d, number]
-        farthest = before[4]
-        for corner in range(16):
-            a = signal + (signal - before[0]) * (1.0 if corner & 1 else -1.0)
-            b = stroke + (stroke - before[1]) * (1.0 if corner & 2 else -1.0)
-            c = rate + (rate - before[2]) * (1.0 if corner & 4 else -1.0)
-            e = f + (f - before[3]) * (1.0 if corner & 8 else -1.0)
-            other = decide(control.kind[d], a, b, c, e, settings)
+        farthest = before[s.shape[0]]
+        for corner in range(1 << count):
+            for j in range(count):
+                control.corner[j] = s[j] + (s[j] - before[j]) * (1.0 if (corner >> j) & 1 else -1.0)
+            other = decide(kind, control.corner, settings)
             if abs(other - u) > abs(farthest - u):
                 farthest = other
         control.other[d, number] = farthest
     return u
 
 
-def update_inputs(step: int, lin: Any, sites: Any, control: Any, now: Any, ground: float) -> bool:
+def update_inputs(step: int, lin: Any, sites: Any, control: Any, now: Any, ground: float, ag: float) -> bool:
     """Let the laws decide where it is time, and set the parameters of the step; True where a force may jump."""
     jumped = False
     for d in range(control.every.shape[0]):
         every = control.every[d]
         if every > 0 and step % every == 0:
-            signal, stroke, rate = sense(d, lin, control, now, ground)
-            u = take_decision(d, step // every, signal, stroke, rate, now.f[d], control)
+            measure(d, step // every, lin, control, now, ground, ag)
+            filtered(d, control)
+            u = take_decision(d, step // every, control)
             control.command[d] = u
             control.reached[d, 0] = min(control.reached[d, 0], u)
             control.reached[d, 1] = max(control.reached[d, 1], u)
@@ -314,7 +348,7 @@ def integrate(
             ag0 = ag[i] + (ag[i + 1] - ag[i]) * j / m
             ag1 = ag[i] + (ag[i + 1] - ag[i]) * (j + 1) / m
             if control is not None:
-                if update_inputs(i * m + j, lin, sites, control, now, ground):
+                if update_inputs(i * m + j, lin, sites, control, now, ground, ag0):
                     apply_force_jump(lin, sites, w, now)
                     observe(now, ag0, lin, out)
                 ground += 0.5 * h * (ag0 + ag1)

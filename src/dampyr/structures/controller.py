@@ -1,0 +1,282 @@
+"""A control law at its place in a building: what it measures as rows, its filter as matrices, its formulas as text.
+
+`controller` works it out once; the kernels of `respond` and `ensemble` take its arrays, and `ControllerRun` is the same in
+plain Python, sample by sample.
+"""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections import deque
+from dataclasses import dataclass, fields
+from functools import cached_property, lru_cache
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr import registry
+from dampyr.errors import InputError, choose_from
+from dampyr.models.codegen.formula import Formula, read
+from dampyr.structures.building import Building
+from dampyr.structures.law_form import LawDesign
+from dampyr.structures.sensor_noise import counter, noise
+from dampyr.structures.sensors import MEASURES, VECTORS, DamperPlace
+
+Array = NDArray[np.float64]
+REGISTRY = "dampyr.structures.control"
+MAX_ARGUMENTS = 8  # of what a law's formulas take of a moment: every corner of them is looked at (`take_decision`)
+
+
+def module_of(law: Any) -> ModuleType:
+    """The file of a law or of its class."""
+    return sys.modules[(law if isinstance(law, type) else type(law)).__module__]
+
+
+def numbers(cls: Any) -> list[str]:
+    """The settings of a law that its formulas may name."""
+    return [f.name for f in fields(cls) if f.name not in ("sensors", "seed") and not isinstance(f.default, tuple)]
+
+
+@dataclass(frozen=True)
+class LawFormulas:
+    """The formulas of a law's class: ``arguments`` are what they take of a moment, the states last."""
+
+    decide: Formula
+    update: Formula | None
+    arguments: tuple[str, ...]
+    states: tuple[float, ...]  # their values at the start
+
+    @property
+    def moments(self) -> tuple[str, ...]:
+        """The arguments that are signals or measures."""
+        return self.arguments[: len(self.arguments) - len(self.states)]
+
+
+@lru_cache(maxsize=128)
+def formulas_of(cls: Any) -> LawFormulas:
+    """The formulas in the file of a law's class; InputError for what is no formula."""
+    module = module_of(cls)
+    states: dict[str, float] = getattr(module, "STATES", {})
+    texts = [read(module.decide, "decide"), *([read(module.update, "update")] if states else [])]
+    for text in texts:
+        _check_expression(cls, text)
+    known = (*numbers(cls), *states)
+    moments = tuple(dict.fromkeys(name for text in texts for name in text.arguments if name not in known))
+    arguments = (*moments, *states)
+    if len(arguments) > MAX_ARGUMENTS:
+        raise InputError(
+            f"{cls.__name__} decides by {len(arguments)} quantities ({', '.join(arguments)}); {MAX_ARGUMENTS} are allowed: "
+            "let its design sum up what is linear"
+        )
+    return LawFormulas(texts[0], texts[1] if states else None, arguments, tuple(map(float, states.values())))
+
+
+def _check_expression(cls: type, formula: Formula) -> None:
+    if len(formula.tree.body) != 1 or not isinstance(formula.tree.body[0], ast.Return):
+        raise InputError(
+            f"{formula.name} of {cls.__name__} must be one expression, as it is written into kernels: return it at once, and "
+            "write a choice as in `high if a > b else low`"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Controller:
+    """A law at its place: with w what a step knows (see `dampyr.structures.sensors`) and y what the sensors give,
+
+    y of ``rows`` (Y, 2n + 2 + N) w; s = ``of_memory`` (S, X) x + ``of_measured`` (S, Y) y; x' = ``F`` x + ``G`` y.
+    ``faults`` (Y, 4) are noise, bias, quantum and range of each y, ``delays`` (Y,) samples.
+    """
+
+    law: Any
+    formulas: LawFormulas
+    rows: Array
+    faults: Array
+    delays: NDArray[np.int64]
+    of_memory: Array
+    of_measured: Array
+    F: Array
+    G: Array
+
+    @cached_property
+    def is_ideal(self) -> bool:
+        """Whether all of its sensors give what they measure."""
+        return not (np.any(self.faults[:, :3]) or np.any(np.isfinite(self.faults[:, 3])) or np.any(self.delays))
+
+    @cached_property
+    def settings(self) -> Array:
+        """The numbers of the law that its formulas may name, in the order of `numbers`."""
+        return np.array([getattr(self.law, name) for name in numbers(type(self.law))], dtype=float)
+
+
+def controller(law: Any, building: Building, connections: Array, d: int) -> Controller:
+    """The controller of damper ``d`` of those at ``connections`` (N, n); InputError where the law's design does not fit."""
+    cls: Any = type(law)
+    place, module = DamperPlace(building, connections, d), module_of(law)
+    formulas: LawFormulas = formulas_of(cls)
+    names = _measures(law, formulas)
+    blocks = [MEASURES[name].rows(place) for name in names]
+    width = 2 * building.n + 2 + len(connections)
+    rows = np.vstack([np.zeros((0, width)), *blocks])
+    first = dict(zip(names, np.cumsum([0, *map(len, blocks)]).tolist(), strict=False))
+    design = module.design(law, building, place.row) if hasattr(module, "design") else LawDesign({})
+    F = np.asarray(design.F, dtype=float)
+    G = np.zeros((len(F), len(rows))) if design.G is None else np.asarray(design.G, dtype=float)
+    memory = len(F)
+    if F.shape != (memory, memory) or G.shape != (memory, len(rows)) or not np.all(np.isfinite([*F.flat, *G.flat])):
+        raise InputError(
+            f"the design of {cls.__name__} has F {F.shape} and G {G.shape}; they must be finite, ({memory}, {memory}) and "
+            f"({memory}, {len(rows)})"
+        )
+    signals = [_signal(cls, name, design, first, memory, len(rows)) for name in formulas.moments]
+    table = np.array(signals).reshape(len(signals), memory + len(rows))
+    sensors = [law.sensor_of(name) for name, block in zip(names, blocks, strict=True) for _ in block]
+    faults = np.array([(s.noise, s.bias, s.quantum, s.range) for s in sensors]).reshape(len(rows), 4)
+    delays = np.array([s.delay for s in sensors], dtype=np.int64)
+    made = Controller(law, formulas, rows, faults, delays, table[:, :memory], table[:, memory:], F, G)
+    return _summed_up(made) if made.is_ideal else made
+
+
+def _summed_up(made: Controller) -> Controller:
+    """The same where the sensors are ideal: what is linear in the measures is summed up beforehand."""
+    count, memory = len(made.of_measured), len(made.F)
+    rows = np.vstack([made.of_measured @ made.rows, made.G @ made.rows])
+    size = count + memory
+    return Controller(
+        made.law,
+        made.formulas,
+        rows,
+        np.tile([0.0, 0.0, 0.0, np.inf], (size, 1)),
+        np.zeros(size, dtype=np.int64),
+        made.of_memory,
+        np.eye(count, size),
+        made.F,
+        np.eye(memory, size, count),
+    )
+
+
+def _measures(law: Any, formulas: LawFormulas) -> tuple[str, ...]:
+    """What a law measures, checked; its sensors must be of these."""
+    module = module_of(law)
+    names: tuple[str, ...] = tuple(getattr(module, "MEASURES", ()))
+    cls = type(law).__name__
+    for name in names:
+        if name not in MEASURES:
+            raise InputError(f"{cls} measures {name!r}, which is no measure; {choose_from(name, list(MEASURES))}")
+    for name, _ in law.sensors:
+        if name not in names:
+            raise InputError(
+                f"sensors has one of {name!r}, which {cls} does not measure; it measures {', '.join(names) or 'nothing'}"
+            )
+    return names
+
+
+def _signal(cls: type, name: str, design: LawDesign, first: dict[str, int], memory: int, measured: int) -> Array:
+    """The row of a signal over memory and measures: of the design, or a measure of one number."""
+    if name in design.signals:
+        row = np.asarray(design.signals[name], dtype=float)
+        if row.shape != (memory + measured,) or not np.all(np.isfinite(row)):
+            raise InputError(
+                f"the signal {name!r} of {cls.__name__} has shape {row.shape}; it must be {memory + measured} finite numbers: "
+                f"{memory} of its memory, {measured} of what it measures"
+            )
+        return row
+    if name in first and name not in VECTORS:
+        row = np.zeros(memory + measured)
+        row[memory + first[name]] = 1.0
+        return row
+    scalars = [measure for measure in first if measure not in VECTORS]
+    allowed = [*design.signals, *scalars, *getattr(module_of(cls), "STATES", {}), *numbers(cls)]
+    raise InputError(f"decide of {cls.__name__} asks for {name!r}; it may use {', '.join(allowed)}")
+
+
+class ControllerRun:
+    """A controller sample by sample, in plain Python: as the kernels compute it, for other programs and for checks."""
+
+    def __init__(self, made: Controller, site: int = 0) -> None:
+        self.made, self.site, self.sample = made, site, 0
+        self.memory = np.zeros(len(made.F))
+        self.states = np.array(made.formulas.states)
+        depth = int(made.delays.max(initial=0)) + 1
+        self.past: deque[Array] = deque([np.zeros(len(made.rows))] * depth, maxlen=depth)
+        names: dict[str, Any] = {name: getattr(np, name) for name in ("exp", "sqrt", "tanh", "copysign")}
+        exec(compile(source((made.law,))[0], "<laws>", "exec"), names)
+        self.functions = names
+        self.kind = source((made.law,))[1][0]
+
+    def measured(self, known: Array) -> Array:
+        """What the sensors give of w (2n + 2 + N,) at this sample."""
+        self.past.append(self.made.rows @ known)
+        y = np.array([self.past[-1 - late][c] for c, late in enumerate(self.made.delays)])
+        for c, (spread, bias, quantum, limit) in enumerate(self.made.faults):
+            if spread > 0.0:
+                y[c] += spread * noise(self.made.law.seed, counter(self.sample, self.site, c // 2))[c % 2]
+            y[c] = min(max(y[c] + bias, -limit), limit)
+            y[c] = quantum * np.floor(y[c] / quantum + 0.5) if quantum > 0.0 else y[c]
+        return y
+
+    def decide(self, known: Array) -> float:
+        """The input [V or A] from this sample on, of w (2n + 2 + N,)."""
+        y, made = self.measured(known), self.made
+        arguments = np.concatenate([made.of_memory @ self.memory + made.of_measured @ y, self.states])
+        self.functions["remember"](self.kind, arguments, made.settings)
+        self.states = arguments[len(made.formulas.moments) :].copy()
+        u = float(self.functions["decide"](self.kind, arguments, made.settings))
+        self.memory = made.F @ self.memory + made.G @ y
+        self.sample += 1
+        return u
+
+
+def source(laws: tuple[Any, ...]) -> tuple[str, list[int]]:
+    """The Python text of ``decide(kind, s, p)`` and ``remember(kind, s, p)``, which choose among the laws, and the kind of
+    each; None stands for no law. s are the arguments of `LawFormulas`, p the settings; ``remember`` updates the states in s.
+
+    All registered laws are in it, so that what is compiled once serves every one of them.
+    """
+    classes = _registered()
+    classes += tuple(c for c in dict.fromkeys(type(law) for law in laws if law) if c not in classes)
+    return _text(classes), [classes.index(type(law)) if law else -1 for law in laws]
+
+
+@lru_cache(maxsize=1)
+def _registered() -> tuple[type, ...]:
+    """The classes of the registered laws."""
+    return tuple(class_in(module) for _, module in registry.members(REGISTRY))
+
+
+def class_in(module: ModuleType) -> type:
+    """The class of a law in its file: the one that is called as the file."""
+    wanted = module.__name__.rpartition(".")[2].replace("_", "")
+    return next(cls for name, cls in vars(module).items() if isinstance(cls, type) and name.lower() == wanted)
+
+
+@lru_cache(maxsize=16)
+def _text(classes: tuple[type, ...]) -> str:
+    texts: dict[str, str] = {}
+    decisions: list[str] = []
+    updates: list[str] = []
+    for kind, cls in enumerate(classes):
+        formulas = formulas_of(cls)
+        for formula, lines in ((formulas.decide, decisions), (formulas.update, updates)):
+            if formula is None:
+                continue
+            texts |= {name: read(f, name).source for name, f in formula.intrinsics().items()}
+            name = f"law_{kind}_{formula.name}"
+            texts[name] = read(getattr(module_of(cls), formula.name), name).source
+            call = f"{name}({', '.join(_places(cls, formulas, formula))})"
+            first = len(formulas.moments)
+            states = ", ".join(f"s[{first + k}]" for k in range(len(formulas.states)))
+            lines.append(f"if kind == {kind}: " + (f"return {call}" if lines is decisions else f"{states} = {call}"))
+    bodies = {"decide": [*decisions, "return 0.0"], "remember": [*updates, "return"]}
+    heads = ["\n    ".join([f"def {name}(kind, s, p):", *lines]) for name, lines in bodies.items()]
+    return "\n\n".join([*texts.values(), *heads])
+
+
+def _places(cls: type, formulas: LawFormulas, formula: Formula) -> list[str]:
+    known = numbers(cls)
+    return [
+        f"p[{known.index(name)}]" if name in known else f"s[{formulas.arguments.index(name)}]"
+        for name in formula.arguments
+    ]
