@@ -9,6 +9,7 @@ from dampyr.cli import cli
 
 COMMANDS = [
     "accept",
+    "arena",
     "cycles",
     "demo",
     "ensemble",

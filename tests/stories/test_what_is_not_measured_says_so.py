@@ -146,6 +146,7 @@ COMMANDS: dict[str, Callable[[Made], list[Any]]] = {
     "cycles": lambda m: ["cycles", m.folder],
     "simulate": lambda m: ["simulate", m.card, *SHAKE],
     "ensemble": lambda m: ["ensemble", m.card, *ENSEMBLE],
+    "arena": lambda m: ["arena", m.card, "--voltage", "1.98", *ENSEMBLE],
     "run": lambda m: ["run", m.folder.parent / "campaign.toml", "--out", m.folder],
     "plan": lambda m: ["plan", "--card", m.card, "--tests", "1", "--seconds", "4", "--kind", "sine", "--at", "1.98"],
     "export": lambda m: ["export", m.card, "--to", "c", "--out", m.folder.parent / "c"],
@@ -192,6 +193,7 @@ PAGES: dict[str, Callable[[Made], list[Any]]] = {
     "cycles_page": COMMANDS["cycles"],
     "response_page": COMMANDS["simulate"],
     "ensemble_page": COMMANDS["ensemble"],
+    "arena_page": COMMANDS["arena"],
 }
 
 

@@ -82,7 +82,7 @@ def command(
         _write_part(request, options, part, out, workers, as_json)
         return
     if collect is None and read is None:
-        result = _run(request, options, out, workers)
+        result = run_cases(request, options, out, workers)
     else:
         result = _read(context, options, out, collect, read)
     if demands:
@@ -131,7 +131,10 @@ def _read(
     return result.evaluated(options.limits, options.height, options.intensity, options.seed)
 
 
-def _run(request: EnsembleCommand, options: EnsembleOptions, out: Path | None, workers: int | None) -> EnsembleResult:
+def run_cases(
+    request: EnsembleCommand, options: EnsembleOptions, out: Path | None, workers: int | None
+) -> EnsembleResult:
+    """The ensemble of the command line's cases, with its progress told; a file ``out`` is continued where it stopped."""
     from dampyr.structures import ensemble, ensemble_cases
     from dampyr.structures.ensembles.store import progress_of
 

@@ -75,6 +75,11 @@ class EnsembleOptions(InstallationOptions):
     seed: Annotated[
         int, Quantity("", low=0), "Seed of the drawn dampers, of the bands of fragility curves and of synthetic motions"
     ] = 1
+    seeds: Annotated[
+        int | None,
+        Quantity("", low=1),
+        "So many runs of every damper, each with noise of its own in the sensors of control laws; drawn dampers have it anyway",
+    ] = None
     limits: Annotated[
         tuple[str, ...],
         Terminal("--limit", "L"),
@@ -121,6 +126,10 @@ class EnsembleOptions(InstallationOptions):
         """Refuse limits that are none, and an ensemble without peaks."""
         for text in self.limits:
             limit_of(text)
+        if self.seeds is not None and self.draws is not None:
+            raise InputError(
+                "seeds and draws exclude each other, as each drawn damper has noise of its own; leave one out"
+            )
         if not self.quantities:
             raise InputError(f"quantities is empty; choose from {', '.join(QUANTITIES)}")
 

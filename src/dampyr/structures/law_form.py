@@ -76,7 +76,7 @@ def _sensors(given: Any) -> tuple[tuple[str, Sensor], ...]:
     return tuple(sorted((name, sensor) for name, sensor in pairs.items() if not sensor.is_ideal))
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class LawDesign:
     """What a law works out of a building: ``signals``, name -> row over the memory and the measures (X + Y,), and the filter
     ``F`` (X, X) and ``G`` (X, Y), which has no memory unless they are given."""
@@ -84,3 +84,6 @@ class LawDesign:
     signals: Mapping[str, Array]
     F: Array = field(default_factory=lambda: np.zeros((0, 0)))
     G: Array | None = None
+
+    def __repr__(self) -> str:
+        return f"LawDesign(signals {', '.join(self.signals)}; memory of {len(self.F)} numbers)"

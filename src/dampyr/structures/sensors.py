@@ -53,7 +53,7 @@ class Sensor:
 
     def in_words(self, measure: str) -> str:
         """What it is, for labels: "force noise 3 N, 1 sample late"."""
-        unit = f" {MEASURES[measure].unit}".rstrip()
+        unit = f" {MEASURES[measure].unit}".replace("^2", "²")
         said = [f"{name} {getattr(self, name):g}{unit}" for name in ("noise", "bias", "quantum") if getattr(self, name)]
         said += [f"range {self.range:g}{unit}"] if math.isfinite(self.range) else []
         said += [f"{self.delay} sample{'s' if self.delay > 1 else ''} late"] if self.delay else []

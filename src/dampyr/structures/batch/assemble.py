@@ -332,6 +332,7 @@ class KernelText:
                 f"def integrate_block({', '.join(ARGUMENTS)}):",
                 TIMES,
                 *numbers,
+                *(law.clock for law in self.laws.values()),
                 "for i in range(first, last):",
                 "    part = zero",
                 f"    for l in range({self.block_width}):",

@@ -81,6 +81,9 @@ class LawStep:
         self.name = f"law{d}"
         self.cls = type(control.made.law)
         self.formulas = control.made.formulas
+        self.every = f"{self.name}_every"
+        # a number of the engine and not of the text: one kernel serves every step and period
+        self.clock = f"{self.every} = floor({text.number(float(control.every))} + half)"
 
     @property
     def functions(self) -> list[str]:
@@ -194,7 +197,7 @@ class LawStep:
             updates |= {
                 f"p{self.d}_{k}": f"p{self.d}_{k}now" for k, (count, _) in enumerate(self.control.pieces) if count
             }
-        return [f"if steps % {self.control.every} == 0:", *_loop(text, lines, updates)]
+        return [f"if steps % {self.every} == 0:", *_loop(text, lines, updates)]
 
     def _sensed(self, c: int, lines: list[str], updates: dict[str, str]) -> str:
         """The name of what the sensor of channel c gives, whose lines are added."""
@@ -208,7 +211,7 @@ class LawStep:
             pair = c // 2
             drawn = f"{name}_n{2 * pair}, {name}_n{2 * pair + 1} = normal_pair("
             if not any(line.startswith(drawn) for line in lines):
-                first = f"(steps//{self.control.every})*{counter(1, 0, 0)} + {counter(0, self.d, pair)}"
+                first = f"(steps//{self.every})*{counter(1, 0, 0)} + {counter(0, self.d, pair)}"
                 lines.append(f"{drawn}{name}_seed, {first})")
             value += f" + {text.number(noise)}*{name}_n{c}"
         value += f" + {text.number(bias)}" if bias else ""
@@ -257,7 +260,7 @@ def jumps(text: Any, laws: dict[int, LawStep]) -> list[str]:
             raised.add(peak)
             lines.append(f"{peak}now = max({peak}, abs({text.sum(row, known)}))")
             updates[peak] = f"{peak}now"
-    times = " or ".join(sorted({f"steps % {law.control.every} == 0" for law in jumping}))
+    times = " or ".join(sorted({f"steps % {law.every} == 0" for law in jumping}))
     return [f"if {times}:", *_loop(text, lines, updates)]
 
 

@@ -42,7 +42,7 @@ def under_laws(attributes: Mapping[str, Any]) -> str:
     return (
         f"under control laws, {attributes['changed_under_laws']} of {judged} cases at random change a peak of displacement or "
         f"drift by more than {100 * BOUNDS[attributes['accuracy']]:.2g} % at half the step, as a decision falls the other way; "
-        f"mean peaks change by: {means}. Take means and shares of many cases from this, and a single case from `respond`"
+        f"mean peaks change by: {means}; take means and shares of many cases from this, and run a single case by itself"
     )
 
 

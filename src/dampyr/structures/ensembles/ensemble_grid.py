@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import pickle
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -69,6 +69,9 @@ class Cases:
     precision: int = 64
     allow_extrapolation: bool = False
     device: str = "cpu"
+    seeds: tuple[
+        int, ...
+    ] = ()  # what is added to the seeds of control laws' noise, of each placement; none for no such thing
     after: float = 0.0  # s of rest, which the motions have at their ends already
 
     @property
@@ -129,7 +132,10 @@ class Cases:
 
     def sites_of(self, building: int, damper: int, at: int) -> tuple[Site, ...]:
         """The dampers of a placement at an input, checked."""
-        keyword = {self.kind: self.inputs[at]} if self.placements[damper] else {}
+        given = self.inputs[at]
+        if self.seeds and is_control_law(given):
+            given = replace(given, seed=given.seed + self.seeds[damper])
+        keyword = {self.kind: given} if self.placements[damper] else {}
         voltage, current = keyword.get("voltage"), keyword.get("current")
         return make_sites(self.buildings[building], self.placements[damper], voltage, current, self.allow_extrapolation)
 
@@ -143,6 +149,7 @@ class Cases:
             [(m.acceleration, m.dt) for m in self.motions],
             self.scales,
             (self.kind, self.accuracy, self.quantities, self.precision, self.device),
+            *([self.seeds] if any(self.seeds) else []),
         ]
         return hashlib.sha256(pickle.dumps(parts, protocol=5)).hexdigest()[:16]
 
@@ -189,6 +196,9 @@ def cases(
     if (draws := chosen.draws) is not None:
         drawn = (drawn_placements(placed, draws, chosen.seed) if placed else [placed] for placed in placements)
         placements = [placed for several in drawn for placed in several]
+    seeds = _noise_seeds(placements, chosen)
+    if chosen.seeds is not None:
+        placements = [placed for placed in placements for _ in range(chosen.seeds if placed else 1)]
     grid = Cases(
         _several("buildings", buildings, Building),
         tuple(installed(placed, chosen) for placed in placements),
@@ -201,10 +211,20 @@ def cases(
         chosen.precision,
         chosen.allow_extrapolation,
         chosen.device,
+        seeds,
         chosen.after,
     )
     _check(grid)
     return grid
+
+
+def _noise_seeds(placements: Sequence[Mapping[Any, Any]], options: EnsembleOptions) -> tuple[int, ...]:
+    """What is added to the seeds of laws, of each placement: each of several seeds, or of the draws of a damper, its own."""
+    if options.seeds is not None:
+        return tuple(k for placed in placements for k in range(options.seeds if placed else 1))
+    if options.draws is not None:
+        return tuple(k % options.draws for k in range(len(placements))) if len(placements) > 1 else ()
+    return ()
 
 
 def _of_passive_dampers(placements: Sequence[Mapping[Any, Any]], kind: str, inputs: Any) -> tuple[str, Any]:

@@ -50,7 +50,7 @@ def groups(
     wrong = [dim for dim in by if dim not in DIMS]
     if wrong:
         raise InputError(f"by = {wrong[0]!r} is not known; choose from {', '.join(DIMS)}")
-    worst = _peak_of_cases(dataset, quantity, storey, height)
+    worst = peak_of_cases(dataset, quantity, storey, height)
     strength = intensities(dataset, intensity)
     names = np.asarray(dataset.damper_name.values).astype(str)
     bare, fitted = np.flatnonzero(names == BARE), np.flatnonzero(names != BARE)
@@ -137,7 +137,7 @@ def _merge_levels(intensity: Array) -> Array:
     return level.reshape(intensity.shape)
 
 
-def _peak_of_cases(dataset: Any, quantity: str, storey: str | int, height: ArrayLike | None) -> Array:
+def peak_of_cases(dataset: Any, quantity: str, storey: str | int, height: ArrayLike | None) -> Array:
     """The peak of each case (building, damper, input, motion, scale): of one storey, or of the worst."""
     if quantity not in dataset:
         raise InputError(
