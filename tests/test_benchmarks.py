@@ -1,5 +1,6 @@
 """What benches count and search for, on problems whose answer is known."""
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
@@ -78,3 +79,19 @@ def test_a_contender_that_did_not_run_is_told(monkeypatch: pytest.MonkeyPatch) -
     lines = bench("_lines", monkeypatch)
     shown = lines.show([lines.Line("a", 1.0, 1.0, 3), lines.Line("b: missing", float("nan"), float("nan"), 0)])
     assert shown.splitlines()[-1].strip() == "b: missing"
+
+
+@pytest.mark.prove
+def test_the_runge_kutta_that_a_user_writes_has_the_peaks_of_the_ensemble(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the middle of the scales: in single ones a decision may fall the other way."""
+    controlled = bench("controlled_histories", monkeypatch)
+    monkeypatch.setattr(controlled, "FEW", controlled.FEW[::4])
+    monkeypatch.setattr(controlled, "SCALES", controlled.FEW)
+    law = controlled.LAWS["clipped-optimal, ideal sensing"]
+    with ThreadPoolExecutor(1) as one:
+        peaks = controlled.side_by_side(one, law, "strict").dataset.isel(building=0, damper=0, input=0, motion=0)
+    ours = np.stack([peaks.displacement[:, 0], peaks.drift[:, 1], peaks.force[:, 0]], axis=1)
+    off = np.abs(ours / controlled.by_hand(80) - 1.0)
+    assert np.all(np.median(off, axis=0) < 2e-3)
+    alone = controlled.scalar(law, 16)()
+    np.testing.assert_allclose(alone["drift"], peaks.drift, rtol=1e-9)
