@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
-from dampyr.cli._control import damper_of, temperature_option
+from dampyr.cli._control import damper_of, place_of, structure_of, structure_option, temperature_option
 from dampyr.cli._examples import examples
 from dampyr.cli._output import as_json_option, print_json, print_notice, state_origin
+from dampyr.errors import InputError
 
 
 @click.command(
     epilog=examples(
         "dampyr export damper.toml --to c --out controller",
+        "dampyr export damper.toml --to c --control clipped_optimal_lqg --out controller",
         "dampyr export damper.toml --to fmu --name rd8041 --out fmu",
     )
 )
@@ -35,6 +38,12 @@ from dampyr.cli._output import as_json_option, print_json, print_notice, state_o
 @click.option(
     "--inverse", is_flag=True, help="Write what finds the input that gives a wanted force, too; for c and fmu."
 )
+@click.option(
+    "--control", metavar="LAW", help="Write a control law for the damper, too, such as clipped_optimal_lqg; for c."
+)
+@structure_option
+@click.option("--storey", type=int, help="The storey in which the damper stands; for --control.  [default: 1]")
+@click.option("--between", nargs=2, metavar="I J", help="Two floors that the damper joins instead; for --control.")
 @temperature_option
 @click.option(
     "--allow-extrapolation", is_flag=True, help="Let the damper run outside the calibrated range of its input."
@@ -51,6 +60,10 @@ def command(
     fmi: str | None,
     drive: str | None,
     inverse: bool,
+    control: str | None,
+    structure: str | None,
+    storey: int | None,
+    between: tuple[str, str] | None,
     temperature: float | None,
     allow_extrapolation: bool,
     as_json: bool,
@@ -63,6 +76,7 @@ def command(
     """
     from dampyr.export import export
     from dampyr.findings import OF_DAMPER, as_dicts, handed_on
+    from dampyr.structures.control_laws import law_of
 
     damper = damper_of(card, temperature, allow_extrapolation).without(*without)
     typed = {
@@ -72,7 +86,17 @@ def command(
         "drive": drive,
         "inverse": inverse or None,
     }
-    options = {key: value for key, value in typed.items() if value is not None}
+    options: dict[str, Any] = {key: value for key, value in typed.items() if value is not None}
+    if control is not None:
+        options |= {
+            "control": law_of(control, damper),
+            "structure": structure_of(structure),
+            "place": place_of(storey, between),
+        }
+    elif structure is not None or storey is not None or between is not None:
+        raise InputError(
+            "--structure, --storey and --between say where a control law works; give --control LAW, or leave them out"
+        )
     written = export(damper, kind, out, name, allow_extrapolation, **options)
     state_origin(damper.origin)
     findings = handed_on([damper], OF_DAMPER)

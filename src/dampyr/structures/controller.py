@@ -99,11 +99,17 @@ class Controller:
     of_measured: Array
     F: Array
     G: Array
+    sizes: tuple[tuple[str, int], ...] = ()  # of each measure how many rows, where they are not summed up
 
     @cached_property
     def is_ideal(self) -> bool:
         """Whether all of its sensors give what they measure."""
         return not (np.any(self.faults[:, :3]) or np.any(np.isfinite(self.faults[:, 3])) or np.any(self.delays))
+
+    @property
+    def module(self) -> ModuleType:
+        """The file of the law."""
+        return module_of(self.law)
 
     @cached_property
     def settings(self) -> Array:
@@ -111,8 +117,10 @@ class Controller:
         return np.array([getattr(self.law, name) for name in numbers(type(self.law))], dtype=float)
 
 
-def controller(law: Any, building: Building, connections: Array, d: int) -> Controller:
-    """The controller of damper ``d`` of those at ``connections`` (N, n); InputError where the law's design does not fit."""
+def controller(law: Any, building: Building, connections: Array, d: int, summed: bool = True) -> Controller:
+    """The controller of damper ``d`` of those at ``connections`` (N, n); InputError where the law's design does not fit.
+
+    Where its sensors are ideal, what is linear in its measures is ``summed`` up beforehand."""
     cls: Any = type(law)
     place, module = DamperPlace(building, connections, d), module_of(law)
     formulas: LawFormulas = formulas_of(cls)
@@ -135,8 +143,9 @@ def controller(law: Any, building: Building, connections: Array, d: int) -> Cont
     sensors = [law.sensor_of(name) for name, block in zip(names, blocks, strict=True) for _ in block]
     faults = np.array([(s.noise, s.bias, s.quantum, s.range) for s in sensors]).reshape(len(rows), 4)
     delays = np.array([s.delay for s in sensors], dtype=np.int64)
-    made = Controller(law, formulas, rows, faults, delays, table[:, :memory], table[:, memory:], F, G)
-    return _summed_up(made) if made.is_ideal else made
+    sizes = tuple((name, len(block)) for name, block in zip(names, blocks, strict=True))
+    made = Controller(law, formulas, rows, faults, delays, table[:, :memory], table[:, memory:], F, G, sizes)
+    return _summed_up(made) if summed and made.is_ideal else made
 
 
 def _summed_up(made: Controller) -> Controller:
@@ -219,7 +228,11 @@ class ControllerRun:
 
     def decide(self, known: Array) -> float:
         """The input [V or A] from this sample on, of w (2n + 2 + N,)."""
-        y, made = self.measured(known), self.made
+        return self.decide_on(self.measured(known))
+
+    def decide_on(self, y: Array) -> float:
+        """The same of what the sensors give (Y,)."""
+        made = self.made
         arguments = np.concatenate([made.of_memory @ self.memory + made.of_measured @ y, self.states])
         self.functions["remember"](self.kind, arguments, made.settings)
         self.states = arguments[len(made.formulas.moments) :].copy()

@@ -5,14 +5,16 @@ from __future__ import annotations
 import ast
 import inspect
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from textwrap import wrap
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.export.c_law import law_files, libm_of
 from dampyr.export.c_text import COMPOSED, DOUBLE, LIBM, SINGLE, Precision, function
 from dampyr.findings import OF_DAMPER, handed_on
 from dampyr.input_kinds import INPUTS, input_arguments
@@ -20,6 +22,10 @@ from dampyr.models import Constant, Damper, Interpolation, Polynomial
 from dampyr.models import inverse as inverse_model
 from dampyr.models.laws import Law
 from dampyr.source_digest import full_version
+from dampyr.structures.building import Building
+from dampyr.structures.control_laws import describe_law, is_control_law, values_at
+from dampyr.structures.controller import Controller, controller
+from dampyr.structures.raminelli_2020_building import two_storey
 
 Array = NDArray[np.float64]
 
@@ -53,14 +59,19 @@ def write(
     single: bool = False,
     history: int = HISTORY,
     inverse: bool = False,
+    control: Any = None,
+    structure: Building | None = None,
+    place: Any = 1,
 ) -> list[Path]:
     """Write ``name.h`` and ``name.c``, and what replays a path that dampyr computed: ``name_vectors.h``, ``name_test.c`` and a
     ``Makefile`` whose target ``test`` compiles and runs it.
 
     ``single`` writes ``float`` in the place of ``double``; ``history`` is the number of samples that a delay looks back over.
-    ``inverse`` adds the functions that find the input of a wanted force (`dampyr.models.inverse`).
+    ``inverse`` adds the functions that find the input of a wanted force (`dampyr.models.inverse`). ``control``, a control law
+    for the damper at ``place`` of ``structure``, adds ``name_law.h`` and ``name_law.c``: its filter, states and decision.
     """
     check_name(name)
+    controlled = _controlled(damper, control, structure, place)
     precision = SINGLE if single else DOUBLE
     c = c_source(damper, name, allow_extrapolation, precision, history, inverse)
     texts = {
@@ -68,12 +79,29 @@ def write(
         f"{name}.c": c.source,
         f"{name}_vectors.h": _vectors(damper, name),
         f"{name}_test.c": _test_program(name, precision, damper.has_input, inverse),
-        "Makefile": _makefile(c),
     }
+    law_texts = (
+        {} if controlled is None else law_files(*controlled, name, describe_law(control, damper.input), precision)
+    )
+    texts |= law_texts | {"Makefile": _makefile(c, bool(law_texts), libm_of(law_texts.values(), precision))}
     folder.mkdir(parents=True, exist_ok=True)
     for file, text in texts.items():
         (folder / file).write_text(text, encoding="utf-8")
     return [folder / file for file in texts]
+
+
+def _controlled(
+    damper: Damper, control: Any, structure: Building | None, place: Any
+) -> tuple[Controller, Building] | None:
+    """The controller that is written, with its building; None where there is no law."""
+    if control is None:
+        return None
+    if not is_control_law(control):
+        raise InputError(f"control is a {type(control).__name__}; give a law that dampyr.structures.control_law makes")
+    building = two_storey() if structure is None else structure
+    values_at(control, damper.without("lag") if damper.composition.lag is not None else damper)
+    ideal = replace(control, sensors=())
+    return controller(ideal, building, building.connection(place)[None], 0, summed=False), building
 
 
 def check_name(name: str) -> None:
@@ -542,8 +570,21 @@ int main(void)
 """
 
 
-def _makefile(c: CSource) -> str:
+def _makefile(c: CSource, law: bool = False, libm_of_law: bool = False) -> str:
     name, link = c.name, " -lm" if c.libm else ""
+    if law:
+        return (
+            _makefile(c)
+            .replace(
+                f"test: {name}_test\n\t./{name}_test\n",
+                f"test: {name}_test {name}_law_test\n\t./{name}_test\n\t./{name}_law_test\n",
+            )
+            .replace(f"rm -f {name}_test", f"rm -f {name}_test {name}_law_test")
+            + f"""
+{name}_law_test: {name}_law_test.c {name}_law.c {name}_law.h {name}_law_vectors.h
+\t$(CC) $(CFLAGS) {name}_law_test.c {name}_law.c -o $@{" -lm" if libm_of_law else ""}
+"""
+        )
     return f"""\
 CC ?= cc
 CFLAGS ?= -std=c99 -O2 -Wall -Wextra -Wconversion -Wdouble-promotion -pedantic

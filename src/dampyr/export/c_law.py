@@ -1,0 +1,225 @@
+"""A control law in C99: its filter, states and decision as one function, with samples that dampyr decided on to test it by."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from textwrap import wrap
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dampyr.export.c_text import LIBM, Precision, function
+from dampyr.models.codegen.formula import Formula, read
+from dampyr.source_digest import full_version
+from dampyr.structures.building import Building
+from dampyr.structures.controller import Controller, ControllerRun
+from dampyr.structures.sensors import MEASURES, VECTORS
+
+Array = NDArray[np.float64]
+VECTORS_OF_A_LAW = 300  # samples that the exported test replays
+AGREE = {"double": 1e-10, "float": 1e-4}  # of the range of the input: what the exported test allows
+WIDTH = 116  # characters of a line of a comment
+
+
+def law_files(made: Controller, building: Building, name: str, described: str, precision: Precision) -> dict[str, str]:
+    """The texts of ``name_law.h`` and ``.c``, and of what tests them, by the names of the files.
+
+    ``made`` is the controller with its measures one by one (`dampyr.structures.controller.controller`, ``summed=False``); its
+    sensors are the real ones of whoever calls the C, so that their noise and delay are left out.
+    """
+    texts = {
+        f"{name}_law.h": _header(made, building, name, described, precision),
+        f"{name}_law.c": _source(made, name, precision),
+        f"{name}_law_vectors.h": _vectors(made, name),
+        f"{name}_law_test.c": _test_program(made, name, precision),
+    }
+    return texts
+
+
+def libm_of(texts: Iterable[str], precision: Precision) -> bool:
+    """Whether one of the texts calls the mathematics library."""
+    return any(re.search(rf"\b({'|'.join(LIBM)}){precision.suffix}\(", text) for text in texts)
+
+
+def _header(made: Controller, building: Building, name: str, described: str, precision: Precision) -> str:
+    real, law, guard = precision.real, made.law, f"{name.upper()}_LAW_H"
+    inputs = "\n".join(f" *     y[{k}]  {what}" for k, what in enumerate(_inputs(made, building)))
+    about = "\n".join(f" * {line}" for line in wrap(f"The control law {described} of {building.name}", WIDTH))
+    return f"""\
+/* A control law written by dampyr {full_version()}.
+{about}.
+ *
+ *     {name}_law g;
+ *     {name}_law_start(&g);
+ *     {real} u = {name}_law_decide(&g, y);       every {law.period:g} s; the input is held between
+ *
+ * u is the command to the coil, {law.low:g} to {law.high:g}; what is measured:
+ *
+{inputs}
+ */
+#ifndef {guard}
+#define {guard}
+
+#ifdef __cplusplus
+extern "C" {{
+#endif
+
+#define {name.upper()}_LAW_PERIOD {precision.number(law.period)} /* s */
+#define {name.upper()}_LAW_INPUTS {max(len(made.rows), 1)}
+
+typedef struct {{
+    {real} x[{max(len(made.F), 1)}]; /* memory of its filter */
+    {real} q[{max(len(made.formulas.states), 1)}]; /* states */
+}} {name}_law;
+
+void {name}_law_start({name}_law *g);
+{real} {name}_law_decide({name}_law *g, const {real} *y);
+
+#ifdef __cplusplus
+}}
+#endif
+#endif
+"""
+
+
+def _inputs(made: Controller, building: Building) -> list[str]:
+    """What each number of y is, in words."""
+    lines = []
+    for name, size in made.sizes:
+        measure = MEASURES[name]
+        places = [f", floor {label}" for label in building.floors] if name in VECTORS else [""]
+        if name == "state":
+            places = [f", {what} {k + 1}" for what in ("displacement", "velocity") for k in range(size // 2)]
+        lines += [f"{measure.about}{place} [{measure.unit}]" for place in places[:size]]
+    return lines
+
+
+def _source(made: Controller, name: str, precision: Precision) -> str:
+    real, prefix = precision.real, f"{name}_law_"
+    formulas = [formula for formula in (made.formulas.update, made.formulas.decide) if formula is not None]
+    trees = []
+    for formula in formulas:
+        trees += [read(called, inner).tree for inner, called in formula.intrinsics().items()]
+        trees.append(read(getattr(made.module, formula.name), f"{formula.name}_by").tree)
+    names = {tree.name for tree in trees}
+    functions = list(dict.fromkeys(function(tree, prefix, names, precision=precision) for tree in trees))
+    text = "\n".join(functions)
+    helpers = [
+        f"static {real} {prefix}{which}({real} a, {real} b)\n{{\n    return a {sign} b ? a : b;\n}}"
+        for which, sign in (("min", "<"), ("max", ">"))
+        if f"{prefix}{which}(" in text
+    ]
+    head = f'#include "{name}_law.h"\n#include <math.h>'
+    return (
+        "\n\n".join([head, *helpers, *functions, _start(made, name, precision), _decide(made, name, precision)]) + "\n"
+    )
+
+
+def _start(made: Controller, name: str, precision: Precision) -> str:
+    lines = [f"    g->x[{k}] = {precision.number(0.0)};" for k in range(max(len(made.F), 1))]
+    states = made.formulas.states or (0.0,)
+    lines += [f"    g->q[{k}] = {precision.number(value)};" for k, value in enumerate(states)]
+    return "\n".join([f"void {name}_law_start({name}_law *g)", "{", *lines, "}"])
+
+
+def _decide(made: Controller, name: str, precision: Precision) -> str:
+    real, prefix = precision.real, f"{name}_law_"
+    moments = made.formulas.moments
+    terms = [*(f"g->x[{k}]" for k in range(len(made.F))), *(f"y[{c}]" for c in range(len(made.rows)))]
+    lines = []
+    if "y[" not in "".join(terms):
+        lines.append("    (void)y;")
+    for k, row in enumerate(np.hstack([made.of_memory, made.of_measured])):
+        lines.append(f"    const {real} s{k} = {_sum(row, terms, precision)}; /* {moments[k]} */")
+    lines.append(f"    {real} u;")
+    if made.formulas.update is not None:
+        call = f"{prefix}update_by({_arguments(made, made.formulas.update, precision)}, q)"
+        copied = " ".join(f"g->q[{k}] = q[{k}];" for k in range(len(made.formulas.states)))
+        lines.append(f"    {{ {real} q[{len(made.formulas.states)}]; {call}; {copied} }}")
+    lines.append(f"    u = {prefix}decide_by({_arguments(made, made.formulas.decide, precision)});")
+    memory = [f"            {_sum(row, terms, precision)}" for row in np.hstack([made.F, made.G])]
+    if memory:
+        count = len(memory)
+        lines += ["    {", f"        const {real} x[{count}] = {{", ",\n".join(memory), "        };"]
+        lines += [f"        for (int k = 0; k < {count}; k++) g->x[k] = x[k];", "    }"]
+    used = "\n".join(lines)
+    if "g->" not in used:
+        lines.insert(0, "    (void)g;")
+    if not re.search(r"\by\[", used) and "    (void)y;" not in lines:
+        lines.insert(0, "    (void)y;")
+    return "\n".join([f"{real} {name}_law_decide({name}_law *g, const {real} *y)", "{", *lines, "    return u;", "}"])
+
+
+def _sum(row: Array, terms: list[str], precision: Precision) -> str:
+    pairs = [(value, term) for value, term in zip(row, terms, strict=True) if value != 0.0]
+    return " + ".join(term if v == 1.0 else f"{precision.number(float(v))}*{term}" for v, term in pairs) or "0"
+
+
+def _arguments(made: Controller, formula: Formula, precision: Precision) -> str:
+    moments, texts = made.formulas.moments, []
+    for argument in formula.arguments:
+        if argument in made.formulas.arguments:
+            k = made.formulas.arguments.index(argument)
+            texts.append(f"s{k}" if k < len(moments) else f"g->q[{k - len(moments)}]")
+        else:
+            texts.append(precision.number(float(getattr(made.law, argument))))
+    return ", ".join(texts)
+
+
+def _samples(made: Controller) -> tuple[Array, Array]:
+    """Random measures, as large beside one another as the law weighs them, and what the controller decides on them."""
+    rng = np.random.default_rng(1)
+    weights = np.abs(made.of_measured).max(axis=0, initial=0.0)
+    scale = np.where(weights > 0.0, 1.0 / np.where(weights > 0.0, weights, 1.0), 1.0)
+    y = scale * rng.standard_normal((VECTORS_OF_A_LAW, len(made.rows)))
+    run = ControllerRun(made)
+    return y, np.array([run.decide_on(each) for each in y])
+
+
+def _vectors(made: Controller, name: str) -> str:
+    y, u = _samples(made)
+    if not y.shape[1]:
+        y = np.zeros((len(y), 1))
+    rows = ",\n".join("    {" + ", ".join(repr(float(v)) for v in row) + "}" for row in y)
+    decided = ",\n".join("    " + ", ".join(repr(float(v)) for v in row) for row in u.reshape(-1, 6))
+    return f"""\
+/* What is measured at each sample, and what dampyr decided on it. */
+#define {name.upper()}_LAW_VECTORS {len(u)}
+
+static const double {name}_law_y[{len(u)}][{y.shape[1]}] = {{
+{rows}
+}};
+
+static const double {name}_law_u[{len(u)}] = {{
+{decided}
+}};
+"""
+
+
+def _test_program(made: Controller, name: str, precision: Precision) -> str:
+    real, allowed = precision.real, AGREE[precision.real]
+    span = max(made.law.high - made.law.low, 1e-300)
+    return f"""\
+/* Replays {name}_law_vectors.h: exit status 1 where a decision is off by more than {allowed:g} of the range. */
+#include "{name}_law.h"
+#include "{name}_law_vectors.h"
+#include <stdio.h>
+
+int main(void)
+{{
+    {name}_law g;
+    double off = 0.0;
+    {name}_law_start(&g);
+    for (int k = 0; k < {name.upper()}_LAW_VECTORS; k++) {{
+        {real} y[{name.upper()}_LAW_INPUTS];
+        double u, gap;
+        for (int c = 0; c < {name.upper()}_LAW_INPUTS; c++) y[c] = ({real}){name}_law_y[k][c];
+        u = (double){name}_law_decide(&g, y);
+        gap = u > {name}_law_u[k] ? u - {name}_law_u[k] : {name}_law_u[k] - u;
+        if (!(gap <= off)) off = gap;
+    }}
+    printf("{name}_law: largest difference %.3g of the range, allowed {allowed:g}\\n", off/{span!r});
+    return !(off <= {allowed * span!r});
+}}
+"""
