@@ -33,11 +33,13 @@ from dampyr.structures.time_history.respond import respond
 from dampyr.structures.time_history.response import Response
 from dampyr.structures.time_history.state_space import from_state_space, state_space
 from dampyr.structures.vehicle import quarter_car, road
+from dampyr.structures.yielding import yielding_shear_building
 
 __all__ = [
-    "Building", "two_storey", "shear_building", "single_mass", "quarter_car", "road", "random_road", "bump",
-    "ride_figures", "RideFigures", "vertical_weighting", "weighted_acceleration", "condense", "load", "respond",
-    "control_law", "arena", "Arena", "available_control_laws", "ControlLaw", "LawDesign", "Sensor", "RespondOptions",
-    "ensemble", "EnsembleOptions", "EnsembleResult", "ensemble_cases", "read_ensemble", "demand_tables", "write_demands",
-    "summary", "fragility", "incremental", "write_part", "collect", "Response", "state_space", "from_state_space",
+    "Building", "two_storey", "shear_building", "yielding_shear_building", "single_mass", "quarter_car", "road",
+    "random_road", "bump", "ride_figures", "RideFigures", "vertical_weighting", "weighted_acceleration", "condense",
+    "load", "respond", "control_law", "arena", "Arena", "available_control_laws", "ControlLaw", "LawDesign", "Sensor",
+    "RespondOptions", "ensemble", "EnsembleOptions", "EnsembleResult", "ensemble_cases", "read_ensemble",
+    "demand_tables", "write_demands", "summary", "fragility", "incremental", "write_part", "collect", "Response",
+    "state_space", "from_state_space",
 ]  # fmt: skip

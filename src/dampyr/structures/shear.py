@@ -55,12 +55,12 @@ def shear_building(
     >>> building.frequencies.round(2)
     array([3.56, 8.72])
     """
-    mass, spring = _positive("masses", masses, "kg"), _positive("stiffnesses", stiffnesses, "N/m")
+    mass, spring = positive("masses", masses, "kg"), positive("stiffnesses", stiffnesses, "N/m")
     if len(mass) != len(spring):
         raise InputError(f"{len(mass)} masses and {len(spring)} stiffnesses do not match; give one of each per storey")
-    M, K = np.diag(mass), _storeys(spring)
+    M, K = np.diag(mass), storey_matrix(spring)
     if damping_ratio is None and dashpots is not None:
-        return Building(M, _storeys(_dashpots(dashpots, len(mass))), K, name)
+        return Building(M, storey_matrix(_dashpots(dashpots, len(mass))), K, name)
     if damping_ratio is None or dashpots is not None:
         raise InputError("a shear building takes either damping_ratio= or dashpots=; give one of the two")
     if method not in ("rayleigh", "modal"):
@@ -104,8 +104,8 @@ def single_mass(
     if (frequency is None) == (stiffness is None):
         raise InputError("a single mass takes either frequency= in Hz or stiffness= in N/m; give one of the two")
     if stiffness is None:
-        omega = 2 * np.pi * _positive("frequency", frequency, "Hz")
-        stiffness = float(_positive("mass", mass, "kg")[0] * omega[0] ** 2)
+        omega = 2 * np.pi * positive("frequency", frequency, "Hz")
+        stiffness = float(positive("mass", mass, "kg")[0] * omega[0] ** 2)
     return shear_building([mass], [stiffness], damping_ratio=damping_ratio, name=name)
 
 
@@ -118,14 +118,14 @@ def _dashpots(values: ArrayLike, count: int) -> Array:
     return dashpots
 
 
-def _storeys(values: Array) -> Array:
+def storey_matrix(values: Array) -> Array:
     """The matrix of one element per storey: its drift times its value, at both of its floors."""
     n = len(values)
     drift = np.eye(n) - np.eye(n, k=-1)
     return drift.T @ np.diag(values) @ drift
 
 
-def _positive(name: str, values: Any, unit: str) -> Array:
+def positive(name: str, values: Any, unit: str) -> Array:
     """Numbers in SI of what a caller gave, each greater than 0."""
     array = np.atleast_1d(np.asarray(in_si(values, unit, name), dtype=float))
     if array.ndim != 1 or not len(array) or not np.all(np.isfinite(array)) or array.min() <= 0:
