@@ -46,9 +46,11 @@ class Site:
         """What the kernel compiles."""
         return self.damper.composition
 
-    def between(self, part: float) -> Array:
-        """The parameters at ``part`` of the way from the least input of the law to the greatest."""
-        u = self.law.low + part * (self.law.high - self.law.low)
+    def levels(self) -> Array:
+        """The parameters (`LEVELS`, P) from the least input of the law to the greatest; (1, P) where there is no law."""
+        if self.law is None:
+            return self.values[None]
+        u = np.linspace(self.law.low, self.law.high, LEVELS)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ExtrapolationWarning)  # warned of when the site was made
             return np.asarray(self.damper.values(u, static=False, allow_extrapolation=True))

@@ -125,7 +125,9 @@ class Scratch(NamedTuple):
 
 
 def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) -> Any:
-    """A function of the steps per sample that integrates once; of the motion times ``scale`` where that is given."""
+    """A function of the steps per sample that integrates once; of the motion times ``scale`` where that is given.
+
+    Of dampers it has ``greatest_slopes()``, too, which bound the step."""
     if not sites:
         return lambda m, scale=1.0: Integration(bare_response(building, motion.scaled(scale), m), motion.dt / m)
     from dampyr.models.codegen.kernels import bind
@@ -140,18 +142,16 @@ def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) ->
 
     def run(
         m: int,
-        samples: int | None = None,
-        start: float = 0.0,
         scale: float = 1.0,
         before: Array | None = None,
         imposed: Array | None = None,
     ) -> Integration:
-        """``start`` is where between the least and the greatest input of its law each damper is at first; ``before`` are the
-        decisions of a run at another step, to compare with, and ``imposed`` such to take (see `Control`)."""
-        ag = motion.acceleration[:samples] * scale
+        """``before`` are the decisions of a run at another step, to compare with, and ``imposed`` such to take (see
+        `Control`)."""
+        ag = motion.acceleration * scale
         step = motion.dt / m
         out = output(len(ag), building.n, len(sites))
-        dampers = _dampers(sites, step, start)
+        dampers = _dampers(sites, step)
         steps = (len(ag) - 1) * m
         control = _control(sites, kinds, controllers, step, steps, before, imposed) if any(laws) else None
         if control is None:
@@ -165,6 +165,20 @@ def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) ->
         decisions = None if control is None else _decisions(control, steps)
         return Integration(out.of_floors(building.n_floors), step, decisions=decisions)
 
+    def greatest_slopes() -> Array:
+        """The greatest slopes of the dampers at rest (N, 2), over the inputs that their laws may take."""
+        ag, step, out = np.zeros(1), motion.dt, output(1, building.n, len(sites))
+        dampers = _dampers(sites, step)
+        control = _control(sites, kinds, controllers, step, 0) if any(laws) else None
+        work, levels, slopes = _scratch(building.n, dampers.states), [site.levels() for site in sites], []
+        for k in range(max(map(len, levels))):
+            for d, values in enumerate(levels):
+                dampers.params[d, :, : values.shape[1]] = values[min(k, len(values) - 1)]
+            kernel(ag, 1, step, FORCE_TOLERANCE, linear(step), dampers, control, work, out)
+            slopes.append(np.abs(out.rest_slopes))
+        return np.asarray(np.max(slopes, axis=0))
+
+    run.greatest_slopes = greatest_slopes  # type: ignore[attr-defined]
     return run
 
 
@@ -188,13 +202,13 @@ def _linear(building: Building, sites: tuple[Site, ...], step: float) -> Linear:
     )
 
 
-def _dampers(sites: tuple[Site, ...], step: float, start: float = 0.0) -> Sites:
+def _dampers(sites: tuple[Site, ...], step: float) -> Sites:
     """Parameters, states and past forces of the dampers at the start."""
     width = max([1, *(len(site.values) for site in sites)])
     depth = max([1, *(site.composition.n_states for site in sites)])
     params, states = np.zeros((len(sites), 4, width)), np.zeros((len(sites), depth))
     for d, site in enumerate(sites):
-        params[d, :, : len(site.values)] = site.values if start == 0.0 or site.law is None else site.between(start)
+        params[d, :, : len(site.values)] = site.values
         states[d, : site.composition.n_states] = site.composition.state0
     delays = np.array([site.delay / step for site in sites], dtype=float)
     nodes = 2 * math.ceil(max([0.0, *delays])) + 6

@@ -54,7 +54,6 @@ from dampyr.structures.time_history.step_size import (
     given_steps_per_sample,
     halve_under_laws,
     halve_until_converged,
-    kernel_slopes,
     largest_step,
     run_once,
     steps_per_sample,
@@ -303,7 +302,7 @@ def _respond(
     if options.step is None:
         tolerance = tolerance_of(options.accuracy)
         first = 2 * largest_step(
-            whole, sites, kernel_slopes(run, sites), FINAL_LIMIT
+            whole, sites, run.greatest_slopes() if sites else np.zeros((0, 2)), FINAL_LIMIT
         )  # so that the first halving meets it
         halve = halve_under_laws if laws_of(sites) else halve_until_converged
         best = halve(run, motion, tolerance, steps_per_sample(motion.dt, first, sites))

@@ -25,7 +25,7 @@ from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.structures.building import Building
 from dampyr.structures.control_laws import lag_of, parts
-from dampyr.structures.sites import LEVELS, Site, connections, describe_place, laws_of
+from dampyr.structures.sites import Site, connections, describe_place, laws_of
 from dampyr.structures.time_history.response import Integration, Output, relative_change
 
 Array = NDArray[np.float64]
@@ -41,8 +41,9 @@ JUDGED = ("displacement", "drift")  # whose peaks the accuracy is of; the others
 def largest_step(building: Building, sites: tuple[Site, ...], slopes: Array, limit: float) -> float:
     """The longest step (s) that the rule allows; ``slopes`` (N, 2) are the greatest of each damper at rest.
 
-    The slopes are an argument because they have two sources, which agree to about six digits: `kernel_slopes` where the
-    kernel of the dampers runs anyway, `difference_slopes` where it would be compiled for nothing else.
+    The slopes are an argument because they have two sources, which agree to about six digits: ``greatest_slopes`` of
+    `dampyr.structures.time_history.kernel_run.runner` where the kernel of the dampers runs anyway, `difference_slopes` where it
+    would be compiled for nothing else.
     """
     step = MAX_STEP
     for site, (by_stroke, by_rate) in zip(sites, slopes, strict=True):
@@ -65,21 +66,12 @@ def largest_stiffness(building: Building, sites: tuple[Site, ...], slopes: Array
     return max([1e-30, *(slopes[:, 0] * flexibility if sites else ())])
 
 
-def kernel_slopes(run: Any, sites: tuple[Site, ...]) -> Array:
-    """The greatest slopes of the dampers at rest (N, 2), over the inputs that their laws may take, by the kernel of ``run``."""
-    if not sites:
-        return np.zeros((0, 2))
-    inputs = range(LEVELS) if any(site.law for site in sites) else range(1)
-    slopes = [np.abs(run(1, samples=1, start=k / (LEVELS - 1)).out.rest_slopes) for k in inputs]
-    return np.asarray(np.max(slopes, axis=0))
-
-
 def difference_slopes(sites: tuple[Site, ...]) -> Array:
-    """As `kernel_slopes`, by small differences along a path."""
+    """The greatest slopes of the dampers at rest (N, 2), over the inputs that their laws may take, by small differences along a
+    path."""
     greatest = []
     for site in sites:
-        inputs = [site.values] if site.law is None else [site.between(k / (LEVELS - 1)) for k in range(LEVELS)]
-        greatest.append(np.max([_slopes_at_rest(site, values) for values in inputs], axis=0))
+        greatest.append(np.max([_slopes_at_rest(site, values) for values in site.levels()], axis=0))
     return np.array(greatest).reshape(len(sites), 2)
 
 
