@@ -10,6 +10,7 @@ and `LawDesign` are for laws of one's own; a list of inputs gives `Responses`, a
 ``fragility``, ``incremental`` and ``arena`` evaluate them, ``write_part`` and ``collect`` divide the work for a batch system.
 """
 
+from dampyr.structures.benchmark_ratios import benchmark_criteria
 from dampyr.structures.building import Building, condense
 from dampyr.structures.building_options import EnsembleOptions, RespondOptions
 from dampyr.structures.control_laws import available_control_laws, control_law
@@ -41,5 +42,5 @@ __all__ = [
     "load", "respond", "control_law", "arena", "Arena", "available_control_laws", "ControlLaw", "LawDesign", "Sensor",
     "RespondOptions", "ensemble", "EnsembleOptions", "EnsembleResult", "ensemble_cases", "read_ensemble",
     "demand_tables", "write_demands", "summary", "fragility", "incremental", "write_part", "collect", "Response",
-    "state_space", "from_state_space",
+    "state_space", "from_state_space", "benchmark_criteria",
 ]  # fmt: skip

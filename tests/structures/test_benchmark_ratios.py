@@ -1,0 +1,46 @@
+"""Criteria of the benchmark problems, against their sums written out, and what is refused."""
+
+import numpy as np
+import pytest
+from tests.structures.begin_of_el_centro import short
+
+from dampyr.errors import InputError
+from dampyr.structures import benchmark_criteria, respond, two_storey
+from dampyr.studies import raminelli_2020
+
+
+@pytest.fixture(scope="module")
+def responses():
+    building, motion = two_storey(), short(6.0)
+    return respond(building, motion), respond(building, motion, raminelli_2020.damper(), voltage=1.98), building
+
+
+def test_criteria_are_ratios_of_what_they_are_called(responses) -> None:
+    bare, held, building = responses
+    found = benchmark_criteria(held, bare, building, height=[3.0, 2.0])
+    peaks = [np.abs(r.drift / np.array([[3.0], [2.0]])).max() for r in (held, bare)]
+    assert found["J1"] == pytest.approx(peaks[0] / peaks[1], rel=1e-2)  # peaks lie between samples, too
+    assert found["J2"] == held.peak_acceleration.max() / bare.peak_acceleration.max()
+    rms = [np.sqrt(np.mean(r.acceleration**2, axis=1)).max() for r in (held, bare)]
+    assert found["J5"] == pytest.approx(rms[0] / rms[1])
+    shear = [-(building.M.diagonal() @ r.acceleration) for r in (held, bare)]
+    assert found["J6"] == pytest.approx(np.sqrt(np.mean(shear[0] ** 2) / np.mean(shear[1] ** 2)))
+    assert found["J3"] == pytest.approx(np.abs(shear[0]).max() / np.abs(shear[1]).max(), rel=0.02)
+    assert found["J11"] == pytest.approx(held.peak_force[0] / (9.80665 * np.trace(building.M)))
+    assert found["J12"] == pytest.approx(np.abs(held.drift[0]).max() / bare.peak_displacement.max(), rel=1e-9)
+
+
+def test_a_building_without_dampers_is_its_own_measure(responses) -> None:
+    bare, _, building = responses
+    found = benchmark_criteria(bare, bare, building)
+    assert found == dict.fromkeys(("J1", "J2", "J3", "J4", "J5", "J6"), 1.0)
+
+
+def test_what_does_not_fit_is_refused(responses) -> None:
+    bare, held, building = responses
+    with pytest.raises(InputError, match="different motions"):
+        benchmark_criteria(held, respond(building, short(4.0)), building)
+    with pytest.raises(InputError, match="bare has dampers"):
+        benchmark_criteria(held, held, building)
+    with pytest.raises(InputError, match="height = -1"):
+        benchmark_criteria(held, bare, building, height=-1.0)
