@@ -189,12 +189,16 @@ class Board(InProcessBoard):
         self.started = self.simulator.time
 
 
-def a_host(simulator: Simulator, rig: RigSettings, calibration: Calibration, before: Rig | None = None) -> Rig:
-    """A new host; the damper is as warm as the one before it says."""
+def a_host(
+    simulator: Simulator, rig: RigSettings, calibration: Calibration, folder: Path, before: Rig | None = None
+) -> Rig:
+    """A new host; the damper is as warm as the one before it says, and what earlier runs have shown lies in ``folder``."""
     uno, board = Uno(InProcess(simulator.serial)), Board(simulator)
+    folder.mkdir(exist_ok=True)
     rig = Rig(
-        rig, uno, board, threaded=False, clocked_by_reads=True, clock=lambda: simulator.time, calibration=calibration
-    )
+        rig, uno, board, threaded=False, clocked_by_reads=True, clock=lambda: simulator.time, calibration=calibration,
+        folder=folder,
+    )  # fmt: skip
     if before is not None:
         rig.warmth.temperature = before.warmth.temperature
     return rig
@@ -291,6 +295,14 @@ class Trial:
         return (
             f"{words} {self.steps} thermocouple={bool(self.rig.wires.temperature)} index={bool(self.rig.wires.index)}"
         )
+
+
+def perform_before(rig: Rig, folder: Path) -> None:
+    """An earlier run with the rig and its damper, as every laboratory has; nothing is wrong in it."""
+    (folder / "before.toml").write_text(BEFORE, "utf-8")
+    made = perform(plan(campaigns.read(folder / "before.toml"), rig.settings), rig, folder / "before")
+    assert [record.marks for record in made] == [()]
+    shutil.rmtree(folder / "before")
 
 
 def has_just_turned(truth: Truth, at: float) -> bool:
@@ -398,6 +410,10 @@ def run_trial(
     return trial, ratios
 
 
+BEFORE = HEADER.format(check=1) + f'[[step]]\nkind = "sine"\n{STEPS["sine"].format(a=2, f=1, c=2, u=1)}\n'
+"""A campaign of before, when nothing was wrong."""
+
+
 def run_trials(
     count: int, seed: int, folder: Path, first: int = 0
 ) -> tuple[list[Trial], dict[str, list[tuple[float, float]]]]:
@@ -410,10 +426,12 @@ def run_trials(
             profile = list(PROFILES)[k // RUNS % len(PROFILES)]
             believed, calibration = a_rig(draw, profile)
             true = true_rig(draw, calibration.corrected(believed))
+            kept = folder / f"rig{k}"
+            perform_before(a_host(Simulator(true, k), believed, calibration, kept), folder)
             simulator = Simulator(true, k, position=float(draw.uniform(-0.0369, 0.0369)))
-            rig = a_host(simulator, believed, calibration)
+            rig = a_host(simulator, believed, calibration, kept)
         elif draw.uniform() < 0.5:
-            rig = a_host(simulator, believed, calibration, rig)
+            rig = a_host(simulator, believed, calibration, kept, rig)
         trial, more = run_trial(k, draw, rig, folder / "short.toml", folder / str(k))
         trial.profile = profile
         trials.append(trial)

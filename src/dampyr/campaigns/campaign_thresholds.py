@@ -107,6 +107,12 @@ class CampaignThresholds(Thresholds):
         Quantity("1/K", low=0.0),
         "What the same may be more for each kelvin of warming, as a share of the height: a fluid thins as it warms",
     ] = 0.01
+    run_height_share: Annotated[
+        float,
+        Share,
+        "What the height on the run's first slow pass may differ more from that of the last run with the same specimen, as a "
+        "share of it: the room is warmer or colder by some kelvin that nothing reads, and the damper has rested",
+    ] = 0.03
     shunt_share: Annotated[
         float,
         Share,
