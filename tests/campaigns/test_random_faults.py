@@ -89,6 +89,11 @@ LOOSE = 3.0  # times the true error that a stated uncertainty may be, in the med
 PLAY = 3.0e-4  # m: as much as worn pins have
 COOLED = 60.0  # degC that a damper has at most, when the next campaign begins
 HOMING = 20.0  # s that homing takes on the average
+WARM, UNREAD = (
+    45.0,
+    2.0,
+)  # degC of a damper that is run again; K by which its host is wrong about that, a standard deviation
+SOFTENING = 0.005  # 1/K of the force of a damper that is run again: that of its slow passes
 
 
 def a_fault(draw: np.random.Generator, first: float, span: float) -> FaultSpec:
@@ -300,8 +305,7 @@ class Trial:
 def perform_before(rig: Rig, folder: Path) -> None:
     """An earlier run with the rig and its damper, as every laboratory has; nothing is wrong in it."""
     (folder / "before.toml").write_text(BEFORE, "utf-8")
-    made = perform(plan(campaigns.read(folder / "before.toml"), rig.settings), rig, folder / "before")
-    assert [record.marks for record in made] == [()]
+    perform(plan(campaigns.read(folder / "before.toml"), rig.settings), rig, folder / "before")
     shutil.rmtree(folder / "before")
 
 
@@ -410,7 +414,7 @@ def run_trial(
     return trial, ratios
 
 
-BEFORE = HEADER.format(check=1) + f'[[step]]\nkind = "sine"\n{STEPS["sine"].format(a=2, f=1, c=2, u=1)}\n'
+BEFORE = HEADER.format(check=1) + f'[[step]]\nkind = "sine"\n{STEPS["sine"].format(a=2, f=1, c=2, u=0)}\n'
 """A campaign of before, when nothing was wrong."""
 
 
@@ -450,6 +454,7 @@ def run_trials(
 @pytest.mark.filterwarnings("ignore:the encoder's index was not where homing had put it")
 @pytest.mark.filterwarnings("ignore:the Uno had stopped by itself")  # a host that comes after a fault
 @pytest.mark.filterwarnings("ignore:the Uno was left in state")
+@pytest.mark.filterwarnings("ignore:.*in the run of .* with the same specimen")  # its records have the mark
 def test_whatever_goes_wrong_is_safe_and_no_wrong_record_is_good(tmp_path: Path, endurance: Endurance) -> None:
     seed, count = 20201126, endurance.count(2000)
     trials, ratios = run_trials(count, seed, tmp_path)
@@ -493,8 +498,12 @@ def test_whatever_goes_wrong_is_safe_and_no_wrong_record_is_good(tmp_path: Path,
 @pytest.mark.prove
 @pytest.mark.endure
 def test_no_healthy_run_is_marked(tmp_path: Path, endurance: Endurance) -> None:
-    """Campaigns without a fault on rigs that are what they were calibrated to be, and hybrid tests of other voltages."""
-    seed, count, marked, good = 20201127, endurance.count(500), [], 0
+    """Campaigns without a fault on rigs that are what they were calibrated to be, and hybrid tests of other voltages.
+
+    The former on a damper that softens, and is warmer than in the run before, by some kelvin more or less than its host takes
+    it for.
+    """
+    seed, count, marked, good, compared = 20201127, endurance.count(500), [], 0, 0
     for k in range(count):
         draw = np.random.default_rng([seed, k])
         out, path = tmp_path / str(k), tmp_path / "short.toml"
@@ -503,15 +512,23 @@ def test_no_healthy_run_is_marked(tmp_path: Path, endurance: Endurance) -> None:
             made = perform(planned_hybrid(step | {"duration": float(draw.choice([5.0, 10.0]))}), simulated(seed=k), out)
         else:
             believed, calibration = a_rig(draw, list(PROFILES)[k % len(PROFILES)], bought=0.0)
-            simulator = Simulator(true_rig(draw, calibration.corrected(believed)), k)
+            true = true_rig(draw, calibration.corrected(believed))
+            true = replace(true, specimen=replace(true.specimen, softening=SOFTENING))
             path.write_text(a_campaign(draw), "utf-8")
-            made = perform(plan(campaigns.read(path), believed), a_host(simulator, believed, calibration), out)
+            kept = tmp_path / f"rig{k}"
+            perform_before(a_host(Simulator(true, 10**6 + k), believed, calibration, kept), tmp_path)
+            simulator = Simulator(true, k)
+            rig = a_host(simulator, believed, calibration, kept)
+            rig.warmth.temperature = float(draw.uniform(20.0, WARM))
+            simulator.plant[plant.Y_TEMPERATURE] = rig.warmth.temperature + float(draw.normal(0.0, UNREAD))
+            made = perform(plan(campaigns.read(path), believed), rig, out)
+            compared += sum("compared with the run of" in record.provenance["cell_gain"] for record in made)
         read = [records.read(one) for one in sorted(made.folder.glob("*.h5"))]
         good += len(read)
         marked += [f"{k} {record.name}: {record.marks}" for record in read if record.marks]
         shutil.rmtree(out)
     assert marked == []
-    figures = f"{count} runs, {good} records, none marked"
+    figures = f"{count} runs, {good} records, {compared} of them compared with a run before, none marked"
     endurance.report("runs without a fault, one in ten of them hybrid, on calibrated rigs", seed, figures)
 
 
