@@ -14,15 +14,18 @@ no sensor of the rig can tell (`UNSEEN`):
   read the coil's voltage: the record says that it is commanded, not measured. A lower force is that of another damper. |
 | constant force | A shunt that is left across the bridge from before the first slow pass of a run until its end: a constant
   force on the cell is what the damper's own gas charge is; only the damper's card says how large that is, to some 90 N here. |
-| constant gain | A gain of the load cell's chain that has changed before the first slow pass of a run, in a rig without a shunt
-  across the bridge: another force is that of another damper. |
+| constant gain | A gain of the load cell's chain that has changed before the first slow pass of a run by less than it may
+  differ from that of the run before, in a rig without a shunt across the bridge: so does that of a warmer or a worn damper. |
 | passing gain | One that changes and comes back within a test in which the motion does not repeat itself. |
 | small gain | One by so little that friction on the slow passes does not tell it, in a rig without a shunt, which does. |
-| slow cell | A cell that was slow before the first slow pass of a run, in a rig without a shunt, whose step would tell. |
+| slow cell | A cell that was slow before the first slow pass of a run by too little for its noise to tell, or whose noise
+  lies below the converter's step, in a rig without a shunt, whose step would tell. |
 | passing drift | A zero that goes and comes back within a test: it is right on the slow passes before and after, and a
   force that changes by some 20 N in two seconds is what a damper that relaxes, or warms, gives. |
 | leap after a turn | A shunt that is switched in, and out again within the same test, each time before the table has gone
   0.3 mm since it turned: there the force of a damper with play in its pins leaps as well. |
+
+Each rig has been run before with its damper when nothing was wrong, as a laboratory has that begins to use it.
 
 The rigs are what their hosts take them for within the stated uncertainties only: each constant strays by its own, of three in
 ten rigs as they were bought and of the others as they were calibrated.

@@ -110,8 +110,9 @@ class CampaignThresholds(Thresholds):
     run_height_share: Annotated[
         float,
         Share,
-        "What the height on the run's first slow pass may differ more from that of the last run with the same specimen, as a "
-        "share of it: the room is warmer or colder by some kelvin that nothing reads, and the damper has rested",
+        "Share of the height by which the first slow pass of a run may differ from those of the runs before it with the same "
+        "specimen, beside the load cell's errors (pass_height) and warming (height_per_kelvin), beyond which it is marked: a "
+        "room is some kelvin warmer that nothing reads, and a damper has rested",
     ] = 0.03
     shunt_share: Annotated[
         float,
