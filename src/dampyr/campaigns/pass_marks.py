@@ -109,13 +109,13 @@ def describe_comparison(
     earlier, first = compared
     limit = _most_change(earlier, first, rig, allowed, allowed.run_height_share)
     return (
-        f"{read}compared with the run of {earlier.time[:10]} with this specimen: by the height of the hysteresis on the first "
-        f"slow pass {first.height / earlier.height - 1.0:+.1%} (+-{limit / abs(earlier.height):.1%})"
+        f"{read}compared with the runs until {earlier.time[:10]} with this specimen: by the height of the hysteresis on the "
+        f"first slow pass {first.height / earlier.height - 1.0:+.1%} (+-{limit / abs(earlier.height):.1%})"
     )
 
 
-def differs_from_last_run(evidence: Evidence, rig: RigSettings, allowed: CampaignThresholds = USUAL) -> list[Mark]:
-    """A first slow pass of the run that is not what it was in the last run with the same specimen: another height of the
+def differs_from_earlier_runs(evidence: Evidence, rig: RigSettings, allowed: CampaignThresholds = USUAL) -> list[Mark]:
+    """A first slow pass of the run that is not what it was in the runs before it with the same specimen: another height of the
     damper's hysteresis, or a cell with less noise.
     """
     if evidence.compared is None:
@@ -123,7 +123,7 @@ def differs_from_last_run(evidence: Evidence, rig: RigSettings, allowed: Campaig
     earlier, first = evidence.compared
     limit = _most_change(earlier, first, rig, allowed, allowed.run_height_share)
     other = f"name the damper that is mounted (specimen), or delete its passes in {KEPT} where it has changed"
-    then = f"in the run of {earlier.time[:10]} with the same specimen, {earlier.specimen!r}"
+    then = f"until {earlier.time[:10]} with the same specimen, {earlier.specimen!r}"
     if abs(first.height - earlier.height) > limit:
         gain = "the gain of the load cell's chain has changed since, or the damper has, or another one is mounted; "
         check = "check the cell with its shunt or a known weight, and calibrate it again"
@@ -212,7 +212,7 @@ def passes_differ(
     gain = (
         shunt_differs(evidence, rig, allowed)
         or gain_moved(evidence, rig, allowed)
-        or differs_from_last_run(evidence, rig, allowed)
+        or differs_from_earlier_runs(evidence, rig, allowed)
     )
     if gain and evidence.zero_shift is not None and evidence.heights is not None and evidence.heights[0]:
         first, before, after = evidence.heights

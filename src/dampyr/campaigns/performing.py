@@ -21,7 +21,7 @@ from dampyr.campaigns.journal import Journal, now
 from dampyr.campaigns.learn_drive import DriveLearning, Learned, OnSamples, PlayJudge, percent
 from dampyr.campaigns.learning import TRIES
 from dampyr.campaigns.monitor import Watch, time_left
-from dampyr.campaigns.pass_marks import agreeing_passes, describe_comparison, differs_from_last_run, pass_to_compare
+from dampyr.campaigns.pass_marks import agreeing_passes, describe_comparison, differs_from_earlier_runs, pass_to_compare
 from dampyr.campaigns.planned_tests import Plan, PlannedTest, plan
 from dampyr.campaigns.preliminary import preliminary_check
 from dampyr.campaigns.protocol_result import protocol_text
@@ -410,26 +410,29 @@ class _Run:
             self._checked = True
         table.specimen = self.groups.get("specimen", "")
         table.verify()
-        self._compare_with_last_run(table)
+        self._compare_with_earlier_runs(table)
 
-    def _compare_with_last_run(self, table: ArmedRig) -> None:
-        """Say at once where the first slow pass is not that of the last run with the same specimen; its records do, too."""
+    def _compare_with_earlier_runs(self, table: ArmedRig) -> None:
+        """Say at once where the first slow pass is not what it was in earlier runs with the specimen; the records do, too."""
         rig, first = self.rig.settings, table.passes[0]
         table.earlier = pass_to_compare(self.kept, first, rig, self.thresholds)
         compared = None if table.earlier is None else (table.earlier, first)
         self.provenance = self.provenance | {"cell_gain": describe_comparison(compared, rig, self.thresholds)}
-        for mark in differs_from_last_run(
+        for mark in differs_from_earlier_runs(
             Evidence(compared=compared, shunts=tuple(table.shunts)), rig, self.thresholds
         ):
-            self.journal.note("unlike the last run", mark.text)
+            self.journal.note("unlike earlier runs", mark.text)
             warnings.warn(f"{mark.text}; the records of this run say so", DampyrWarning, stacklevel=6)
 
     def _keep_passes(self, table: ArmedRig) -> None:
         """Keep the passes for the next run; where the first was not as before, what it was compared with stays."""
-        rig, passes, earlier = self.rig.settings, table.passes, table.earlier
+        rig, passes = self.rig.settings, table.passes
         if not passes or not passes[0].specimen:
             return
-        if earlier is not None and differs_from_last_run(Evidence(compared=(earlier, passes[0])), rig, self.thresholds):
+        earlier = pass_to_compare(self.kept, passes[0], rig, self.thresholds)
+        if earlier is not None and differs_from_earlier_runs(
+            Evidence(compared=(earlier, passes[0])), rig, self.thresholds
+        ):
             return
         self.kept = with_run(self.kept, agreeing_passes(passes, rig, self.thresholds))
         self.rig.keep_passes(self.kept)

@@ -10,7 +10,7 @@ import pytest
 from tests.campaigns.test_pass_marks import RIG
 
 from dampyr.campaigns import CampaignThresholds, campaign_of, perform, read_journal
-from dampyr.campaigns.pass_marks import agreeing_passes, describe_comparison, differs_from_last_run, pass_to_compare
+from dampyr.campaigns.pass_marks import agreeing_passes, describe_comparison, differs_from_earlier_runs, pass_to_compare
 from dampyr.errors import DampyrWarning, FileError
 from dampyr.rig import Rig, RigSettings
 from dampyr.rig.calibration import calibration_of
@@ -28,34 +28,36 @@ SINE = {"kind": "sine", "amplitude": "5 mm", "frequency": "2 Hz", "cycles": 1, "
 
 
 def marks(**changes: float) -> list[str]:
-    return [mark.text for mark in differs_from_last_run(Evidence(compared=(EARLIER, replace(EARLIER, **changes))), RIG)]
+    return [
+        mark.text for mark in differs_from_earlier_runs(Evidence(compared=(EARLIER, replace(EARLIER, **changes))), RIG)
+    ]
 
 
 def test_a_height_is_compared_within_what_is_allowed() -> None:
     """2.1 times 0.80 N of the cell, 3 % of 64 N, and 1 % of it for each kelvin: 3.60 N, and 6.16 N at 4 K."""
-    assert differs_from_last_run(Evidence(), RIG) == []
+    assert differs_from_earlier_runs(Evidence(), RIG) == []
     assert marks(height=67.59) == marks(height=60.41) == []
     (text,) = marks(height=60.39)
-    assert "60.39 N high on the run's first slow pass, at 0 V, and was 64 N in the run of 2026-11-27" in text
+    assert "60.39 N high on the run's first slow pass, at 0 V, and was 64 N until 2026-11-27" in text
     assert "'D-17', -5.6% (+-5.6%): the gain of the load cell's chain has changed since, or the damper has" in text
     assert len(marks(height=67.61)) == 1
     assert marks(height=57.85, temperature=24.0) == []
     assert len(marks(height=57.83, temperature=16.0)) == 1
     wide = CampaignThresholds(run_height_share=0.1)
-    assert not differs_from_last_run(Evidence(compared=(EARLIER, replace(EARLIER, height=58.0))), RIG, wide)
+    assert not differs_from_earlier_runs(Evidence(compared=(EARLIER, replace(EARLIER, height=58.0))), RIG, wide)
 
 
 def test_where_the_shunt_shows_what_it_should_it_is_the_damper() -> None:
     steps = 3 * (ShuntStep(562.5, 1e-3),)
-    (mark,) = differs_from_last_run(Evidence(compared=(EARLIER, replace(EARLIER, height=50.0)), shunts=steps), RIG)
+    (mark,) = differs_from_earlier_runs(Evidence(compared=(EARLIER, replace(EARLIER, height=50.0)), shunts=steps), RIG)
     assert "the cell's shunt shows what it should, so the damper has changed" in mark.text
     assert "gain" not in mark.text
 
 
-def test_a_cell_that_is_quieter_than_in_the_last_run_has_grown_slow() -> None:
+def test_a_cell_that_is_quieter_than_in_earlier_runs_has_grown_slow() -> None:
     assert marks(noise=4e-4) == []
     (text,) = marks(noise=3e-4)
-    assert "noise from sample to sample is 46% of what it was in the run of 2026-11-27" in text
+    assert "noise from sample to sample is 46% of what it was until 2026-11-27" in text
 
 
 def test_a_damper_without_friction_tells_nothing() -> None:
@@ -91,7 +93,7 @@ def test_a_gain_that_changed_between_two_runs_is_found(tmp_path: Path) -> None:
     assert run(simulator, tmp_path, "first") == ([()], describe_comparison(None, RIG))
     found, said = run(simulator, tmp_path, "healthy")
     assert found == [()]
-    assert said.startswith("compared with the run of 20")
+    assert said.startswith("compared with the runs until 20")
     kept = (tmp_path / NAME).read_bytes()
     simulator.faults = (FaultSpec("cell-gain", 0.0, amount=0.9),)
     for name in ("wrong", "wrong still"):  # a run that differs is not what the next is compared with
@@ -99,16 +101,16 @@ def test_a_gain_that_changed_between_two_runs_is_found(tmp_path: Path) -> None:
             ((mark, *others),), said = run(simulator, tmp_path, name)
         assert "the gain of the load cell's chain has changed since" in mark
         assert others == []
-        assert said.startswith("compared with the run of 20")
+        assert said.startswith("compared with the runs until 20")
         assert (tmp_path / NAME).read_bytes() == kept
-    assert "unlike the last run" in [event.what for event in read_journal(tmp_path / "wrong")[1]]
+    assert "unlike earlier runs" in [event.what for event in read_journal(tmp_path / "wrong")[1]]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert run(simulator, tmp_path, "another", "D-18") == ([()], describe_comparison(None, RIG))
         assert run(simulator, tmp_path, "calibrated", scale=613.0 / 0.9) == ([()], describe_comparison(None, RIG))
         found, said = run(simulator, tmp_path, "calibrated again", scale=613.0 / 0.9)
     assert found == [()]
-    assert said.startswith("compared with the run of 20")
+    assert said.startswith("compared with the runs until 20")
     assert {one.specimen for one in load_passes(tmp_path)} == {"D-17", "D-18"}
 
 
