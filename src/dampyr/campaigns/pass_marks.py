@@ -126,17 +126,17 @@ def differs_from_earlier_runs(evidence: Evidence, rig: RigSettings, allowed: Cam
     then = f"until {earlier.time[:10]} with the same specimen, {earlier.specimen!r}"
     if abs(first.height - earlier.height) > limit:
         gain = "the gain of the load cell's chain has changed since, or the damper has, or another one is mounted; "
-        check = "check the cell with its shunt or a known weight, and calibrate it again"
+        check = "check the cell with its shunt or a known weight, and calibrate it again; if it is right, "
         if evidence.shunts:
             gain, check = (
-                "the cell's shunt shows what it should, so the damper has changed, or another one is mounted",
+                "the cell's shunt shows what it should, so the damper has changed, or another one is mounted; ",
                 "",
             )
         return [
             Mark(
                 f"the damper's hysteresis is {first.height:.4g} N high on the run's first slow pass, at 0 V, and was "
                 f"{earlier.height:.4g} N {then}, {first.height / earlier.height - 1.0:+.1%} "
-                f"(+-{limit / abs(earlier.height):.1%}): {gain}{check}; {other}"
+                f"(+-{limit / abs(earlier.height):.1%}): {gain}{check}{other}"
             )
         ]
     if _is_quiet(earlier, first, rig, allowed):
