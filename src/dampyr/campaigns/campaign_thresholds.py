@@ -107,6 +107,13 @@ class CampaignThresholds(Thresholds):
         Quantity("1/K", low=0.0),
         "What the same may be more for each kelvin of warming, as a share of the height: a fluid thins as it warms",
     ] = 0.01
+    run_height_share: Annotated[
+        float,
+        Share,
+        "Share of the height by which the first slow pass of a run may differ from those of the runs before it with the same "
+        "specimen, beside the load cell's errors (pass_height) and warming (height_per_kelvin), beyond which it is marked: a "
+        "room is some kelvin warmer that nothing reads, and a damper has rested",
+    ] = 0.03
     shunt_share: Annotated[
         float,
         Share,

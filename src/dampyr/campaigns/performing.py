@@ -21,6 +21,7 @@ from dampyr.campaigns.journal import Journal, now
 from dampyr.campaigns.learn_drive import DriveLearning, Learned, OnSamples, PlayJudge, percent
 from dampyr.campaigns.learning import TRIES
 from dampyr.campaigns.monitor import Watch, time_left
+from dampyr.campaigns.pass_marks import agreeing_passes, describe_comparison, differs_from_earlier_runs, pass_to_compare
 from dampyr.campaigns.planned_tests import Plan, PlannedTest, plan
 from dampyr.campaigns.preliminary import preliminary_check
 from dampyr.campaigns.protocol_result import protocol_text
@@ -46,6 +47,8 @@ from dampyr.records.formats import h5
 from dampyr.rig.damper_temperature import SavedTemperature, machine_uptime
 from dampyr.rig.interlock import Samples
 from dampyr.rig.session import ArmedRig, Rig
+from dampyr.rig.slow_passes import SlowPass, with_run
+from dampyr.rig.uncertainty_budget import Evidence
 
 Watcher = Callable[[Progress], None]
 SAVE_EVERY = 2.0  # s between two times that the damper's temperature is saved: at 300 W it rises by 1.3 K
@@ -153,6 +156,7 @@ def perform(
                 if lost:
                     warnings.warn(f"{folder}: {lost}", DampyrWarning, stacklevel=2)
                 run.restore_temperature()
+                run.kept = rig.kept_passes()
                 run.provenance = _note_changed_settings(journal, rig)
                 if changed := run.thresholds.changed:
                     run.provenance |= {"thresholds": changed}
@@ -277,6 +281,8 @@ class _Run:
     """The session and the specimen of every test of this run."""
     provenance: dict[str, str] = field(default_factory=dict)
     """What the records of this run say besides."""
+    kept: tuple[SlowPass, ...] = ()
+    """Slow passes of earlier runs with the rig."""
     _saved: float = field(default_factory=time.monotonic)
     """When the damper's temperature was saved last, s of a monotonic clock."""
     _saving: threading.Thread | None = None
@@ -339,8 +345,10 @@ class _Run:
 
     def _perform_armed(self, left: list[PlannedTest]) -> None:
         """Perform what is in ``left``, and take each test out of it as it begins."""
+        armed: list[ArmedRig] = []
         try:
             with self.rig.armed() as table:
+                armed.append(table)
                 self.control.abort_now = table.abort
                 table.check = self.control.check
                 self.control.check()
@@ -359,6 +367,8 @@ class _Run:
                     left.extend(self._take_repeats())
         finally:
             self.control.abort_now = None
+            for table in armed:
+                self._keep_passes(table)
 
     def _end_by_protocol(self, do: Callable[[Callable[[], object]], object]) -> None:
         """Raise `EndedByProtocol` where the records of the complete tests end the protocol; ``do`` does the slow work of it."""
@@ -398,7 +408,34 @@ class _Run:
             table.go(float(self.plan.preliminary.displacement[0]))
             self.journal.note("checked", preliminary_check(table, self.plan.preliminary, self.thresholds))
             self._checked = True
+        table.specimen = self.groups.get("specimen", "")
         table.verify()
+        self._compare_with_earlier_runs(table)
+
+    def _compare_with_earlier_runs(self, table: ArmedRig) -> None:
+        """Say at once where the first slow pass is not what it was in earlier runs with the specimen; the records do, too."""
+        rig, first = self.rig.settings, table.passes[0]
+        table.earlier = pass_to_compare(self.kept, first, rig, self.thresholds)
+        compared = None if table.earlier is None else (table.earlier, first)
+        self.provenance = self.provenance | {"cell_gain": describe_comparison(compared, rig, self.thresholds)}
+        for mark in differs_from_earlier_runs(
+            Evidence(compared=compared, shunts=tuple(table.shunts)), rig, self.thresholds
+        ):
+            self.journal.note("unlike earlier runs", mark.text)
+            warnings.warn(f"{mark.text}; the records of this run say so", DampyrWarning, stacklevel=6)
+
+    def _keep_passes(self, table: ArmedRig) -> None:
+        """Keep the passes for the next run; where the first was not as before, what it was compared with stays."""
+        rig, passes = self.rig.settings, table.passes
+        if not passes or not passes[0].specimen:
+            return
+        earlier = pass_to_compare(self.kept, passes[0], rig, self.thresholds)
+        if earlier is not None and differs_from_earlier_runs(
+            Evidence(compared=(earlier, passes[0])), rig, self.thresholds
+        ):
+            return
+        self.kept = with_run(self.kept, agreeing_passes(passes, rig, self.thresholds))
+        self.rig.keep_passes(self.kept)
 
     def _rest_between(self, table: ArmedRig, left: list[PlannedTest], first: bool) -> None:
         """Rest between two tests, and while the campaign is paused."""

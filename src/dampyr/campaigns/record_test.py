@@ -108,7 +108,8 @@ def steady_cycles(planned: PlannedTest, first: float) -> dict[str, str]:
 
 def collect_evidence(table: ArmedRig, lost: LostCounts, start_temperature: float) -> Evidence:
     """What a test has shown of its own measurement; the damper was at ``start_temperature`` [degC] at its begin."""
-    zero, height = table.zero, table.height
+    passes = table.passes
+    zero, height = [one.mean for one in passes], [one.height for one in passes]
     shift = (zero[-2] - zero[0], zero[-1] - zero[0]) if len(zero) > 1 else None
     rise = table.temperature - start_temperature
     return dataclasses.replace(
@@ -118,7 +119,8 @@ def collect_evidence(table: ArmedRig, lost: LostCounts, start_temperature: float
         first_mean=zero[0] if zero else 0.0,
         expected_mean=_expected_mean(table) if zero else None,
         heights=(height[0], height[-2], height[-1]) if len(height) > 1 else None,
-        noise=table.noise[0] if table.noise else math.nan,
+        noise=passes[0].noise if passes else math.nan,
+        compared=(table.earlier, passes[0]) if table.earlier is not None else None,
         shunts=(table.shunts[0], *table.shunts[-2:]) if len(table.shunts) > 1 else (),
         rise=rise,
     )
@@ -127,7 +129,7 @@ def collect_evidence(table: ArmedRig, lost: LostCounts, start_temperature: float
 def _expected_mean(table: ArmedRig) -> float | None:
     """What the card of the damper promises of the force on the slow passes; None without a card."""
     damper = specimen(table.rig.settings, table.rig.folder)
-    return None if damper is None else mean_force_at(damper, table.place)
+    return None if damper is None else mean_force_at(damper, table.passes[-1].place)
 
 
 def early_evidence(table: ArmedRig) -> Evidence:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
 from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, cast
@@ -36,12 +37,12 @@ from dampyr.rig.settings import RigSettings
 from dampyr.rig.shunt import READ, ShuntStep, step_of, switch_shunt
 from dampyr.rig.shunt import SETTLED as SHUNT_SETTLED
 from dampyr.rig.signal_deferral import deferred_signals
+from dampyr.rig.slow_passes import GENTLE, SIDE, SlowPass, cell_of, load_passes, save_passes
 from dampyr.rig.thermal_model import Warmth
 from dampyr.rig.uno_clock import KNOWN, UnoClock
 from dampyr.shown import Shown
 
 Array = NDArray[np.float64]
-GENTLE = 0.010  # m/s, the mean speed on the way to the start of a test
 ARRIVED = 5e-4  # m: from there on a drive's first step is one that the table follows
 STANDING = 2e-4  # m by which a table that has arrived may be off
 QUICK = 0.2  # s of work during which the board's buffer is enough
@@ -57,7 +58,6 @@ INDEX_GONE = (
     "encoder and its wires, and home the table again"
 )
 ZEROED = ", zeroed at rest"
-ZERO_SIDE = 1.0e-3  # m on both sides of the place about which the force's zero is looked at: hysteresis saturates in it
 
 
 def local_loop(rig: Rig) -> Acquisition:
@@ -122,6 +122,7 @@ class Rig(Shown):
     """Whether those in ``on_energy`` know it as armed."""
     _read_until: float | None = field(init=False, default=None)
     """When it was last read, s of the clock."""
+    _kept_passes: tuple[SlowPass, ...] = field(init=False, default=())
 
     def __post_init__(self) -> None:
         saved = load_calibration(self.folder) if self.folder else None
@@ -179,6 +180,25 @@ class Rig(Shown):
                 save_temperature(self.folder, self.warmth.hottest)
             except FileError as problem:
                 warnings.warn(f"the damper's temperature was not saved: {problem}", DampyrWarning, stacklevel=2)
+
+    def kept_passes(self) -> tuple[SlowPass, ...]:
+        """The latest slow passes with each specimen: those beside the ``rig.toml``, else those of this rig since it is
+        connected.
+
+        Raises :class:`~dampyr.errors.FileError` where the file is wrong.
+        """
+        if self.damper_persists and self.folder:
+            return load_passes(self.folder)
+        return self._kept_passes
+
+    def keep_passes(self, kept: tuple[SlowPass, ...]) -> None:
+        """Keep slow passes for the next run, beside the ``rig.toml`` where its damper is one; a failure is a warning."""
+        self._kept_passes = kept
+        if self.damper_persists and self.folder:
+            try:
+                save_passes(self.folder, kept)
+            except FileError as problem:
+                warnings.warn(f"the slow passes of this run were not kept: {problem}", DampyrWarning, stacklevel=2)
 
     def _cool_since_last_read(self) -> None:
         """Let the estimate cool for the time in which nothing was read; that of a rig whose time stands does not pass."""
@@ -329,16 +349,14 @@ class ArmedRig(Shown):
         self.loop = rig.make_loop(rig)
         self.check: Callable[[], None] = no_check
         steps = (self.loop.cut, self._stop, self.loop.end, self.loop.settle, self._disarm_uno, self._stop_board)
-        self.zero: list[float] = []
-        """The force [N] about which the damper's hysteresis lay, each time that `verify` has looked."""
-        self.place = 0.0
-        """Where it looked the last time [m]."""
-        self.height: list[float] = []
-        """Half of what the forces of the two ways were apart [N], each of those times."""
-        self.noise: list[float] = []
-        """The load cell's noise [V rms] from sample to sample, each of those times (`dampyr.rig.cell_noise`)."""
+        self.passes: list[SlowPass] = []
+        """What was seen each time that `verify` has looked."""
+        self.specimen = ""
+        """The damper on the table, as the campaign or the rig's file names it."""
+        self.earlier: SlowPass | None = None
+        """What the first of these is compared with, by the passes that are kept of earlier runs; None without one."""
         self.shunts: list[ShuntStep] = []
-        """The step of the shunt across the load cell's bridge, where one is wired, each of those times."""
+        """The step of the shunt across the load cell's bridge, where one is wired, each time that `verify` has looked."""
         self._way_out: deque[Callable[[], None]] = deque(steps)
 
     def begin(self) -> None:
@@ -473,8 +491,8 @@ class ArmedRig(Shown):
         return False
 
     def verify(self) -> None:
-        """Pass the encoder's index as `verify_index` does, and append to `zero` the force [N] about which the damper's
-        hysteresis lies, and to `height` half of the hysteresis itself, with the coil at 0 V.
+        """Pass the encoder's index as `verify_index` does, and append to `passes` the force [N] about which the damper's
+        hysteresis lies, and half of the hysteresis itself, with the coil at 0 V.
 
         The former is the mean of the forces on a slow way down and up again over the same place, (F- + F+)/2: friction and
         damping cancel, and what is left, the zero of the load cell and the static force there, changes with neither. The
@@ -486,25 +504,34 @@ class ArmedRig(Shown):
             return
         index, passes = self.loop.index.get(0), self.loop.status.index_passes
         place = (index or 0) * self.rig.settings.encoder.count
-        if index is None or abs(place) + ZERO_SIDE > self.rig.settings.travel - OVERSHOOT:
+        if index is None or abs(place) + SIDE > self.rig.settings.travel - OVERSHOOT:
             self.verify_index()
             place, passes = 0.0, -1
-        self.go(place + ZERO_SIDE)
+        self.go(place + SIDE)
         means, readings = [], []
         for way in (-1.0, 1.0):
-            samples = list(self._move_slowly(place + way * ZERO_SIDE))
+            samples = list(self._move_slowly(place + way * SIDE))
             readings += [block.volts[0] for block in samples]
             x = np.concatenate([block.displacement for block in samples])
             force = np.concatenate([block.force for block in samples])
             # Only the middle half of the way: there the hysteresis has saturated, and the table moves at its full speed.
-            means.append(float(np.mean(force[np.abs(x - place) < 0.5 * ZERO_SIDE])))
+            means.append(float(np.mean(force[np.abs(x - place) < 0.5 * SIDE])))
         if self.loop.status.index_passes == passes:
             raise RigFault(INDEX_GONE, "check")
-        self.place = place
-        self.zero.append(0.5 * sum(means))
-        self.height.append(0.5 * (means[1] - means[0]))
-        self.noise.append(least_noise(np.concatenate(readings), self.rig.settings.board.rate, self.rig.settings.step))
-
+        settings = self.rig.settings
+        cell = settings.load_cell
+        self.passes.append(
+            SlowPass(
+                mean=0.5 * sum(means),
+                height=0.5 * (means[1] - means[0]),
+                noise=least_noise(np.concatenate(readings), settings.board.rate, settings.step),
+                temperature=self.temperature,
+                place=place,
+                specimen=self.specimen,
+                cell=cell_of(self.loop.calibration, cell.scale_uncertainty, cell.bandwidth),
+                time=datetime.now(UTC).isoformat(timespec="seconds"),
+            )
+        )
         if self.rig.settings.wires.shunt:
             self.shunts.append(self.shunt_step())
 

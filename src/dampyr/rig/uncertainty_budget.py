@@ -20,6 +20,7 @@ from dampyr.models.numerics.differentiation import differentiate
 from dampyr.rig.interlock import Samples
 from dampyr.rig.settings import RigSettings
 from dampyr.rig.shunt import SHUNT_UNCERTAINTY, ShuntStep, expected_step
+from dampyr.rig.slow_passes import SlowPass
 from dampyr.rig.thermal_model import COLD, COPPER, THERMOCOUPLE
 
 Array = NDArray[np.float64]
@@ -45,6 +46,8 @@ class Evidence:
     """N, half of the damper's hysteresis: first, before and after."""
     noise: float = math.nan
     """V rms, the load cell's noise from sample to sample on the first pass; NaN where it tells nothing."""
+    compared: tuple[SlowPass, SlowPass] | None = None
+    """A slow pass by those that are kept of earlier runs with the same specimen, and the first of this run; None without."""
     shunts: tuple[ShuntStep, ...] = ()
     """Steps of the shunt across the load cell's bridge: first, before and after; none without one."""
     temperature: float = COLD
