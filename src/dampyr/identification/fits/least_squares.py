@@ -65,7 +65,7 @@ def search_model(
     if not options.mixed_origins:
         check_one_kind(records)
     problem = prepared(model, records, options)
-    starts = options.starts
+    starts = _count_starts(problem) if options.starts is None else options.starts
     # A step to where the force is no number, such as beyond a gas column, has no cost and is not taken.
     with one_thread(), np.errstate(over="ignore", invalid="ignore"):
         point, agreed = (
@@ -75,6 +75,11 @@ def search_model(
         if options.loss != "squares":
             outcome = iteratively_reweighted(outcome, options.loss, progress, work)
     return replace(outcome, work=work.spent), (starts, agreed)
+
+
+def _count_starts(problem: Problem) -> int:
+    """As many as a part needs; one where every coefficient is linear."""
+    return problem.composition.search_starts if np.any(~problem.is_linear | problem.is_logarithmic) else 1
 
 
 def read_and_check(call: str, records: Any, model: Any, role: Role | None = None) -> list[Record]:
