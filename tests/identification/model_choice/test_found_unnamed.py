@@ -24,6 +24,7 @@ from dampyr.identification.model_choice.parts_by_name import find_called_parts
 from dampyr.identification.model_choice.screening import EXACT, Screened, Trial, screening_set
 from dampyr.models import available_parts
 from dampyr.models.part import part
+from dampyr.to_json import plain
 
 OF_WORK = FitOptions(budget=4.0)
 COUNT = 20  # random ones
@@ -132,3 +133,4 @@ def test_a_part_that_is_called_for_is_chosen_and_says_what_to_mind(monkeypatch: 
     )
     assert "hardening_bouc_wen was tried too, as at one input it leaves" in str(board.called[0])
     assert "tried besides" in str(board)
+    assert plain(board.as_dict())["called"][0]["name"] == "hardening_bouc_wen"
