@@ -105,13 +105,18 @@ def test_models_that_describe_the_records_alike_are_told_apart_by_their_numbers(
 
 
 @pytest.mark.prove
+@pytest.mark.parametrize("noise", [0.0, 0.03])
 @pytest.mark.parametrize("truth", ["hardening_bouc_wen", "asymmetric_bouc_wen", "dahl"])
-def test_the_records_call_for_the_part_that_made_them(truth: str) -> None:
-    names = ["asymmetric_bouc_wen", "hardening_bouc_wen"]
-    small = screening_set(six_sines(damper(truth, PARTS[truth])))
+def test_the_records_call_for_the_part_that_made_them(truth: str, noise: float) -> None:
+    """Noise, of the spread of the force, calls for none."""
+    names, rng = ["asymmetric_bouc_wen", "hardening_bouc_wen"], np.random.default_rng(1)
+    small = [
+        record.replace(note="noise", force=record.force + noise * np.std(record.force) * rng.standard_normal(record.n))
+        for record in screening_set(six_sines(damper(truth, PARTS[truth])))
+    ]
     called, work = find_called_parts(names, "dahl", small, OF_WORK, None, lambda done: None)
     assert [found.name for found in called] == [truth] * (truth in names)
-    assert all(found.l1 < 1e-3 < found.without for found in called)
+    assert all(found.l1 < 1e-3 + noise < found.without for found in called)
     assert work > 0.0
 
 

@@ -34,6 +34,8 @@ from dampyr.records.conditioning.velocity import check_bandwidth
 from dampyr.records.files.campaign_folder import as_records
 from dampyr.records.record import Role
 
+STARTS_INSTEAD = 6  # where the model has no force at the only one
+
 
 def fit_model(
     model: str | Composition | Damper,
@@ -72,6 +74,10 @@ def search_model(
             (begin(problem, work), 1) if starts == 1 else search_several_starts(problem, starts, options.seed, work)
         )
         outcome = search(problem, point, progress, max_iterations=options.steps, work=work)
+        if starts == 1 and not np.isfinite(outcome.cost):  # there is no force along some record, such as a long one
+            starts = STARTS_INSTEAD
+            point, agreed = search_several_starts(problem, starts, options.seed, work)
+            outcome = search(problem, point, progress, max_iterations=options.steps, work=work)
         if options.loss != "squares":
             outcome = iteratively_reweighted(outcome, options.loss, progress, work)
     return replace(outcome, work=work.spent), (starts, agreed)
