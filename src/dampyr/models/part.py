@@ -150,6 +150,11 @@ class Part:
         return getattr(self.module, "SPEED", None)
 
     @cached_property
+    def search_starts(self) -> int:
+        """From how many points a search of its parameters begins, where nobody says it: one alone may end beside the best."""
+        return getattr(self.module, "SEARCH_STARTS", 1)
+
+    @cached_property
     def add_on(self) -> bool:
         """Whether the part complements the model of a damper and is none by itself."""
         return getattr(self.module, "ADD_ON", False)

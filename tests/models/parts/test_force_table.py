@@ -137,6 +137,23 @@ def test_a_fit_of_six_sines_at_known_speeds_gives_the_rises_back() -> None:
     records = six_sines(damper("force_table", WIDTHS | RISES))
     result = fit(records, "force_table", fixed={f"force_table.{key}": value for key, value in WIDTHS.items()})
     assert result.converged, result.reason
+    assert result.starts == (1, 1)  # all that is left is linear
     for key, value in RISES.items():
         assert result.parameters[f"force_table.{key}"] == pytest.approx(value, rel=0.01), key
     assert max(score.l1 for score in result.scores.values()) < 1e-3
+
+
+@pytest.mark.prove
+def test_a_fit_of_six_sines_finds_the_speeds_too() -> None:
+    """From one point it ends at 0.4 %, a row within a straight piece; the last row's slopes are all that is known of it."""
+    records = six_sines(damper("force_table", WIDTHS | RISES))
+    assert max(score.l1 for score in fit(records, "force_table", starts=1).scores.values()) > 3e-3
+    result = fit(records, "force_table")
+    assert result.starts[0] == force_table.SEARCH_STARTS
+    assert max(score.l1 for score in result.scores.values()) < 1e-3
+    found = {key.partition(".")[2]: value for key, value in result.parameters.items()}
+    for key, value in (WIDTHS | RISES).items():
+        if not key.endswith("6"):
+            assert found[key] == pytest.approx(value, rel=0.01), key
+    for side in ("e6", "c6"):
+        assert found[side] / found["w6"] == pytest.approx(RISES[side] / WIDTHS["w6"], rel=0.01)

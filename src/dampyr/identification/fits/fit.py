@@ -26,8 +26,9 @@ from dampyr.identification.scoring.score import score_or_reason
 from dampyr.identification.scoring.scoring_window import list_unscorable
 from dampyr.identification.scoring.splits import split_tasks
 from dampyr.identification.scoring.validation import Validation, cross_validate
-from dampyr.models import Damper
+from dampyr.models import Damper, compose
 from dampyr.models.codegen.composition import Composition
+from dampyr.models.part import part
 from dampyr.options import takes
 from dampyr.origin import check_one_kind
 from dampyr.phrases import counted
@@ -130,7 +131,8 @@ def fit(
         tell("identifying", 0.0)
         result = fit_model(model, fitted, chosen, lambda step, _: tell("identifying", step / (step + HALF_WAY)))
         tell("identifying", 1.0)
-    result = replace(result, remarks=(*result.remarks, *_explain_misfit(result, chosen, board is not None, tell)))
+    remarks = [*_explain_misfit(result, chosen, board is not None, tell), *(_mind_called_parts(board) if board else [])]
+    result = replace(result, remarks=(*result.remarks, *remarks))
     damper = result.damper
     return replace(
         result,
@@ -156,6 +158,16 @@ def _explain_misfit(result: Fit, options: FitOptions, chosen: bool, tell: Progre
     effects = list_missing_effects(result, options, chosen, lambda done: tell("looking for what is missing", done))
     of_records = [effect for effect in effects if not np.isfinite(effect.l1)]
     return [effect.finding for effect in of_records or rank_effects([*delays, *effects])[:1]]
+
+
+def _mind_called_parts(board: Leaderboard) -> list[Finding]:
+    """Why a part that was chosen unnamed is usually tried by name only."""
+    chosen = compose(board.winner.model).names
+    return [
+        Finding("doubt", f"{found.name} was chosen without being named; mind that {part(found.name).not_tried}")
+        for found in board.called
+        if found.name in chosen
+    ]
 
 
 def check_records(

@@ -107,7 +107,13 @@ class FitOptions(Options):
         "deviation of the level)",
     ] = PRIOR_SESSION
     mixed_origins: Annotated[bool, "Fit simulated or virtual records together with others"] = False
-    starts: Annotated[int, SEARCH, Quantity("", low=1), "Number of starting points of the search"] = 1
+    starts: Annotated[
+        int | None,
+        SEARCH,
+        Quantity("", low=1),
+        "Number of starting points of the search; without it one, but 30 with force_table and 10 with triple_pendulum "
+        "(trials of a choice of models: one)",
+    ] = None
     seed: Annotated[
         int, SEARCH, Quantity("", low=0), "Seed of random starting points and of random parts of the records"
     ] = 0

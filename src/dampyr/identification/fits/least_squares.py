@@ -34,6 +34,8 @@ from dampyr.records.conditioning.velocity import check_bandwidth
 from dampyr.records.files.campaign_folder import as_records
 from dampyr.records.record import Role
 
+STARTS_INSTEAD = 6  # where the model has no force at the only one
+
 
 def fit_model(
     model: str | Composition | Damper,
@@ -65,16 +67,25 @@ def search_model(
     if not options.mixed_origins:
         check_one_kind(records)
     problem = prepared(model, records, options)
-    starts = options.starts
+    starts = _count_starts(problem) if options.starts is None else options.starts
     # A step to where the force is no number, such as beyond a gas column, has no cost and is not taken.
     with one_thread(), np.errstate(over="ignore", invalid="ignore"):
         point, agreed = (
             (begin(problem, work), 1) if starts == 1 else search_several_starts(problem, starts, options.seed, work)
         )
         outcome = search(problem, point, progress, max_iterations=options.steps, work=work)
+        if starts == 1 and not np.isfinite(outcome.cost):  # there is no force along some record, such as a long one
+            starts = STARTS_INSTEAD
+            point, agreed = search_several_starts(problem, starts, options.seed, work)
+            outcome = search(problem, point, progress, max_iterations=options.steps, work=work)
         if options.loss != "squares":
             outcome = iteratively_reweighted(outcome, options.loss, progress, work)
     return replace(outcome, work=work.spent), (starts, agreed)
+
+
+def _count_starts(problem: Problem) -> int:
+    """As many as a part needs; one where every coefficient is linear."""
+    return problem.composition.search_starts if np.any(~problem.is_linear | problem.is_logarithmic) else 1
 
 
 def read_and_check(call: str, records: Any, model: Any, role: Role | None = None) -> list[Record]:

@@ -2,7 +2,8 @@ r"""Leaderboard of models: every model of the catalogue, bare and with add-ons, 
 
 First each model is *screened* on a few shortened records (`dampyr.identification.model_choice.screening`): bare, then with the
 add-on that lowers its error most, then with the next, as long as that lowers it by 2 % and the model is within 15 % of the
-best. A model of more than four numbers that is more than 30 % behind the best bare one gets no add-on. Then the best few,
+best. A model of more than four numbers that is more than 30 % behind the best bare one gets no add-on. Parts that are tried by
+name only join where a fit at one input calls for them (`dampyr.identification.model_choice.parts_by_name`). Then the best few,
 within a quarter of the best, are fitted and validated on all records. The validation error is
 
 .. math:: E = \tfrac34 E_\text{record} + \tfrac14 E_\text{input}
@@ -12,9 +13,9 @@ else the first alone), every input counting the same: a damper is used between t
 doubles the gap that a law must bridge, which makes a smooth law's error four times as large, hence the quarter.
 
 Of the models whose error is within one standard error of the lowest, the one with the fewest parameters is chosen (Breiman et
-al. 1984): between them the records do not decide, and what has fewer numbers is easier to check. The standard error is that of
-the mean over the records, each input by itself. Parts that are not for a building say so in their row; the best model without
-them is chosen in the same way and shown besides.
+al. 1984): between them the records do not decide, and what has fewer numbers is easier to check. Nor do they between errors
+below 0.01 %, which only computed records have. The standard error is that of the mean over the records, each input by itself.
+Parts that are not for a building say so in their row; the best model without them is chosen in the same way and shown besides.
 
 The lowest of several errors is too low by chance. How much it is here is told by choosing again on four of the five parts and
 scoring that choice on the fifth: the ``optimism``. It repeats the choice among the finalists, not the screening; ``nested``
@@ -45,9 +46,11 @@ from dampyr.identification.fits.fit_options import BUDGET, FitOptions
 from dampyr.identification.fits.least_squares import fit_model
 from dampyr.identification.fits.result import Fit
 from dampyr.identification.model_choice import parallel
+from dampyr.identification.model_choice.parts_by_name import CalledPart, find_called_parts
 from dampyr.identification.model_choice.screening import (
     BETWEEN,
     CUT,
+    EXACT,
     PAIRS,
     Screened,
     choose_bandwidth,
@@ -139,6 +142,7 @@ class Leaderboard(Shown):
     the search: then the entries are the finalists that were finished, and none is chosen. ``work`` is what the trials and the
     fits have spent, counted s (`dampyr.identification.search.work`). ``yardsticks`` are the black boxes that were trained on
     the same parts, where that was asked for, and ``what_is_left`` says in a sentence what they see that the winner does not.
+    ``called`` are the parts that are usually tried by name only and were called for by the records.
     """
 
     entries: tuple[Finalist, ...]
@@ -153,6 +157,7 @@ class Leaderboard(Shown):
     origin: Origin = NOT_STATED
     yardsticks: tuple[Yardstick, ...] = ()
     what_is_left: str = ""
+    called: tuple[CalledPart, ...] = ()
 
     @property
     def best(self) -> Finalist:
@@ -262,15 +267,26 @@ def leaderboard(
     screened, unfinished = screen_all(
         bases,
         small,
-        replace(in_trials, add_ons=allowed),
+        replace(in_trials, add_ons=allowed, starts=options.starts or 1),
         executor,
         lambda done: report("screening models", done),
         SCREENING_SHARE * budget - spent,
         deadline,
     )
-    trials = [trial for model in screened for trial in model.trials]
-    spent += sum(trial.work for trial in trials)
-    cut = any(trial.reason == CUT for trial in trials)
+    spent += sum(trial.work for model in screened for trial in model.trials)
+    called: list[CalledPart] = []
+    if not options.models and not unfinished:
+        called, more, unfinished, work = _screen_called_parts(
+            screened,
+            small,
+            replace(in_trials, add_ons=allowed),
+            executor,
+            report,
+            SCREENING_SHARE * budget - spent,
+            deadline,
+        )
+        screened, spent = [*screened, *more], spent + work
+    cut = any(trial.reason == CUT for model in screened for trial in model.trials)
     chosen = [] if cut else _select_finalists(screened, options.finalists)
     if not chosen and not cut:
         raise InputError(f"no model could be fitted; the first failed: {screened[0].bare.reason}")
@@ -299,6 +315,7 @@ def leaderboard(
         cut=_describe_cut(screened, missing, options.seconds) if cut or missing else "",
         work=spent,
         origin=combined(r.origin for r in whole),
+        called=tuple(called),
     )
     if options.yardstick and not board.cut:
         board = _measure_by_yardstick(board, listed, options, lambda done: report("training black boxes", done))
@@ -306,6 +323,38 @@ def leaderboard(
         return board
     error = _estimate_nested_error(listed, replace(options, nested=False, yardstick=False), executor, report, deadline)
     return replace(board, nested=error, seconds=time.perf_counter() - begun)
+
+
+def _screen_called_parts(
+    screened: Sequence[Screened],
+    small: list[Record],
+    options: FitOptions,
+    executor: Executor | None,
+    report: Callable[[str, float], None],
+    limit: float,
+    deadline: float,
+) -> tuple[list[CalledPart], list[Screened], list[str], float]:
+    """The parts without a trial that the records call for, their trials, which of them are unfinished, and all their work."""
+    best = min((model.best for model in screened), key=lambda trial: trial.rank)
+    if best.error <= EXACT or not np.isfinite(best.error):
+        return [], [], [], 0.0
+    names = [name for name in available_parts() if part(name).not_tried]
+    called, work = find_called_parts(
+        names, best.model, small, options, executor, lambda done: report("trying other parts", done), deadline
+    )
+    if not called:
+        return [], [], [], work
+    more, unfinished = screen_all(
+        [found.name for found in called],
+        small,
+        options,
+        executor,
+        lambda done: report("screening other parts", done),
+        limit - work,
+        deadline,
+        best.error,
+    )
+    return called, more, unfinished, work + sum(trial.work for model in more for trial in model.trials)
 
 
 def _measure_by_yardstick(
@@ -360,9 +409,10 @@ def _select_add_ons(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[
 
 def _select_finalists(screened: Sequence[Screened], count: int) -> list[str]:
     """The best models of the screening, two or more; one more where none of them may stand in for a damper of a building."""
-    ranked = sorted((s.best for s in screened if np.isfinite(s.best.error)), key=lambda trial: trial.error)
+    tried = [s.best for s in screened if np.isfinite(s.best.error)]
+    ranked = sorted(tried, key=lambda trial: (trial.rank, len(compose(trial.model).parameters)))
     models = [trial.model for trial in ranked]
-    near = sum(trial.error <= FAR_BEHIND * ranked[0].error for trial in ranked)
+    near = sum(trial.rank <= FAR_BEHIND * ranked[0].rank for trial in ranked)
     best = models[: min(count, max(near, LEAST_FINALISTS))]
     suited = [model for model in models if not compose(model).not_for_buildings]
     return best + suited[:1] * (not any(model in suited for model in best))
@@ -471,10 +521,10 @@ def standard_error(validations: Sequence[Validation]) -> float:
 
 
 def simplest(entries: Sequence[Finalist]) -> Finalist:
-    """Of the entries, by rising error, that within one standard error of the first which has the fewest parameters; among those
-    with equally many one that is for buildings, then the lowest error."""
+    """Of the entries, by rising error, that within one standard error of the first, or below `EXACT`, which has the fewest
+    parameters; among those with equally many one that is for buildings, then the lowest error."""
     first = entries[0]
-    limit = first.error + (first.standard_error if np.isfinite(first.standard_error) else 0.0)
+    limit = max(first.error + (first.standard_error if np.isfinite(first.standard_error) else 0.0), EXACT)
     near = [entry for entry in entries if entry.error <= limit] or [first]
     return min(near, key=lambda entry: (entry.parameters, bool(entry.not_for_buildings), entry.error))
 

@@ -33,6 +33,7 @@ SIMPLE = 4  # numbers of a model that gets add-ons however it does bare: with th
 COMPARABLE = 1.3  # times the lowest error of a bare model: one of more numbers that is beyond it gets no add-on
 NOT_BEGUN = "not tried: the work was used up"
 CUT = "not tried: the search was cut"
+EXACT = 1e-4  # an L1 ratio that no measured record shows: models whose errors are below it describe the records alike
 STEPS = 15  # of each fit: enough to rank the models, not to converge
 PROBE = "hyperbolic_tangent + spring + compliance"  # friction and elasticity, quick to fit
 PER_INPUT = 4  # records of each input: from the smallest to the largest speed, two between
@@ -55,6 +56,11 @@ class Trial:
     reason: str = ""
     work: float = 0.0
 
+    @property
+    def rank(self) -> float:
+        """What it is ranked by: its error, or `EXACT` where that is lower."""
+        return max(self.error, EXACT)
+
 
 @dataclass(frozen=True, repr=False)
 class Screened(Shown):
@@ -70,8 +76,8 @@ class Screened(Shown):
 
     @property
     def best(self) -> Trial:
-        """With the add-ons that were worth it."""
-        return min(self.trials, key=lambda trial: trial.error)
+        """With the add-ons that were worth it; of trials that describe the records alike the first, with the fewest."""
+        return min(self.trials, key=lambda trial: trial.rank)
 
 
 def choose_bandwidth(
@@ -106,13 +112,15 @@ def screen_all(
     progress: Callable[[float], None],
     limit: float = math.inf,
     deadline: float = math.inf,
+    lead: float = math.inf,
 ) -> tuple[list[Screened], list[str]]:
     """Every model bare; those that are simple or near the best with each of ``options.add_ons``; then, round by round, those in
     contention with one more.
 
     Every bare model is tried. Of the others none counts after those that together, in their order, have spent ``limit``,
     counted s; the models that would have been gone on with, or have trials that were not done, are returned too. No trial
-    begins after ``deadline``, a value of ``time.time`` in s: those that it cuts have the reason `CUT`.
+    begins after ``deadline``, a value of ``time.time`` in s: those that it cuts have the reason `CUT`. ``lead`` is the lowest
+    error of models that were tried before.
     """
     trials: dict[str, list[Trial]] = {base: [] for base in bases}
     ends, add_ons = {base: base for base in bases}, options.add_ons
@@ -136,7 +144,7 @@ def screen_all(
         by_model = {m: done or Trial(m, math.inf, 0.0, why) for m, done in zip(models, results, strict=True)}
         for base, planned in plan.items():
             trials[base] += [by_model[model] for model in planned]
-        chosen = _select_contenders(going, trials, ends) if k else _select_comparable(going, trials)
+        chosen = _select_contenders(going, trials, ends, lead) if k else _select_comparable(going, trials, lead)
         going = chosen if k + 1 < rounds else []
     progress(1.0)
     unfinished = [base for base in bases if any(done.reason in (NOT_BEGUN, CUT) for done in trials[base])]
@@ -172,24 +180,26 @@ def _extend(model: str, add_ons: Sequence[str]) -> list[str]:
     return [f"{model} + {a}" for a in add_ons if a not in held]
 
 
-def _select_comparable(bases: Sequence[str], trials: dict[str, list[Trial]]) -> list[str]:
+def _select_comparable(bases: Sequence[str], trials: dict[str, list[Trial]], lead: float) -> list[str]:
     """The models that get add-ons: the simple ones, and those that are near the best without any.
 
     What an add-on takes away in a model of many numbers it takes away in a better one too; a simple model may be far off
     without the one that it lacks.
     """
-    lead = min(trials[base][0].error for base in bases)
+    lead = min(lead, *(trials[base][0].error for base in bases))
     simple = {base for base in bases if len(compose(base).parameters) - len(list_held(base)) <= SIMPLE}
     return [base for base in bases if base in simple or trials[base][0].error <= COMPARABLE * lead]
 
 
-def _select_contenders(going: list[str], trials: dict[str, list[Trial]], ends: dict[str, str]) -> list[str]:
+def _select_contenders(
+    going: list[str], trials: dict[str, list[Trial]], ends: dict[str, str], lead: float
+) -> list[str]:
     """The models that the last add-on was worth it for and that are not far behind the best; ``ends`` follows them."""
-    lead = min(trial.error for tried in trials.values() for trial in tried)
+    lead = min(lead, *(trial.error for tried in trials.values() for trial in tried))
     remaining = []
     for base in going:
         before = min((t.error for t in trials[base] if t.model == ends[base]), default=float("inf"))
-        best = min(trials[base], key=lambda trial: trial.error)
+        best = min(trials[base], key=lambda trial: trial.rank)
         if best.model != ends[base] and best.error < (1.0 - WORTH) * before:
             ends[base] = best.model
             if best.error <= CONTENDING * lead:

@@ -126,6 +126,11 @@ class Composition:
         return tuple(series.UNKNOWN if name == series.RATE else 0.0 for name in self.states)
 
     @cached_property
+    def search_starts(self) -> int:
+        """From how many points a search of the parameters begins, where nobody says it: as many as a part of it needs."""
+        return max(p.search_starts for p in self.parts)
+
+    @cached_property
     def path_only(self) -> bool:
         """Whether every state depends on the path alone."""
         return not self.in_series and all(p.path_only for p in self.parts)

@@ -11,8 +11,9 @@ straight lines leave the others least, and a warning says by how much.
 
 A sheet has no gas force and no friction: forces at a speed of 0 are refused, take them off first and add `offset` or `bingham`.
 It has no memory, so a loop in the force-velocity plane needs `compliance` beside it. In a fit the speeds are best held at those
-of interest (``fixed=`` of w1 to w6): then all numbers that are left are linear. Where the speeds are searched, the force is met
-(to 0.4 % L1 in six noise-free sines of a table), and the kinks are wherever they serve that, not at those of the table.
+of interest (``fixed=`` of w1 to w6): then all numbers that are left are linear. Where they are searched, a single start may end
+with a row within a straight piece and none at a kink, so a fit has thirty unless it is told otherwise (``starts=``), and still
+may. Of the last row only the slopes e6/w6 and c6/w6 can be known, and of a kink beyond the speed of the records nothing.
 
 It dissipates whatever the motion.
 
@@ -36,6 +37,7 @@ from dampyr.units import Quantity
 
 Numbers = Sequence[float] | np.ndarray
 ROWS = 6
+SEARCH_STARTS = 30  # a row that lies within a straight piece stays there
 CONSTANT = ("w1", "w2", "w3", "w4", "w5", "w6")  # the rows of a sheet are at the same speeds whatever the input
 
 

@@ -16,9 +16,10 @@ with effective radii, :math:`\mu_2 = \mu_3 \le \mu_1 \le \mu_4` and :math:`\bar 
 from the bearing's centre, and F is its horizontal force. Friction that changes with velocity, heat or load, uplift and motion
 in two directions are not in it: use OpenSees' TripleFrictionPendulum for these.
 
-Take the numbers from the maker's sheet and fit few of them (``fixed=``): a search for all ten ends in places that are not the
-bearing's. A step is exact, however long: the force is the root of a law of straight pieces that rises. It dissipates whatever
-the motion: springs, sliders and stops make it up.
+Take the numbers from the maker's sheet and fit few of them (``fixed=``). A search for all ten from one point ends in places
+that are not the bearing's, so a fit has ten starts unless it is told otherwise (``starts=``), and still may: look at its L1.
+A stop that no record reaches is not known. A `compliance` beside it is a greater uy. A step is exact, however long: the force
+is the root of a law of straight pieces that rises. It dissipates whatever the motion: springs, sliders and stops make it up.
 
 Fenz and Constantinou (2008), Earthquake Engineering and Structural Dynamics 37, 163 and 185; Dao, Ryan, Sato and Sasaki (2013),
 Earthquake Engineering and Structural Dynamics 42, 1677.
@@ -35,9 +36,10 @@ from dampyr.models.part import Scale, checked
 from dampyr.models.parts._slip import slip
 from dampyr.units import Quantity
 
-HOLDS = ("spring",)
+HOLDS = ("spring", "compliance")
 STATES = {"u1": (-inf, inf), "u2": (-inf, inf), "u3": (-inf, inf)}
 WITHIN_STROKE = ("u1", "u2", "u3")
+SEARCH_STARTS = 10
 NOT_TRIED = "it is a bearing's, whose numbers its maker states"
 MAX_ROUNDS = 200  # halving the bracket alone needs about 60; its pieces are thirteen at most
 CLOSE = 1e-15  # of the bracket's first width

@@ -70,6 +70,8 @@ def _rows(board: Leaderboard) -> list[tuple[str, str]]:
     if np.isfinite(board.optimism):
         rows.append(("optimism", f"{percent(board.optimism)} of the lowest error, by choosing among the finalists"))
     rows += [("screened", screened), ("velocity", velocity_in_words(board))]
+    if board.called:
+        rows.append(("tried besides", listing([found.name for found in board.called], 3)))
     if board.left_out:
         rows.append(("left out", listing(board.left_out, 2)))
     return rows
@@ -130,7 +132,7 @@ def screened(board: Leaderboard) -> Table:
         rows,
         ("", "%", "", "%", "", ""),
         caption="Screened on a few short records.",
-        notes=[f"{reason}." for reason in board.left_out],
+        notes=[f"{reason}." for reason in (*map(str, board.called), *board.left_out)],
         digits=3,
     )
 
@@ -154,6 +156,7 @@ def _numbers(board: Leaderboard) -> dict[str, Any]:
         "yardsticks": board.yardsticks,
         "what_is_left": board.what_is_left,
         "bandwidth_hz": board.bandwidth,
+        "called": board.called,
         "left_out": board.left_out,
         "seconds": board.seconds,
     }
