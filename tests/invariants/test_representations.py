@@ -314,6 +314,9 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "structures.RideFigures": lambda _: dp.structures.RideFigures(
         0.9, 1.2, 4.1, 1.4, 2.3, 0.006, 0.021, 420.0, 1400.0, 3530.4, 0.0
     ),
+    "structures.Rides": lambda made: dp.structures.rides(
+        dp.structures.quarter_car(290.0, 45.0, 18e3, 190e3, 300.0), made.damper, 1.98, seeds=2, length=50.0
+    ),
     "structures.RespondOptions": lambda made: dp.structures.RespondOptions(after=2.0),
     "structures.Responses": lambda made: made.responses,
     "structures.StateSpace": lambda made: dp.structures.state_space(made.building),

@@ -146,6 +146,7 @@ COMMANDS: dict[str, Callable[[Made], list[Any]]] = {
     "cycles": lambda m: ["cycles", m.folder],
     "simulate": lambda m: ["simulate", m.card, *SHAKE],
     "ensemble": lambda m: ["ensemble", m.card, *ENSEMBLE],
+    "ride": lambda m: ["ride", m.card, "--voltage", "1.98", "--seeds", "1", "--length", "50"],
     "arena": lambda m: ["arena", m.card, "--voltage", "1.98", *ENSEMBLE],
     "run": lambda m: ["run", m.folder.parent / "campaign.toml", "--out", m.folder],
     "plan": lambda m: ["plan", "--card", m.card, "--tests", "1", "--seconds", "4", "--kind", "sine", "--at", "1.98"],

@@ -28,6 +28,7 @@ from dampyr.structures.raminelli_2020_building import two_storey
 from dampyr.structures.ride import RideFigures, ride_figures, vertical_weighting, weighted_acceleration
 from dampyr.structures.road_profile import bump, random_road
 from dampyr.structures.sensors import Sensor
+from dampyr.structures.several_rides import Rides, rides
 from dampyr.structures.shear import shear_building, single_mass
 from dampyr.structures.structure_file import load
 from dampyr.structures.time_history.respond import respond
@@ -42,5 +43,5 @@ __all__ = [
     "load", "respond", "control_law", "arena", "Arena", "available_control_laws", "ControlLaw", "LawDesign", "Sensor",
     "RespondOptions", "ensemble", "EnsembleOptions", "EnsembleResult", "ensemble_cases", "read_ensemble",
     "demand_tables", "write_demands", "summary", "fragility", "incremental", "write_part", "collect", "Response",
-    "state_space", "from_state_space", "benchmark_criteria",
+    "state_space", "from_state_space", "benchmark_criteria", "Rides", "rides",
 ]  # fmt: skip
