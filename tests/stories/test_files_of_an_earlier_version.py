@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import dampyr as dp
-from dampyr.errors import DampyrWarning
+from dampyr.errors import DampyrWarning, FileError
 
 FIXTURES = Path(__file__).parents[1] / "fixtures"
 COMMITS = ("b829dc7", "22f2912")
@@ -266,19 +266,36 @@ def without_origin(data: Any) -> Any:
     return data.assign_attrs(damper_origin="")
 
 
-def test_what_is_complete_of_an_ensemble_is_not_computed_again(files: Path) -> None:
+def test_an_ensemble_whose_laws_were_computed_otherwise_is_read_and_not_mixed_with_new_cases(files: Path) -> None:
+    """Its cases under laws were run one by one; what is there stays as it is, and the sentence says why it is not continued."""
     first, complete, _ = ensemble_arguments(files)
     path, parts = files / "ensembles/complete.h5", files / "ensembles/parts"
     before = content(parts) | content(path.parent)
-    steps: list[tuple[int, int]] = []
+    for again in (
+        lambda: dp.structures.ensemble(*first, **complete, out=path),
+        lambda: dp.structures.write_part(dp.structures.ensemble_cases(*first, **complete), 1, 2, parts),
+    ):
+        with pytest.raises(FileError, match=r"another version computed .it can be read, not continued."):
+            again()
+    assert content(parts) | content(path.parent) == before
+
+
+def test_what_is_complete_of_an_ensemble_is_not_computed_again(files: Path, tmp_path: Path) -> None:
+    first, complete, _ = ensemble_arguments(files)
+    path, parts, steps = tmp_path / "ensemble" / "complete.h5", tmp_path / "ensemble" / "parts", list[tuple[int, int]]()
+    parts.mkdir(parents=True)
+    dp.structures.ensemble(*first, **complete, out=path)
+    for part in (1, 2):
+        dp.structures.write_part(dp.structures.ensemble_cases(*first, **complete), part, 2, parts)
+    before = content(path.parent)
     data = dp.structures.ensemble(*first, **complete, out=path, progress=lambda *done: steps.append(done)).dataset
-    assert without_origin(data).identical(without_origin(dp.structures.read_ensemble(path).dataset))
+    assert data.identical(dp.structures.read_ensemble(path).dataset)
     for part in (1, 2):
         dp.structures.write_part(
             dp.structures.ensemble_cases(*first, **complete), part, 2, parts, progress=lambda *done: steps.append(done)
         )
     assert steps == []
-    assert content(parts) | content(path.parent) == before
+    assert content(path.parent) == before
 
 
 def test_an_interrupted_ensemble_is_taken_up(commit: str, files: Path) -> None:

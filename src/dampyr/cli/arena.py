@@ -52,7 +52,7 @@ def command(
     report: Path | None,
     as_json: bool,
 ) -> None:
-    """Set control laws against one another: which is better, and how sure.
+    """Tell which control law is better, and how sure that is.
 
     Every input, control laws and constant ones, runs in the same cases: under the same motions and scales, on the same
     drawn dampers with the same noise. Told are the share of the cases in which each is the best, and of each pair how often

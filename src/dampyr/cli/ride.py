@@ -57,7 +57,7 @@ def command(
     as_json: bool,
     **car: str,
 ) -> None:
-    """Drive a quarter car over random roads: comfort, travel and tyre load.
+    """Drive a quarter car over random roads: comfort and tyre load.
 
     CARD is a damper's card or the name of a published damper; without it that of Raminelli (2020) is taken. It stands
     between wheel and body. Every input runs over the same roads of a class of ISO 8608. Told are the body's acceleration,

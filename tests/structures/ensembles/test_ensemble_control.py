@@ -10,9 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tests.endurance import Endurance
 
 from dampyr.errors import DampyrWarning, FileError, InputError
-from dampyr.ground_motions import GroundMotion, kanai_tajimi
+from dampyr.ground_motions import GroundMotion, el_centro, kanai_tajimi
 from dampyr.models import Damper
 from dampyr.structures import (
     collect,
@@ -144,6 +145,32 @@ def test_means_under_a_law_change_little_with_the_step_though_single_cases_do(cu
     told, error = (fast.dataset.attrs[f"{part}_of_mean_drift"] for part in ("change", "error"))
     assert abs(told - (ratio.mean() - 1.0)) < 2.0 * error
     assert 1e-4 < error < 0.02
+
+
+@pytest.mark.by_hand
+@pytest.mark.parametrize("name", ["clipped_optimal", "bang_bang"])
+def test_mean_peaks_of_a_thousand_scales_are_those_of_responses(
+    cubics: Damper, endurance: Endurance, name: str
+) -> None:
+    """Against `respond`, whose own judge looks at each case; in the mean, and in the middle of the cases."""
+    law, scales = control_law(name, high=HIGH), np.linspace(0.1, 2.08, endurance.count(1000))
+    responses = [respond(two_storey(), el_centro().scaled(s), {1: cubics}, voltage=law) for s in scales]
+    figures = [f"{sum(r.converged for r in responses)} of {len(scales)} responses converged"]
+    for accuracy, of_drift, of_others in (("fast", 5e-3, 1.2e-2), ("strict", 3e-3, 6e-3)):
+        dataset = ensemble(two_storey(), el_centro(), cubics, law, scales, accuracy=accuracy).dataset
+        shifts = {}
+        for quantity in ("drift", "acceleration", "force"):
+            true = np.array([getattr(r, f"peak_{quantity}") for r in responses])
+            ours = dataset[quantity].values.reshape(true.shape)
+            shifts[quantity] = float(np.abs(ours.mean(axis=0) / true.mean(axis=0) - 1.0).max())
+            middle = float(np.median(np.abs(ours / true - 1.0)))
+            figures.append(f"{accuracy}, {quantity}: mean {100 * shifts[quantity]:.2g} %, median {100 * middle:.2g} %")
+        if endurance.full:
+            assert shifts["drift"] < of_drift
+            assert max(shifts["acceleration"], shifts["force"]) < of_others
+    endurance.report(
+        f"mean peaks under {name}, El Centro at 1,000 scales, beside those of `respond`", None, "; ".join(figures)
+    )
 
 
 def test_laws_are_named_on_their_axis(cubics: Damper, motions: list, law: object) -> None:

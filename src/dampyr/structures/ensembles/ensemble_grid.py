@@ -139,6 +139,14 @@ class Cases:
         voltage, current = keyword.get("voltage"), keyword.get("current")
         return make_sites(self.buildings[building], self.placements[damper], voltage, current, self.allow_extrapolation)
 
+    @property
+    def of_another_way(self) -> str:
+        """What else a file with another digest may be, in words: the formulas of control laws are in the digest."""
+        under_laws = any(map(is_control_law, self.inputs))
+        return (
+            ", or one whose control laws another version computed (it can be read, not continued)" if under_laws else ""
+        )
+
     @cached_property
     def digest(self) -> str:
         """A hash of all that decides the numbers."""

@@ -91,7 +91,9 @@ def write_part(
     if path.exists():
         with _opened(path) as file:
             if file.attrs.get("digest") != what.digest:
-                raise FileError(path, "is a part of another ensemble; choose another folder, or remove it")
+                raise FileError(
+                    path, f"is a part of another ensemble{what.of_another_way}; choose another folder, or remove it"
+                )
         return path
     values, diagnostics = _compute(what, part - 1, parts, executor, progress)
     with whole_file(path) as temporary:

@@ -200,7 +200,9 @@ class Store:
             raise FileError(path, f"cannot be opened as an ensemble ({error}); choose another file") from None
         if self.file.attrs.get("digest") != self.what.digest:
             self.file.close()
-            raise FileError(path, "holds another ensemble; choose another file, or remove this one")
+            raise FileError(
+                path, f"holds another ensemble{self.what.of_another_way}; choose another file, or remove this one"
+            )
         self.shards = int(self.file.attrs["shards"])  # as the file was begun
         self.values = {q: self.file[q] for q in self.what.quantities}
         self.done = self.file["done"]
