@@ -1,5 +1,6 @@
 """A control law at its place: measures, sensors and filter against numbers worked out here, and the kernel's own text."""
 
+import re
 from dataclasses import dataclass
 from types import SimpleNamespace
 
@@ -9,7 +10,7 @@ import pytest
 from dampyr.errors import InputError
 from dampyr.models import Damper
 from dampyr.structures import available_control_laws, control_law, shear_building, two_storey
-from dampyr.structures.controller import ControllerRun, controller, module_of, source
+from dampyr.structures.controller import ControllerRun, controller, law_texts, module_of, source
 from dampyr.structures.law_form import ControlLaw, LawDesign
 from dampyr.structures.propagator import system
 from dampyr.structures.sensor_noise import noise
@@ -168,6 +169,16 @@ def test_the_text_of_the_kernel_decides_as_the_controller_does(name: str, cubics
         assert u == pytest.approx(run.decide(w), abs=1e-10)
         decisions.add(u)
     assert len(decisions) >= (1 if name.startswith("passive") else 2)
+
+
+def test_functions_of_one_name_in_two_files_stay_apart() -> None:
+    """What a law calls has its prefix: `fuzzy` has a function ``large``, and another file may have one."""
+    texts = law_texts(Filtered, "mine") + law_texts(type(control_law("fuzzy", high=1.0)), "theirs")
+    assert [text.partition("(")[0] for text in texts] == [
+        "def mine_decide", "def mine_update", "def theirs_large", "def theirs_decide",
+    ]  # fmt: skip
+    assert "theirs_large(velocity" in texts[-1]
+    assert not re.search(r"(?<!_)\blarge\(", texts[-1])
 
 
 def test_the_filter_of_the_state_is_the_one_that_riccatis_recursion_ends_at() -> None:

@@ -7,6 +7,7 @@ plain Python, sample by sample.
 from __future__ import annotations
 
 import ast
+import re
 import sys
 from collections import deque
 from dataclasses import dataclass, fields
@@ -265,26 +266,39 @@ def class_in(module: ModuleType) -> type:
     return next(cls for name, cls in vars(module).items() if isinstance(cls, type) and name.lower() == wanted)
 
 
+def law_texts(cls: type, prefix: str) -> list[str]:
+    """The formulas of a law as the functions ``{prefix}_decide`` and ``{prefix}_update``, with what they call.
+
+    The prefix stands before the names of all of them, as the files of two laws may each have a function of one name.
+    """
+    formulas, texts = formulas_of(cls), dict[str, str]()
+    for formula in (formulas.decide, formulas.update):
+        if formula is not None:
+            functions = formula.intrinsics() | {formula.name: getattr(module_of(cls), formula.name)}
+            for name, function in functions.items():
+                names = "|".join(map(re.escape, functions))
+                texts[name] = re.sub(rf"\b({names})\(", rf"{prefix}_\1(", read(function, name).source)
+    return list(texts.values())
+
+
 @lru_cache(maxsize=16)
 def _text(classes: tuple[type, ...]) -> str:
-    texts: dict[str, str] = {}
+    texts: list[str] = []
     decisions: list[str] = []
     updates: list[str] = []
     for kind, cls in enumerate(classes):
         formulas = formulas_of(cls)
+        texts += law_texts(cls, f"law_{kind}")
         for formula, lines in ((formulas.decide, decisions), (formulas.update, updates)):
             if formula is None:
                 continue
-            texts |= {name: read(f, name).source for name, f in formula.intrinsics().items()}
-            name = f"law_{kind}_{formula.name}"
-            texts[name] = read(getattr(module_of(cls), formula.name), name).source
-            call = f"{name}({', '.join(_places(cls, formulas, formula))})"
+            call = f"law_{kind}_{formula.name}({', '.join(_places(cls, formulas, formula))})"
             first = len(formulas.moments)
             states = ", ".join(f"s[{first + k}]" for k in range(len(formulas.states)))
             lines.append(f"if kind == {kind}: " + (f"return {call}" if lines is decisions else f"{states} = {call}"))
     bodies = {"decide": [*decisions, "return 0.0"], "remember": [*updates, "return"]}
     heads = ["\n    ".join([f"def {name}(kind, s, p):", *lines]) for name, lines in bodies.items()]
-    return "\n\n".join([*texts.values(), *heads])
+    return "\n\n".join([*texts, *heads])
 
 
 def _places(cls: type, formulas: LawFormulas, formula: Formula) -> list[str]:

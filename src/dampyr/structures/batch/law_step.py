@@ -22,12 +22,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.models.codegen.formula import Formula, read
+from dampyr.models.codegen.formula import Formula
 from dampyr.models.laws import polynomial_table
 from dampyr.structures.batch.damper_step import force_now
 from dampyr.structures.batch.loop_fission import Loops
 from dampyr.structures.control_laws import check_decided
-from dampyr.structures.controller import Controller, module_of, numbers
+from dampyr.structures.controller import Controller, law_texts, numbers
 from dampyr.structures.sensor_noise import counter
 
 Array = NDArray[np.float64]
@@ -80,6 +80,7 @@ class LawStep:
         self.text, self.d, self.control, self.made = text, d, control, control.made
         self.name = f"law{d}"
         self.cls = type(control.made.law)
+        self.prefix = f"{self.name}_{self.cls.__name__}"
         self.formulas = control.made.formulas
         self.every = f"{self.name}_every"
         # a number of the engine and not of the text: one kernel serves every step and period
@@ -88,16 +89,7 @@ class LawStep:
     @property
     def functions(self) -> list[str]:
         """The texts of the formulas, and of what they call."""
-        texts: dict[str, str] = {}
-        for formula in (self.formulas.decide, self.formulas.update):
-            if formula is not None:
-                texts |= {name: read(f, name).source for name, f in formula.intrinsics().items()}
-                name = self._function(formula)
-                texts[name] = read(getattr(module_of(self.cls), formula.name), name).source
-        return list(texts.values())
-
-    def _function(self, formula: Formula) -> str:
-        return f"{self.name}_{formula.name}_of_{self.cls.__name__}"
+        return law_texts(self.cls, self.prefix)
 
     @property
     def value_rows(self) -> list[str]:
@@ -233,7 +225,7 @@ class LawStep:
             else:
                 j = arguments.index(argument)
                 texts.append(f"{self.name}_s{j}{of_states if j >= first else ''}")
-        return f"{self._function(formula)}({', '.join(texts)})"
+        return f"{self.prefix}_{formula.name}({', '.join(texts)})"
 
 
 def jumps(text: Any, laws: dict[int, LawStep]) -> list[str]:

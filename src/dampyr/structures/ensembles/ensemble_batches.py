@@ -304,19 +304,12 @@ def _engine_of(
             make = gpu_engine if cases.device == "gpu" else engine
             rows = connections(building, sites)
             controls = (
-                [
-                    {
-                        "controls": tuple(
-                            control_of(building, rows, d, site.law, site.damper, dt, m) if site.law else None
-                            for d, site in enumerate(sites)
-                        )
-                    }
-                ]
-                if laws_of(sites)
-                else [{}]
+                control_of(building, rows, d, site.law, site.damper, dt, m) if site.law else None
+                for d, site in enumerate(sites)
             )
+            more = {"controls": tuple(controls)} if laws_of(sites) else {}  # which a graphics card does not take
             _ENGINES[key] = make(
-                building, rows, compositions, dt, m, cases.quantities, cases.precision, branchless, **controls[0]
+                building, rows, compositions, dt, m, cases.quantities, cases.precision, branchless, **more
             )
             while len(_ENGINES) > MAX_ENGINES:
                 _ENGINES.popitem(last=False)
