@@ -308,7 +308,9 @@ def law_table() -> str:
 
 def measures() -> str:
     """One row for each quantity that a law can measure."""
-    return table(["measure", "unit", "what"], [[f"`{name}`", m.unit, m.about] for name, m in MEASURES.items()])
+    return table(
+        ["measure", "unit", "what"], [[f"`{name}`", m.unit.replace("^2", "²"), m.about] for name, m in MEASURES.items()]
+    )
 
 
 def setting(default: Any) -> str:

@@ -1,6 +1,6 @@
 r"""Modulated homogeneous friction: the damper as a friction brake whose level is set anew at each turn of its stroke.
 
-.. math:: u = u_{max} \text{ if } |f| < g\, |P|, \text{ else } u_{min}, \qquad P(t) = x(t_r)
+.. math:: u = u_{max} \text{ if } \lvert f\rvert < g\, \lvert P\rvert, \text{ else } u_{min}, \qquad P(t) = x(t_r)
 
 P [m] is the stroke at the latest turn :math:`t_r`, so that the friction grows with the amplitude and its loops keep their
 shape; f [N] is the force of the damper as it is measured. g [N/m] is ``ratio`` times the stiffness of the building between
