@@ -21,7 +21,8 @@ NAMES = ("bang_bang", "clipped_optimal")
 HIGH, SENSORS = 3.212, {"force": Sensor(noise=3.0)}  # V
 TITLE = (
     f"{len(NAMES) * MOTIONS * SCALES * SEEDS:,} controlled cases: chapter 5's building, published damper, bang_bang and "
-    f"clipped_optimal with a noisy force, {MOTIONS} synthetic records of 30 s x {SCALES} scales x {SEEDS} seeds, peaks of drift and acceleration"
+    f"clipped_optimal with a noisy force, {MOTIONS} synthetic records of 30 s x {SCALES} scales x {SEEDS} seeds, peaks of "
+    "drift and acceleration"
 )
 
 
