@@ -142,6 +142,11 @@ def test_means_under_a_law_change_little_with_the_step_though_single_cases_do(cu
     [note] = [finding for finding in fast.findings if "under control laws" in finding.words]
     assert note.severity == "note"
     assert fast.dataset.attrs["changed_under_laws"] > 0
+    few = [ensemble(two_storey(), motion, cubics, law, scales[::5], accuracy=a).dataset for a in ("fast", "strict")]
+    for quantity in ("drift", "acceleration", "force"):  # all 40 are judged, at half the step, which is that of strict
+        change = (few[0][quantity] / few[1][quantity] - 1.0).values.reshape(40, -1).mean(axis=1)
+        assert few[0].attrs[f"change_of_mean_{quantity}"] == pytest.approx(change.mean(), rel=1e-6)
+        assert few[0].attrs[f"error_of_mean_{quantity}"] == pytest.approx(2.0 * change.std() / np.sqrt(40), rel=1e-6)
     told, error = (fast.dataset.attrs[f"{part}_of_mean_drift"] for part in ("change", "error"))
     assert abs(told - (ratio.mean() - 1.0)) < 2.0 * error
     assert 1e-4 < error < 0.02

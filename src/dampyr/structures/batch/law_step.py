@@ -116,9 +116,12 @@ class LawStep:
 
     def check(self, final_block: Array) -> None:
         """Raise InputError where the law decided on an input outside its own bounds."""
-        rows, name = self.text.rows, self.name
-        least, most = (final_block[rows[f"{name}_{end}"]] for end in EXTREMES)
-        check_decided(self.made.law, f"of damper {self.d + 1}", float(np.nanmin(least)), float(np.nanmax(most)))
+        least, most = (final_block[self.text.rows[f"{self.name}_{end}"]] for end in EXTREMES)
+        decided = np.isfinite(least) & np.isfinite(most)  # a history that grew without bound decided on nothing
+        if decided.any():
+            check_decided(
+                self.made.law, f"of damper {self.d + 1}", float(least[decided].min()), float(most[decided].max())
+            )
 
     @property
     def needs_ground_velocity(self) -> bool:

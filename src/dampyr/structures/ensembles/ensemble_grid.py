@@ -118,8 +118,13 @@ class Cases:
         if self.device == "gpu":
             return min(self.lines, -(-self.size // (8 * CASES_PER_SHARD)))
         under_laws = any(map(is_control_law, self.inputs))
+        # draws of one damper run alike, so one of each composition is looked at
+        placed = {
+            tuple((place, damper.composition) for place, damper in places_and_dampers(placement)): d
+            for d, placement in enumerate(self.placements)
+        }
         slow = under_laws and not all(
-            runs_in_blocks(self.sites_of(0, d, u)) for d in range(self.shape[1]) for u in range(self.shape[2])
+            runs_in_blocks(self.sites_of(0, d, u)) for d in placed.values() for u in range(self.shape[2])
         )
         min_cases = MIN_CASES_ONE_BY_ONE if slow else MIN_CASES
         return min(self.lines, max(-(-self.size // CASES_PER_SHARD), min(SHARDS, self.size // min_cases)))
@@ -157,7 +162,7 @@ class Cases:
             [(m.acceleration, m.dt) for m in self.motions],
             self.scales,
             (self.kind, self.accuracy, self.quantities, self.precision, self.device),
-            *([self.seeds] if any(self.seeds) else []),
+            *([self.seeds] if any(self.seeds) and any(map(is_control_law, self.inputs)) else []),
         ]
         return hashlib.sha256(pickle.dumps(parts, protocol=5)).hexdigest()[:16]
 
