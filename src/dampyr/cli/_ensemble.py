@@ -104,6 +104,14 @@ CASE_OPTIONS = (
 )
 
 
+read_option = click.option(
+    "--read", type=click.Path(path_type=Path), metavar="FILE", help="Take a finished file instead of computing."
+)
+workers_option = click.option(
+    "--workers", type=click.IntRange(1), metavar="N", help="Number of threads.  [default: one for each core]"
+)
+
+
 def case_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """The options that say which cases there are; they come as ``request``, an `EnsembleCommand`."""
 

@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from dampyr.cli._ensemble import CASE_OPTIONS, EnsembleCommand, case_options, refuse_cases
+from dampyr.cli._ensemble import (
+    CASE_OPTIONS,
+    EnsembleCommand,
+    case_options,
+    read_option,
+    refuse_cases,
+    workers_option,
+)
 from dampyr.cli._examples import examples
 from dampyr.cli._options import OptionsCommand
 from dampyr.cli._output import as_json_option, print_answer
@@ -34,10 +41,8 @@ if TYPE_CHECKING:
     help="The largest peak that is to be small: drift, displacement, acceleration, force or stroke.  [default: drift]",
 )
 @click.option("--out", type=click.Path(path_type=Path), help="An .h5 file of the ensemble, continued where it stopped.")
-@click.option(
-    "--read", type=click.Path(path_type=Path), metavar="FILE", help="Take a finished ensemble instead of computing."
-)
-@click.option("--workers", type=click.IntRange(1), metavar="N", help="Number of threads.  [default: one for each core]")
+@read_option
+@workers_option
 @report_options()
 @as_json_option
 @click.pass_context

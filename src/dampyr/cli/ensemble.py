@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING
 
 import click
 
-from dampyr.cli._ensemble import CASE_OPTIONS, EnsembleCommand, case_options, counting, refuse_cases, shard
+from dampyr.cli._ensemble import (
+    CASE_OPTIONS,
+    EnsembleCommand,
+    case_options,
+    counting,
+    read_option,
+    refuse_cases,
+    shard,
+    workers_option,
+)
 from dampyr.cli._examples import examples
 from dampyr.cli._options import OptionsCommand
 from dampyr.cli._output import as_json_option, findings_below, print_answer, print_json
@@ -34,16 +43,14 @@ if TYPE_CHECKING:
 @click.option(
     "--collect", type=click.Path(path_type=Path), metavar="DIR", help="Put the parts in the folder DIR together."
 )
-@click.option(
-    "--read", type=click.Path(path_type=Path), metavar="FILE", help="Take a finished file instead of computing."
-)
+@read_option
 @click.option(
     "--demands",
     type=click.Path(path_type=Path),
     metavar="DIR",
     help="Write the peaks for pelicun and SimCenter's tools, a .csv for each damper and input; needs --height.",
 )
-@click.option("--workers", type=click.IntRange(1), metavar="N", help="Number of threads.  [default: one for each core]")
+@workers_option
 @report_options()
 @as_json_option
 @click.pass_context

@@ -9,7 +9,7 @@ from textwrap import wrap
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.export.c_text import LIBM, Precision, function
+from dampyr.export.c_text import LIBM, Precision, extremes, function
 from dampyr.models.codegen.formula import Formula, read
 from dampyr.source_digest import full_version
 from dampyr.structures.building import Building
@@ -96,7 +96,7 @@ def _inputs(made: Controller, building: Building) -> list[str]:
 
 
 def _source(made: Controller, name: str, precision: Precision) -> str:
-    real, prefix = precision.real, f"{name}_law_"
+    prefix = f"{name}_law_"
     formulas = [formula for formula in (made.formulas.update, made.formulas.decide) if formula is not None]
     trees = []
     for formula in formulas:
@@ -104,12 +104,7 @@ def _source(made: Controller, name: str, precision: Precision) -> str:
         trees.append(read(getattr(made.module, formula.name), f"{formula.name}_by").tree)
     names = {tree.name for tree in trees}
     functions = list(dict.fromkeys(function(tree, prefix, names, precision=precision) for tree in trees))
-    text = "\n".join(functions)
-    helpers = [
-        f"static {real} {prefix}{which}({real} a, {real} b)\n{{\n    return a {sign} b ? a : b;\n}}"
-        for which, sign in (("min", "<"), ("max", ">"))
-        if f"{prefix}{which}(" in text
-    ]
+    helpers = extremes("\n".join(functions), prefix, precision)
     head = f'#include "{name}_law.h"\n#include <math.h>'
     return (
         "\n\n".join([head, *helpers, *functions, _start(made, name, precision), _decide(made, name, precision)]) + "\n"

@@ -62,6 +62,16 @@ def function(
     return "\n".join([*lines, *body, "}"])
 
 
+def extremes(text: str, prefix: str, precision: Precision) -> list[str]:
+    """The functions ``{prefix}min`` and ``{prefix}max``, of which ``text`` calls."""
+    real = precision.real
+    return [
+        f"static {real} {prefix}{which}({real} a, {real} b)\n{{\n    return a {sign} b ? a : b;\n}}"
+        for which, sign in (("min", "<"), ("max", ">"))
+        if f"{prefix}{which}(" in text
+    ]
+
+
 def assigned_names(tree: ast.AST) -> set[str]:
     """The names that a function assigns to."""
     return {n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}

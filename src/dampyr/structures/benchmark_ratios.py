@@ -24,9 +24,9 @@ from dampyr.errors import InputError
 from dampyr.structures.building import Building
 from dampyr.structures.time_history.peaks import storey_heights
 from dampyr.structures.time_history.response import Response
+from dampyr.units import STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
-GRAVITY = 9.80665  # m/s2
 
 
 def benchmark_criteria(
@@ -83,7 +83,7 @@ def benchmark_criteria(
     if response.sites:
         # the mass that follows the ground, all of it where the structure is a reduced one
         mass = float(building.influence @ building.M @ building.carried) + building.ground_terms()[1]
-        found["J11"] = float(response.peak_force.max()) / (GRAVITY * mass)
+        found["J11"] = float(response.peak_force.max()) / (STANDARD_GRAVITY * mass)
         found["J12"] = float(np.abs(response.stroke).max() / bare.peak_displacement.max())
     return found
 

@@ -25,10 +25,9 @@ from dampyr.findings import Finding, worst_first
 from dampyr.shown import Shown
 from dampyr.structures.building import Building
 from dampyr.structures.time_history.response import Response
-from dampyr.units import in_si
+from dampyr.units import STANDARD_GRAVITY, in_si
 
 Array = NDArray[np.float64]
-GRAVITY = 9.80665  # m/s2
 BAND = (0.4, 100.0, math.sqrt(0.5))  # Hz, Hz, Q: what is let through
 TRANSITION = (12.5, 12.5, 0.63)  # from acceleration to velocity
 STEP_UP = (2.37, 0.91, 3.35, 0.91)
@@ -149,7 +148,7 @@ def ride_figures(response: Response, car: Building, start: float = 0.0) -> RideF
     dt = float(response.time[1] - response.time[0])
     body, part = response.acceleration[1], slice(first, None)
     felt = weighted_acceleration(body, dt)[part]
-    load, travel, static = response.base_shear[part], response.drift[1][part], float(np.trace(car.M)) * GRAVITY
+    load, travel, static = response.base_shear[part], response.drift[1][part], float(np.trace(car.M)) * STANDARD_GRAVITY
     window = max(1, round(RUNNING / dt))
     total = np.cumsum(np.r_[0.0, felt**2])
     running = (total[window:] - total[:-window]) / window if felt.size >= window else total[-1:] / felt.size

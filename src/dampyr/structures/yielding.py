@@ -24,9 +24,9 @@ from dampyr.errors import InputError
 from dampyr.models import Constant, Damper
 from dampyr.structures.building import Building
 from dampyr.structures.shear import positive, shear_building, storey_matrix
+from dampyr.units import STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
-GRAVITY = 9.80665  # m/s2
 
 
 def yielding_shear_building(
@@ -87,7 +87,7 @@ def yielding_shear_building(
         raise InputError(f"exponent = {exponent!r} is not allowed; it must be from 1 to 50, or None for a sharp corner")
     turning = np.zeros(len(mass))
     if heights is not None:
-        turning = GRAVITY * np.cumsum(mass[::-1])[::-1] / _per_storey("heights", heights, len(mass))
+        turning = STANDARD_GRAVITY * np.cumsum(mass[::-1])[::-1] / _per_storey("heights", heights, len(mass))
     if np.any(short := hardening * spring < turning):
         k = int(np.argmax(short))
         raise InputError(

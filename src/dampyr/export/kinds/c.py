@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from textwrap import wrap
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.export.c_law import law_files, libm_of
-from dampyr.export.c_text import COMPOSED, DOUBLE, LIBM, SINGLE, Precision, function
+from dampyr.export.c_text import COMPOSED, DOUBLE, LIBM, SINGLE, Precision, extremes, function
 from dampyr.findings import OF_DAMPER, handed_on
 from dampyr.input_kinds import INPUTS, input_arguments
 from dampyr.models import Constant, Damper, Interpolation, Polynomial
@@ -83,7 +84,8 @@ def write(
     law_texts = (
         {} if controlled is None else law_files(*controlled, name, describe_law(control, damper.input), precision)
     )
-    texts |= law_texts | {"Makefile": _makefile(c, bool(law_texts), libm_of(law_texts.values(), precision))}
+    libm = {name: bool(c.libm)} | ({f"{name}_law": libm_of(law_texts.values(), precision)} if law_texts else {})
+    texts |= law_texts | {"Makefile": _makefile(libm)}
     folder.mkdir(parents=True, exist_ok=True)
     for file, text in texts.items():
         (folder / file).write_text(text, encoding="utf-8")
@@ -272,7 +274,7 @@ def _source(
     functions += [function(tree, prefix, names, ARRAYS, precision) for tree in whole]
     search = _search(prefix, precision) if inverse else ""
     text = "\n".join([*functions, search])
-    helpers = [_extreme(prefix, which, precision) for which in ("min", "max") if f"{prefix}{which}(" in text]
+    helpers = extremes(text, prefix, precision)
     helpers += [COMPOSITION[name].replace("PREFIX", prefix) for name in COMPOSED if f"{prefix}{name}(" in text]
     return (
         "\n\n".join(
@@ -308,11 +310,6 @@ static float PREFIXlog1p(float x)
     return y == 1.0f ? x : logf(y)*x/(y - 1.0f);
 }""",
 }  # W. Kahan's, to a few units of the last digit
-
-
-def _extreme(prefix: str, which: str, precision: Precision) -> str:
-    real, sign = precision.real, "<" if which == "min" else ">"
-    return f"static {real} {prefix}{which}({real} a, {real} b)\n{{\n    return a {sign} b ? a : b;\n}}"
 
 
 def _law(law: Law, function_name: str, key: str, precision: Precision) -> str:
@@ -570,32 +567,22 @@ int main(void)
 """
 
 
-def _makefile(c: CSource, law: bool = False, libm_of_law: bool = False) -> str:
-    name, link = c.name, " -lm" if c.libm else ""
-    if law:
-        return (
-            _makefile(c)
-            .replace(
-                f"test: {name}_test\n\t./{name}_test\n",
-                f"test: {name}_test {name}_law_test\n\t./{name}_test\n\t./{name}_law_test\n",
-            )
-            .replace(f"rm -f {name}_test", f"rm -f {name}_test {name}_law_test")
-            + f"""
-{name}_law_test: {name}_law_test.c {name}_law.c {name}_law.h {name}_law_vectors.h
-\t$(CC) $(CFLAGS) {name}_law_test.c {name}_law.c -o $@{" -lm" if libm_of_law else ""}
-"""
-        )
+def _makefile(libm: Mapping[str, bool]) -> str:
+    """``libm``: what has a test, such as ``damper``, and whether it needs the mathematics library."""
+    tests = [f"{name}_test" for name in libm]
+    rules = [
+        f"{name}_test: {name}_test.c {name}.c {name}.h {name}_vectors.h\n"
+        f"\t$(CC) $(CFLAGS) {name}_test.c {name}.c -o $@{' -lm' if needed else ''}\n\n"
+        for name, needed in libm.items()
+    ]
+    runs = "".join(f"\t./{test}\n" for test in tests)
     return f"""\
 CC ?= cc
 CFLAGS ?= -std=c99 -O2 -Wall -Wextra -Wconversion -Wdouble-promotion -pedantic
 
 .PHONY: test clean
-test: {name}_test
-\t./{name}_test
-
-{name}_test: {name}_test.c {name}.c {name}.h {name}_vectors.h
-\t$(CC) $(CFLAGS) {name}_test.c {name}.c -o $@{link}
-
-clean:
-\trm -f {name}_test
+test: {" ".join(tests)}
+{runs}
+{"".join(rules)}clean:
+\trm -f {" ".join(tests)}
 """
