@@ -22,7 +22,7 @@ from dampyr.structures.batch.assemble import KernelText
 from dampyr.structures.batch.engine import Engine, control_of, launch_blocks
 from dampyr.structures.batch.law_step import values_of
 from dampyr.structures.batch.modal import step
-from dampyr.structures.controller import controller
+from dampyr.structures.controller import design_controller
 from dampyr.structures.sites import connections, make_sites
 from dampyr.studies import raminelli_2020
 
@@ -93,7 +93,9 @@ def by_hand(m: int) -> Array:
     """Peaks (scales, 3) of first floor, second drift and force, clipped-optimal, with m steps to a sample of 20 ms."""
     building, damper, motion = two_storey(), raminelli_2020.damper(), el_centro()
     march, model = compiled(), state_space(building)
-    gains = controller(LAWS["clipped-optimal, ideal sensing"], building, building.connection(1)[None], 0).rows[0, :4]
+    gains = design_controller(LAWS["clipped-optimal, ideal sensing"], building, building.connection(1)[None], 0).rows[
+        0, :4
+    ]
     cubics = np.array([law.coefficients for law in damper.all_laws.values()])
     a, b, g = model.A[2:].copy(), float(model.B[2, 0]), float(model.E[2])
     every = round(PERIOD * m / motion.dt)

@@ -12,7 +12,7 @@ from dampyr.errors import DampyrWarning, ExtrapolationWarning, InputError, Range
 from dampyr.ground_motions import GroundMotion, el_centro, resampled
 from dampyr.models import Damper
 from dampyr.structures import Building, available_control_laws, control_law, respond, two_storey
-from dampyr.structures.controller import controller
+from dampyr.structures.controller import design_controller
 from dampyr.structures.law_form import ControlLaw, LawDesign
 from dampyr.studies import raminelli_2020
 
@@ -125,7 +125,7 @@ def test_equals_scipy(damper, name, chosen, period, lag):
 @pytest.mark.prove  # the reference takes long
 def test_optimal_control_equals_scipy(damper):
     law = control_law("clipped_optimal", high=HIGH, period=0.01)
-    weights = controller(law, two_storey(), two_storey().connection(1)[None], 0).rows[0]
+    weights = design_controller(law, two_storey(), two_storey().connection(1)[None], 0).rows[0]
     motion = short(2.6)
 
     def chosen(q, v, ground, f):

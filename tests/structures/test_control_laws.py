@@ -10,7 +10,7 @@ from dampyr.models import Damper
 from dampyr.structures import available_control_laws, control_law, two_storey
 from dampyr.structures.control.on_off import OnOff
 from dampyr.structures.control_laws import describe_law, is_control_law, law_of, parts, spelled
-from dampyr.structures.controller import controller
+from dampyr.structures.controller import design_controller
 from dampyr.structures.law_form import ControlLaw
 
 
@@ -119,7 +119,7 @@ def test_a_law_that_asks_for_what_is_not_sensed_is_refused():
     assert is_control_law(Curious(0.0, 1.0))
     building = two_storey()
     with pytest.raises(InputError, match="asks for 'temperature'; it may use rate, low, high, period, lag"):
-        controller(Curious(0.0, 1.0), building, building.connection(1)[None], 0)
+        design_controller(Curious(0.0, 1.0), building, building.connection(1)[None], 0)
 
 
 def test_a_law_is_a_text_over_the_range_of_its_damper(cubics: Damper) -> None:

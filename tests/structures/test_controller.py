@@ -10,7 +10,7 @@ import pytest
 from dampyr.errors import InputError
 from dampyr.models import Damper
 from dampyr.structures import available_control_laws, control_law, shear_building, two_storey
-from dampyr.structures.controller import ControllerRun, controller, law_texts, module_of, source
+from dampyr.structures.controller import ControllerRun, design_controller, law_source, law_texts, module_of
 from dampyr.structures.law_form import ControlLaw, LawDesign
 from dampyr.structures.propagator import system
 from dampyr.structures.sensor_noise import noise
@@ -46,13 +46,13 @@ def decide(sum: float, count: float, low: float, high: float) -> float:
     return high if sum > count else low
 
 
-def made(law, building=None, place=1):
+def controller_of(law, building=None, place=1):
     building = building or two_storey()
-    return controller(law, building, building.connection(place)[None], 0)
+    return design_controller(law, building, building.connection(place)[None], 0)
 
 
 def test_a_filter_is_its_recurrence_written_out() -> None:
-    run, rng = ControllerRun(made(Filtered(0.0, 1.0))), np.random.default_rng(1)
+    run, rng = ControllerRun(controller_of(Filtered(0.0, 1.0))), np.random.default_rng(1)
     rows = DamperPlace(two_storey(), two_storey().connection(1)[None], 0).accelerations()
     x, count = 0.0, 2.0
     for _ in range(50):
@@ -67,7 +67,7 @@ def test_a_filter_is_its_recurrence_written_out() -> None:
 def test_a_sensor_is_late_biased_noisy_limited_and_counts_in_quanta() -> None:
     sensor = Sensor(noise=0.5, bias=0.2, quantum=0.25, range=2.0, delay=2)
     law = control_law("bang_bang", high=1.0, sensors={"force": sensor}, seed=9)
-    run = ControllerRun(made(law))
+    run = ControllerRun(controller_of(law))
     truth = [3.0, -1.0, 0.7, 0.3, -4.0]
     for k, f in enumerate(truth):
         _, given = run.measured(np.array([0, 0, 0, 0, 0, 0, f], dtype=float))
@@ -133,7 +133,7 @@ def test_what_does_not_fit_is_said() -> None:
         (Filtered(0.0, 1.0, gain=float("nan")), "they must be finite"),
     ):
         with pytest.raises(InputError, match=message):
-            made(law)
+            controller_of(law)
     for name, value in (("noise", -1.0), ("range", 0.0), ("delay", 1.5), ("bias", float("inf")), ("quantum", "a")):
         with pytest.raises(InputError, match=f"{name} = .* of a sensor is not allowed"):
             Sensor(**{name: value})
@@ -150,10 +150,10 @@ def test_the_text_of_the_kernel_decides_as_the_controller_does(name: str, cubics
     law = control_law(name, high=3.0, sensors={m: Sensor(0.1, 0.05, 0.01, 1e6, 1) for m in measures}, seed=4)
     building = two_storey()
     sites = make_sites(building, {1: cubics}, law, None, False)
-    each = made(law)
-    control = _control(sites, source((law,))[1], [each], 0.005, 200)
+    each = controller_of(law)
+    control = _control(sites, law_source((law,))[1], [each], 0.005, 200)
     functions = {name: getattr(np, name) for name in ("exp", "sqrt", "tanh", "copysign")}
-    exec(source((law,))[0], functions)
+    exec(law_source((law,))[0], functions)
     for function in ("decide", "remember"):
         monkeypatch.setattr(time_stepping, function, functions[function])
     run, rng = ControllerRun(each), np.random.default_rng(2)
@@ -187,7 +187,7 @@ def test_the_filter_of_the_state_is_the_one_that_riccatis_recursion_ends_at() ->
 
     building, law = shear_building([3e2, 2e2, 1e2], [2e5, 1e5, 1e5], damping_ratio=0.02), None
     law = control_law("clipped_optimal_lqg", high=1.0, noise=0.02, disturbance=0.5)
-    each, row = made(law, building), building.connection(1)
+    each, row = controller_of(law, building), building.connection(1)
     a, e, b = system(building, row[None])
     big = np.zeros((8, 8))
     big[:6] = np.column_stack([a, b, e])

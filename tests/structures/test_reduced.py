@@ -22,7 +22,7 @@ from dampyr.cli import cli
 from dampyr.errors import DampyrWarning
 from dampyr.show.structures.ensemble_result import trust
 from dampyr.structures import Building
-from dampyr.structures.controller import controller
+from dampyr.structures.controller import design_controller
 from dampyr.structures.time_history.modal_coordinates import modal_condensation, refined, refinements
 
 Array = np.ndarray
@@ -124,7 +124,7 @@ def test_a_floor_that_is_kept_follows_the_ground_with_one() -> None:
             assert building is not None
             row = building.connection((0, 1))
             of_ground = [
-                controller(each, building, row[None], 0).rows[0, 2 * building.n]
+                design_controller(each, building, row[None], 0).rows[0, 2 * building.n]
                 for each in (law, structures.control_law("bang_bang", high=1.0))
             ]
             assert of_ground == pytest.approx([1.0, 1.0])

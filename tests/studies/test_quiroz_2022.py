@@ -8,7 +8,7 @@ import pytest
 from numba import njit
 
 from dampyr.errors import MissingData
-from dampyr.structures.controller import ControllerRun, controller
+from dampyr.structures.controller import ControllerRun, design_controller
 from dampyr.studies import quiroz_2022, vrths_2020
 
 
@@ -70,7 +70,7 @@ def of_the_source(case: int, data) -> tuple[np.ndarray, np.ndarray]:
     motion, building = vrths_2020.motion("El Centro", data, 0.5), vrths_2020.structure(case)
     law, inverse = quiroz_2022.control(motion), np.linalg.inv(building.M)
     row, parts = building.connection(1), round(motion.dt / law.period)
-    run, s, force = ControllerRun(controller(law, building, row[None], 0)), np.zeros(8), 0.0
+    run, s, force = ControllerRun(design_controller(law, building, row[None], 0)), np.zeros(8), 0.0
     moved, felt = np.zeros(3), np.zeros(4)
     matrices = inverse @ building.K, inverse @ building.C, inverse @ row
     for a, b in zip(motion.acceleration[:-1], motion.acceleration[1:], strict=True):

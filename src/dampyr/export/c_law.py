@@ -22,19 +22,20 @@ AGREE = {"double": 1e-10, "float": 1e-4}  # of the range of the input: what the 
 WIDTH = 116  # characters of a line of a comment
 
 
-def law_files(made: Controller, building: Building, name: str, described: str, precision: Precision) -> dict[str, str]:
+def law_files(
+    controller: Controller, building: Building, name: str, described: str, precision: Precision
+) -> dict[str, str]:
     """The texts of ``name_law.h`` and ``.c``, and of what tests them, by the names of the files.
 
-    ``made`` is the controller with its measures one by one (`dampyr.structures.controller.controller`, ``summed=False``); its
+    ``controller`` has its measures one by one (``summed=False`` of `dampyr.structures.controller.design_controller`); its
     sensors are the real ones of whoever calls the C, so that their noise and delay are left out.
     """
-    texts = {
-        f"{name}_law.h": _header(made, building, name, described, precision),
-        f"{name}_law.c": _source(made, name, precision),
-        f"{name}_law_vectors.h": _vectors(made, name),
-        f"{name}_law_test.c": _test_program(made, name, precision),
+    return {
+        f"{name}_law.h": _header(controller, building, name, described, precision),
+        f"{name}_law.c": _source(controller, name, precision),
+        f"{name}_law_vectors.h": _vectors(controller, name),
+        f"{name}_law_test.c": _test_program(controller, name, precision),
     }
-    return texts
 
 
 def libm_of(texts: Iterable[str], precision: Precision) -> bool:
@@ -42,9 +43,9 @@ def libm_of(texts: Iterable[str], precision: Precision) -> bool:
     return any(re.search(rf"\b({'|'.join(LIBM)}){precision.suffix}\(", text) for text in texts)
 
 
-def _header(made: Controller, building: Building, name: str, described: str, precision: Precision) -> str:
-    real, law, guard = precision.real, made.law, f"{name.upper()}_LAW_H"
-    inputs = "\n".join(f" *     y[{k}]  {what}" for k, what in enumerate(_inputs(made, building)))
+def _header(controller: Controller, building: Building, name: str, described: str, precision: Precision) -> str:
+    real, law, guard = precision.real, controller.law, f"{name.upper()}_LAW_H"
+    inputs = "\n".join(f" *     y[{k}]  {what}" for k, what in enumerate(_inputs(controller, building)))
     about = "\n".join(f" * {line}" for line in wrap(f"The control law {described} of {building.name}", WIDTH))
     return f"""\
 /* A control law written by dampyr {full_version()}.
@@ -66,11 +67,11 @@ extern "C" {{
 #endif
 
 #define {name.upper()}_LAW_PERIOD {precision.number(law.period)} /* s */
-#define {name.upper()}_LAW_INPUTS {max(len(made.rows), 1)}
+#define {name.upper()}_LAW_INPUTS {max(len(controller.rows), 1)}
 
 typedef struct {{
-    {real} x[{max(len(made.F), 1)}]; /* memory of its filter */
-    {real} q[{max(len(made.formulas.states), 1)}]; /* states */
+    {real} x[{max(len(controller.F), 1)}]; /* memory of its filter */
+    {real} q[{max(len(controller.formulas.states), 1)}]; /* states */
 }} {name}_law;
 
 void {name}_law_start({name}_law *g);
@@ -83,10 +84,10 @@ void {name}_law_start({name}_law *g);
 """
 
 
-def _inputs(made: Controller, building: Building) -> list[str]:
+def _inputs(controller: Controller, building: Building) -> list[str]:
     """What each number of y is, in words."""
     lines = []
-    for name, size in made.sizes:
+    for name, size in controller.sizes:
         measure = MEASURES[name]
         places = [f", floor {label}" for label in building.floors] if name in VECTORS else [""]
         if name == "state":
@@ -95,45 +96,48 @@ def _inputs(made: Controller, building: Building) -> list[str]:
     return lines
 
 
-def _source(made: Controller, name: str, precision: Precision) -> str:
+def _source(controller: Controller, name: str, precision: Precision) -> str:
     prefix = f"{name}_law_"
-    formulas = [formula for formula in (made.formulas.update, made.formulas.decide) if formula is not None]
+    formulas = [formula for formula in (controller.formulas.update, controller.formulas.decide) if formula is not None]
     trees = []
     for formula in formulas:
         trees += [read(called, inner).tree for inner, called in formula.intrinsics().items()]
-        trees.append(read(getattr(made.module, formula.name), f"{formula.name}_by").tree)
+        trees.append(read(getattr(controller.module, formula.name), f"{formula.name}_by").tree)
     names = {tree.name for tree in trees}
     functions = list(dict.fromkeys(function(tree, prefix, names, precision=precision) for tree in trees))
     helpers = extremes("\n".join(functions), prefix, precision)
     head = f'#include "{name}_law.h"\n#include <math.h>'
     return (
-        "\n\n".join([head, *helpers, *functions, _start(made, name, precision), _decide(made, name, precision)]) + "\n"
+        "\n\n".join(
+            [head, *helpers, *functions, _start(controller, name, precision), _decide(controller, name, precision)]
+        )
+        + "\n"
     )
 
 
-def _start(made: Controller, name: str, precision: Precision) -> str:
-    lines = [f"    g->x[{k}] = {precision.number(0.0)};" for k in range(max(len(made.F), 1))]
-    states = made.formulas.states or (0.0,)
+def _start(controller: Controller, name: str, precision: Precision) -> str:
+    lines = [f"    g->x[{k}] = {precision.number(0.0)};" for k in range(max(len(controller.F), 1))]
+    states = controller.formulas.states or (0.0,)
     lines += [f"    g->q[{k}] = {precision.number(value)};" for k, value in enumerate(states)]
     return "\n".join([f"void {name}_law_start({name}_law *g)", "{", *lines, "}"])
 
 
-def _decide(made: Controller, name: str, precision: Precision) -> str:
+def _decide(controller: Controller, name: str, precision: Precision) -> str:
     real, prefix = precision.real, f"{name}_law_"
-    moments = made.formulas.moments
-    terms = [*(f"g->x[{k}]" for k in range(len(made.F))), *(f"y[{c}]" for c in range(len(made.rows)))]
+    signals = controller.formulas.signals
+    terms = [*(f"g->x[{k}]" for k in range(len(controller.F))), *(f"y[{c}]" for c in range(len(controller.rows)))]
     lines = []
     if "y[" not in "".join(terms):
         lines.append("    (void)y;")
-    for k, row in enumerate(np.hstack([made.of_memory, made.of_measured])):
-        lines.append(f"    const {real} s{k} = {_sum(row, terms, precision)}; /* {moments[k]} */")
+    for k, row in enumerate(np.hstack([controller.of_memory, controller.of_measured])):
+        lines.append(f"    const {real} s{k} = {_sum(row, terms, precision)}; /* {signals[k]} */")
     lines.append(f"    {real} u;")
-    if made.formulas.update is not None:
-        call = f"{prefix}update_by({_arguments(made, made.formulas.update, precision)}, q)"
-        copied = " ".join(f"g->q[{k}] = q[{k}];" for k in range(len(made.formulas.states)))
-        lines.append(f"    {{ {real} q[{len(made.formulas.states)}]; {call}; {copied} }}")
-    lines.append(f"    u = {prefix}decide_by({_arguments(made, made.formulas.decide, precision)});")
-    memory = [f"            {_sum(row, terms, precision)}" for row in np.hstack([made.F, made.G])]
+    if controller.formulas.update is not None:
+        call = f"{prefix}update_by({_arguments(controller, controller.formulas.update, precision)}, q)"
+        copied = " ".join(f"g->q[{k}] = q[{k}];" for k in range(len(controller.formulas.states)))
+        lines.append(f"    {{ {real} q[{len(controller.formulas.states)}]; {call}; {copied} }}")
+    lines.append(f"    u = {prefix}decide_by({_arguments(controller, controller.formulas.decide, precision)});")
+    memory = [f"            {_sum(row, terms, precision)}" for row in np.hstack([controller.F, controller.G])]
     if memory:
         count = len(memory)
         lines += ["    {", f"        const {real} x[{count}] = {{", ",\n".join(memory), "        };"]
@@ -151,29 +155,29 @@ def _sum(row: Array, terms: list[str], precision: Precision) -> str:
     return " + ".join(term if v == 1.0 else f"{precision.number(float(v))}*{term}" for v, term in pairs) or "0"
 
 
-def _arguments(made: Controller, formula: Formula, precision: Precision) -> str:
-    moments, texts = made.formulas.moments, []
+def _arguments(controller: Controller, formula: Formula, precision: Precision) -> str:
+    signals, texts = controller.formulas.signals, []
     for argument in formula.arguments:
-        if argument in made.formulas.arguments:
-            k = made.formulas.arguments.index(argument)
-            texts.append(f"s{k}" if k < len(moments) else f"g->q[{k - len(moments)}]")
+        if argument in controller.formulas.arguments:
+            k = controller.formulas.arguments.index(argument)
+            texts.append(f"s{k}" if k < len(signals) else f"g->q[{k - len(signals)}]")
         else:
-            texts.append(precision.number(float(getattr(made.law, argument))))
+            texts.append(precision.number(float(getattr(controller.law, argument))))
     return ", ".join(texts)
 
 
-def _samples(made: Controller) -> tuple[Array, Array]:
+def _samples(controller: Controller) -> tuple[Array, Array]:
     """Random measures, as large beside one another as the law weighs them, and what the controller decides on them."""
     rng = np.random.default_rng(1)
-    weights = np.abs(made.of_measured).max(axis=0, initial=0.0)
+    weights = np.abs(controller.of_measured).max(axis=0, initial=0.0)
     scale = np.where(weights > 0.0, 1.0 / np.where(weights > 0.0, weights, 1.0), 1.0)
-    y = scale * rng.standard_normal((VECTORS_OF_A_LAW, len(made.rows)))
-    run = ControllerRun(made)
+    y = scale * rng.standard_normal((VECTORS_OF_A_LAW, len(controller.rows)))
+    run = ControllerRun(controller)
     return y, np.array([run.decide_on(each) for each in y])
 
 
-def _vectors(made: Controller, name: str) -> str:
-    y, u = _samples(made)
+def _vectors(controller: Controller, name: str) -> str:
+    y, u = _samples(controller)
     if not y.shape[1]:
         y = np.zeros((len(y), 1))
     rows = ",\n".join("    {" + ", ".join(repr(float(v)) for v in row) + "}" for row in y)
@@ -192,9 +196,9 @@ static const double {name}_law_u[{len(u)}] = {{
 """
 
 
-def _test_program(made: Controller, name: str, precision: Precision) -> str:
+def _test_program(controller: Controller, name: str, precision: Precision) -> str:
     real, allowed = precision.real, AGREE[precision.real]
-    span = max(made.law.high - made.law.low, 1e-300)
+    span = max(controller.law.high - controller.law.low, 1e-300)
     return f"""\
 /* Replays {name}_law_vectors.h: exit status 1 where a decision is off by more than {allowed:g} of the range. */
 #include "{name}_law.h"

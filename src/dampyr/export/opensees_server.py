@@ -29,7 +29,7 @@ from dampyr.models import Damper
 from dampyr.models.codegen.kernels import bind
 from dampyr.structures import Building
 from dampyr.structures.control_laws import lag_of, values_at
-from dampyr.structures.controller import ControllerRun, controller
+from dampyr.structures.controller import ControllerRun, design_controller
 from dampyr.structures.sites import connections, make_sites
 
 Array = NDArray[np.float64]
@@ -124,9 +124,9 @@ class LawInput:
     def __init__(self, law: Any, damper: Damper, building: Building, row: Array, motion: GroundMotion | None) -> None:
         values_at(law, damper)
         self.law, self.lag = law, lag_of(law, damper)
-        made = controller(law, building, row[None], 0)
-        self.run = ControllerRun(made)
-        if np.any(made.rows[:, 2 * building.n : 2 * building.n + 2]) and motion is None:
+        controller = design_controller(law, building, row[None], 0)
+        self.run = ControllerRun(controller)
+        if np.any(controller.rows[:, 2 * building.n : 2 * building.n + 2]) and motion is None:
             raise InputError(
                 "this law needs the motion of the ground, which OpenSees does not send; give the motion that shakes the "
                 "structure there, --motion FILE or motion=, or choose a law of the state alone, such as clipped_optimal"

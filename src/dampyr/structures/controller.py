@@ -1,7 +1,7 @@
 """A control law at its place in a building: what it measures as rows, its filter as matrices, its formulas as text.
 
-`controller` works it out once; the kernels of `respond` and `ensemble` take its arrays, and `ControllerRun` is the same in
-plain Python, sample by sample.
+`design_controller` works it out once; the kernels of `respond` and `ensemble` take its arrays, and `ControllerRun` is the same
+in plain Python, sample by sample.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import ast
 import re
 import sys
 from collections import deque
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache
 from types import ModuleType
 from typing import Any
@@ -28,7 +28,7 @@ from dampyr.structures.sensors import MEASURES, VECTORS, DamperPlace
 
 Array = NDArray[np.float64]
 REGISTRY = "dampyr.structures.control"
-MAX_ARGUMENTS = 8  # of what a law's formulas take of a moment: every corner of them is looked at (`take_decision`)
+MAX_ARGUMENTS = 8  # of what a law's formulas take at a sample: every corner of them is looked at (`take_decision`)
 
 
 def module_of(law: Any) -> ModuleType:
@@ -36,14 +36,14 @@ def module_of(law: Any) -> ModuleType:
     return sys.modules[(law if isinstance(law, type) else type(law)).__module__]
 
 
-def numbers(cls: Any) -> list[str]:
+def setting_names(cls: Any) -> list[str]:
     """The settings of a law that its formulas may name."""
     return [f.name for f in fields(cls) if f.name not in ("sensors", "seed") and not isinstance(f.default, tuple)]
 
 
 @dataclass(frozen=True)
 class LawFormulas:
-    """The formulas of a law's class: ``arguments`` are what they take of a moment, the states last."""
+    """The formulas of a law's class: ``arguments`` are what they take at a sample, the states last."""
 
     decide: Formula
     update: Formula | None
@@ -51,7 +51,7 @@ class LawFormulas:
     states: tuple[float, ...]  # their values at the start
 
     @property
-    def moments(self) -> tuple[str, ...]:
+    def signals(self) -> tuple[str, ...]:
         """The arguments that are signals or measures."""
         return self.arguments[: len(self.arguments) - len(self.states)]
 
@@ -64,9 +64,9 @@ def formulas_of(cls: Any) -> LawFormulas:
     texts = [read(module.decide, "decide"), *([read(module.update, "update")] if states else [])]
     for text in texts:
         _check_expression(cls, text)
-    known = (*numbers(cls), *states)
-    moments = tuple(dict.fromkeys(name for text in texts for name in text.arguments if name not in known))
-    arguments = (*moments, *states)
+    known = (*setting_names(cls), *states)
+    signals = tuple(dict.fromkeys(name for text in texts for name in text.arguments if name not in known))
+    arguments = (*signals, *states)
     if len(arguments) > MAX_ARGUMENTS:
         raise InputError(
             f"{cls.__name__} decides by {len(arguments)} quantities ({', '.join(arguments)}); {MAX_ARGUMENTS} are allowed: "
@@ -114,18 +114,18 @@ class Controller:
 
     @cached_property
     def settings(self) -> Array:
-        """The numbers of the law that its formulas may name, in the order of `numbers`."""
-        return np.array([getattr(self.law, name) for name in numbers(type(self.law))], dtype=float)
+        """The numbers of the law that its formulas may name, in the order of `setting_names`."""
+        return np.array([getattr(self.law, name) for name in setting_names(type(self.law))], dtype=float)
 
 
-def controller(law: Any, building: Building, connections: Array, d: int, summed: bool = True) -> Controller:
+def design_controller(law: Any, building: Building, connections: Array, d: int, summed: bool = True) -> Controller:
     """The controller of damper ``d`` of those at ``connections`` (N, n); InputError where the law's design does not fit.
 
     Where its sensors are ideal, what is linear in its measures is ``summed`` up beforehand."""
     cls: Any = type(law)
     place, module = DamperPlace(building, connections, d), module_of(law)
     formulas: LawFormulas = formulas_of(cls)
-    names = _measures(law, formulas)
+    names = _measures(law)
     blocks = [MEASURES[name].rows(place) for name in names]
     width = 2 * building.n + 2 + len(connections)
     rows = np.vstack([np.zeros((0, width)), *blocks])
@@ -139,35 +139,33 @@ def controller(law: Any, building: Building, connections: Array, d: int, summed:
             f"the design of {cls.__name__} has F {F.shape} and G {G.shape}; they must be finite, ({memory}, {memory}) and "
             f"({memory}, {len(rows)})"
         )
-    signals = [_signal(cls, name, design, first, memory, len(rows)) for name in formulas.moments]
+    signals = [_signal(cls, name, design, first, memory, len(rows)) for name in formulas.signals]
     table = np.array(signals).reshape(len(signals), memory + len(rows))
     sensors = [law.sensor_of(name) for name, block in zip(names, blocks, strict=True) for _ in block]
     faults = np.array([(s.noise, s.bias, s.quantum, s.range) for s in sensors]).reshape(len(rows), 4)
     delays = np.array([s.delay for s in sensors], dtype=np.int64)
     sizes = tuple((name, len(block)) for name, block in zip(names, blocks, strict=True))
-    made = Controller(law, formulas, rows, faults, delays, table[:, :memory], table[:, memory:], F, G, sizes)
-    return _summed_up(made) if summed and made.is_ideal else made
+    controller = Controller(law, formulas, rows, faults, delays, table[:, :memory], table[:, memory:], F, G, sizes)
+    return _summed_up(controller) if summed and controller.is_ideal else controller
 
 
-def _summed_up(made: Controller) -> Controller:
+def _summed_up(controller: Controller) -> Controller:
     """The same where the sensors are ideal: what is linear in the measures is summed up beforehand."""
-    count, memory = len(made.of_measured), len(made.F)
-    rows = np.vstack([made.of_measured @ made.rows, made.G @ made.rows])
+    count, memory = len(controller.of_measured), len(controller.F)
+    rows = np.vstack([controller.of_measured @ controller.rows, controller.G @ controller.rows])
     size = count + memory
-    return Controller(
-        made.law,
-        made.formulas,
-        rows,
-        np.tile([0.0, 0.0, 0.0, np.inf], (size, 1)),
-        np.zeros(size, dtype=np.int64),
-        made.of_memory,
-        np.eye(count, size),
-        made.F,
-        np.eye(memory, size, count),
+    return replace(
+        controller,
+        rows=rows,
+        faults=np.tile([0.0, 0.0, 0.0, np.inf], (size, 1)),
+        delays=np.zeros(size, dtype=np.int64),
+        of_measured=np.eye(count, size),
+        G=np.eye(memory, size, count),
+        sizes=(),
     )
 
 
-def _measures(law: Any, formulas: LawFormulas) -> tuple[str, ...]:
+def _measures(law: Any) -> tuple[str, ...]:
     """What a law measures, checked; its sensors must be of these."""
     module = module_of(law)
     names: tuple[str, ...] = tuple(getattr(module, "MEASURES", ()))
@@ -198,31 +196,31 @@ def _signal(cls: type, name: str, design: LawDesign, first: dict[str, int], memo
         row[memory + first[name]] = 1.0
         return row
     scalars = [measure for measure in first if measure not in VECTORS]
-    allowed = [*design.signals, *scalars, *getattr(module_of(cls), "STATES", {}), *numbers(cls)]
+    allowed = [*design.signals, *scalars, *getattr(module_of(cls), "STATES", {}), *setting_names(cls)]
     raise InputError(f"decide of {cls.__name__} asks for {name!r}; it may use {', '.join(allowed)}")
 
 
 class ControllerRun:
     """A controller sample by sample, in plain Python: as the kernels compute it, for other programs and for checks."""
 
-    def __init__(self, made: Controller, site: int = 0) -> None:
-        self.made, self.site, self.sample = made, site, 0
-        self.memory = np.zeros(len(made.F))
-        self.states = np.array(made.formulas.states)
-        depth = int(made.delays.max(initial=0)) + 1
-        self.past: deque[Array] = deque([np.zeros(len(made.rows))] * depth, maxlen=depth)
+    def __init__(self, controller: Controller, site: int = 0) -> None:
+        self.controller, self.site, self.sample = controller, site, 0
+        self.memory = np.zeros(len(controller.F))
+        self.states = np.array(controller.formulas.states)
+        depth = int(controller.delays.max(initial=0)) + 1
+        self.past: deque[Array] = deque([np.zeros(len(controller.rows))] * depth, maxlen=depth)
         names: dict[str, Any] = {name: getattr(np, name) for name in ("exp", "sqrt", "tanh", "copysign")}
-        exec(compile(source((made.law,))[0], "<laws>", "exec"), names)
+        exec(compile(law_source((controller.law,))[0], "<laws>", "exec"), names)
         self.functions = names
-        self.kind = source((made.law,))[1][0]
+        self.kind = law_source((controller.law,))[1][0]
 
     def measured(self, known: Array) -> Array:
         """What the sensors give of w (2n + 2 + N,) at this sample."""
-        self.past.append(self.made.rows @ known)
-        y = np.array([self.past[-1 - late][c] for c, late in enumerate(self.made.delays)])
-        for c, (spread, bias, quantum, limit) in enumerate(self.made.faults):
+        self.past.append(self.controller.rows @ known)
+        y = np.array([self.past[-1 - late][c] for c, late in enumerate(self.controller.delays)])
+        for c, (spread, bias, quantum, limit) in enumerate(self.controller.faults):
             if spread > 0.0:
-                y[c] += spread * noise(self.made.law.seed, counter(self.sample, self.site, c // 2))[c % 2]
+                y[c] += spread * noise(self.controller.law.seed, counter(self.sample, self.site, c // 2))[c % 2]
             y[c] = min(max(y[c] + bias, -limit), limit)
             y[c] = quantum * np.floor(y[c] / quantum + 0.5) if quantum > 0.0 else y[c]
         return y
@@ -233,17 +231,17 @@ class ControllerRun:
 
     def decide_on(self, y: Array) -> float:
         """The same of what the sensors give (Y,)."""
-        made = self.made
-        arguments = np.concatenate([made.of_memory @ self.memory + made.of_measured @ y, self.states])
-        self.functions["remember"](self.kind, arguments, made.settings)
-        self.states = arguments[len(made.formulas.moments) :].copy()
-        u = float(self.functions["decide"](self.kind, arguments, made.settings))
-        self.memory = made.F @ self.memory + made.G @ y
+        controller = self.controller
+        arguments = np.concatenate([controller.of_memory @ self.memory + controller.of_measured @ y, self.states])
+        self.functions["remember"](self.kind, arguments, controller.settings)
+        self.states = arguments[len(controller.formulas.signals) :].copy()
+        u = float(self.functions["decide"](self.kind, arguments, controller.settings))
+        self.memory = controller.F @ self.memory + controller.G @ y
         self.sample += 1
         return u
 
 
-def source(laws: tuple[Any, ...]) -> tuple[str, list[int]]:
+def law_source(laws: tuple[Any, ...]) -> tuple[str, list[int]]:
     """The Python text of ``decide(kind, s, p)`` and ``remember(kind, s, p)``, which choose among the laws, and the kind of
     each; None stands for no law. s are the arguments of `LawFormulas`, p the settings; ``remember`` updates the states in s.
 
@@ -293,7 +291,7 @@ def _text(classes: tuple[type, ...]) -> str:
             if formula is None:
                 continue
             call = f"law_{kind}_{formula.name}({', '.join(_places(cls, formulas, formula))})"
-            first = len(formulas.moments)
+            first = len(formulas.signals)
             states = ", ".join(f"s[{first + k}]" for k in range(len(formulas.states)))
             lines.append(f"if kind == {kind}: " + (f"return {call}" if lines is decisions else f"{states} = {call}"))
     bodies = {"decide": [*decisions, "return 0.0"], "remember": [*updates, "return"]}
@@ -302,7 +300,7 @@ def _text(classes: tuple[type, ...]) -> str:
 
 
 def _places(cls: type, formulas: LawFormulas, formula: Formula) -> list[str]:
-    known = numbers(cls)
+    known = setting_names(cls)
     return [
         f"p[{known.index(name)}]" if name in known else f"s[{formulas.arguments.index(name)}]"
         for name in formula.arguments

@@ -6,7 +6,7 @@ import pytest
 from dampyr.ground_motions import kanai_tajimi
 from dampyr.structures import control_law, respond, two_storey
 from dampyr.structures.control import clipped_optimal_lqg
-from dampyr.structures.controller import ControllerRun, controller
+from dampyr.structures.controller import ControllerRun, design_controller
 from dampyr.structures.sensors import MEASURES, DamperPlace
 from dampyr.studies import raminelli_2020
 
@@ -23,8 +23,8 @@ def test_its_estimate_follows_the_state_of_a_response():
     building, motion = two_storey(), kanai_tajimi(4.0, 0.001, seed=3, pga=2.0)
     response = respond(building, motion, {1: raminelli_2020.damper()}, voltage=1.0)
     row = building.connection(1)[None]
-    made = controller(control_law("clipped_optimal_lqg", high=HIGH, period=0.001, noise=1e-3), building, row, 0)
-    known = controller(control_law("clipped_optimal", high=HIGH), building, row, 0)
+    made = design_controller(control_law("clipped_optimal_lqg", high=HIGH, period=0.001, noise=1e-3), building, row, 0)
+    known = design_controller(control_law("clipped_optimal", high=HIGH), building, row, 0)
     run, estimated, true = ControllerRun(made), [], []
     for k in range(motion.n):
         w = np.concatenate([response.displacement[:, k], response.velocity[:, k], [0.0, 0.0], response.force[:, k]])

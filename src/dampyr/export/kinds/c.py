@@ -25,7 +25,7 @@ from dampyr.models.laws import Law
 from dampyr.source_digest import full_version
 from dampyr.structures.building import Building
 from dampyr.structures.control_laws import describe_law, is_control_law, values_at
-from dampyr.structures.controller import Controller, controller
+from dampyr.structures.controller import Controller, design_controller
 from dampyr.structures.raminelli_2020_building import two_storey
 
 Array = NDArray[np.float64]
@@ -103,7 +103,7 @@ def _controlled(
     building = two_storey() if structure is None else structure
     values_at(control, damper.without("lag") if damper.composition.lag is not None else damper)
     ideal = replace(control, sensors=())
-    return controller(ideal, building, building.connection(place)[None], 0, summed=False), building
+    return design_controller(ideal, building, building.connection(place)[None], 0, summed=False), building
 
 
 def check_name(name: str) -> None:

@@ -20,7 +20,7 @@ from dampyr.structures.batch.modal import basis_of, step
 from dampyr.structures.batch.run_blocks import compiled
 from dampyr.structures.building import Building
 from dampyr.structures.control_laws import lag_of
-from dampyr.structures.controller import controller
+from dampyr.structures.controller import design_controller
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -203,9 +203,13 @@ def engine(
 
 def control_of(building: Building, connections: Array, d: int, law: Any, damper: Any, dt: float, m: int) -> SiteControl:
     """The law of damper ``d`` at m steps to a sample of ``dt`` seconds, for the engine of ``building``."""
-    made, n, basis = controller(law, building, connections, d), building.n, basis_of(building)
-    rows = made.rows if basis is None else np.hstack([made.rows[:, : 2 * n] @ basis, made.rows[:, 2 * n :]])
-    return SiteControl(made, rows, round(law.period * m / dt), lag_of(law, damper), pieces_of(damper))
+    controller, n, basis = design_controller(law, building, connections, d), building.n, basis_of(building)
+    rows = (
+        controller.rows
+        if basis is None
+        else np.hstack([controller.rows[:, : 2 * n] @ basis, controller.rows[:, 2 * n :]])
+    )
+    return SiteControl(controller, rows, round(law.period * m / dt), lag_of(law, damper), pieces_of(damper))
 
 
 def can_run(compositions: Sequence[Composition]) -> bool:

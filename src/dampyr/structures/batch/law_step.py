@@ -27,7 +27,7 @@ from dampyr.models.laws import polynomial_table
 from dampyr.structures.batch.damper_step import force_now
 from dampyr.structures.batch.loop_fission import Loops
 from dampyr.structures.control_laws import check_decided
-from dampyr.structures.controller import Controller, law_texts, numbers
+from dampyr.structures.controller import Controller, law_texts, setting_names
 from dampyr.structures.sensor_noise import counter
 
 Array = NDArray[np.float64]
@@ -41,7 +41,7 @@ class SiteControl:
     """The law of one site: its controller, with ``rows`` over the kernel's coordinates; ``every`` so many steps it decides; the
     ``lag`` of its coil [s]; ``pieces``, of each parameter's law how many pieces it has, and its degree."""
 
-    made: Controller
+    controller: Controller
     rows: Array
     every: int
     lag: float
@@ -77,11 +77,11 @@ class LawStep:
     """Writes the lines of one site's law into a kernel ``text`` (`dampyr.structures.batch.assemble.KernelText`)."""
 
     def __init__(self, text: Any, d: int, control: SiteControl) -> None:
-        self.text, self.d, self.control, self.made = text, d, control, control.made
+        self.text, self.d, self.control, self.controller = text, d, control, control.controller
         self.name = f"law{d}"
-        self.cls = type(control.made.law)
+        self.cls = type(control.controller.law)
         self.prefix = f"{self.name}_{self.cls.__name__}"
-        self.formulas = control.made.formulas
+        self.formulas = control.controller.formulas
         self.every = f"{self.name}_every"
         # a number of the engine and not of the text: one kernel serves every step and period
         self.clock = f"{self.every} = floor({text.number(float(control.every))} + half)"
@@ -107,12 +107,12 @@ class LawStep:
     def starts(self) -> dict[str, float]:
         """What rows hold at the start, where it is not 0."""
         states = {f"{self.name}_s{j}": value for j, value in self._states(self.formulas.states)}
-        low, high = float(self.made.law.low), float(self.made.law.high)
+        low, high = float(self.controller.law.low), float(self.controller.law.high)
         at_low = dict.fromkeys((f"{self.name}_command", f"{self.name}_level", f"{self.name}_most"), low)
         return at_low | {f"{self.name}_least": high} | states
 
     def _states(self, values: tuple[float, ...]) -> list[tuple[int, float]]:
-        return list(enumerate(values, start=len(self.formulas.moments)))
+        return list(enumerate(values, start=len(self.formulas.signals)))
 
     def check(self, final_block: Array) -> None:
         """Raise InputError where the law decided on an input outside its own bounds."""
@@ -120,7 +120,7 @@ class LawStep:
         decided = np.isfinite(least) & np.isfinite(most)  # a history that grew without bound decided on nothing
         if decided.any():
             check_decided(
-                self.made.law, f"of damper {self.d + 1}", float(least[decided].min()), float(most[decided].max())
+                self.controller.law, f"of damper {self.d + 1}", float(least[decided].min()), float(most[decided].max())
             )
 
     @property
@@ -164,7 +164,7 @@ class LawStep:
 
     def decision(self) -> list[str]:
         """The loop in which the law measures and decides, and what it remembers."""
-        text, name, made = self.text, self.name, self.made
+        text, name, controller = self.text, self.name, self.controller
         updates: dict[str, str] = {}
         lines = ["ground_rise = high - low", "a0 = low + ground_rise*part"]
         known = [*(f"z{k}" for k in range(text.size)), "V", "a0", *(f"f{d}" for d in range(text.sites))]
@@ -172,10 +172,10 @@ class LawStep:
         for c, row in enumerate(self.control.rows):
             lines.append(f"{name}_m{c} = {text.sum(row, known)}")
             measured.append(f"{name}_m{c}")
-        if not made.is_ideal:
+        if not controller.is_ideal:
             measured = [self._sensed(c, lines, updates) for c in range(len(measured))]
-        memory = [f"{name}_x{k}" for k in range(len(made.F))]
-        for j, row in enumerate(np.hstack([made.of_memory, made.of_measured])):
+        memory = [f"{name}_x{k}" for k in range(len(controller.F))]
+        for j, row in enumerate(np.hstack([controller.of_memory, controller.of_measured])):
             lines.append(f"{name}_s{j} = {text.sum(row, [*memory, *measured])}")
         states = [f"{name}_s{j}" for j, _ in self._states(self.formulas.states)]
         if self.formulas.update is not None:
@@ -184,7 +184,7 @@ class LawStep:
         lines.append(f"{name}_decided = {self._call(self.formulas.decide, 'n')}")
         lines += [f"{name}_{end}n = {by}({name}_{end}, {name}_decided)" for end, by in EXTREMES.items()]
         updates |= {f"{name}_command": f"{name}_decided"} | {f"{name}_{end}": f"{name}_{end}n" for end in EXTREMES}
-        for k, row in enumerate(np.hstack([made.F, made.G])):
+        for k, row in enumerate(np.hstack([controller.F, controller.G])):
             lines.append(f"{name}_x{k}n = {text.sum(row, [*memory, *measured])}")
             updates[f"{name}_x{k}"] = f"{name}_x{k}n"
         if self.control.lag == 0.0:
@@ -197,8 +197,8 @@ class LawStep:
     def _sensed(self, c: int, lines: list[str], updates: dict[str, str]) -> str:
         """The name of what the sensor of channel c gives, whose lines are added."""
         text, name = self.text, self.name
-        noise, bias, quantum, limit = self.made.faults[c]
-        value, late = f"{name}_m{c}", int(self.made.delays[c])
+        noise, bias, quantum, limit = self.controller.faults[c]
+        value, late = f"{name}_m{c}", int(self.controller.delays[c])
         for k in range(late, 0, -1):
             updates[f"{name}_late{c}_{k}"] = f"{name}_late{c}_{k - 1}" if k > 1 else value
         value = f"{name}_late{c}_{late}" if late else value
@@ -219,12 +219,12 @@ class LawStep:
 
     def _call(self, formula: Formula, of_states: str) -> str:
         """A formula of the law over the arguments; of the states those that end in ``of_states``."""
-        settings, arguments = numbers(self.cls), self.formulas.arguments
-        first = len(self.formulas.moments)
+        settings, arguments = setting_names(self.cls), self.formulas.arguments
+        first = len(self.formulas.signals)
         texts = []
         for argument in formula.arguments:
             if argument in settings:
-                texts.append(self.text.number(getattr(self.made.law, argument)))
+                texts.append(self.text.number(getattr(self.controller.law, argument)))
             else:
                 j = arguments.index(argument)
                 texts.append(f"{self.name}_s{j}{of_states if j >= first else ''}")

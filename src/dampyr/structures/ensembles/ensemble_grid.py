@@ -28,7 +28,7 @@ from dampyr.structures.batch.law_step import MAX_DELAY
 from dampyr.structures.building import Building, Condensed
 from dampyr.structures.building_options import EnsembleOptions
 from dampyr.structures.control_laws import is_control_law, parts, spelled
-from dampyr.structures.controller import controller
+from dampyr.structures.controller import design_controller
 from dampyr.structures.sites import (
     Site,
     any_has_input,
@@ -145,7 +145,7 @@ class Cases:
         return make_sites(self.buildings[building], self.placements[damper], voltage, current, self.allow_extrapolation)
 
     @property
-    def of_another_way(self) -> str:
+    def other_version(self) -> str:
         """What else a file with another digest may be, in words: the formulas of control laws are in the digest."""
         under_laws = any(map(is_control_law, self.inputs))
         return (
@@ -274,7 +274,7 @@ def _check(grid: Cases) -> None:
     for law in laws:  # it must have a design wherever a damper stands, and decide at the ends of steps of every motion
         for building in grid.buildings:
             for place in places:
-                controller(law, building, building.connection(place)[None], 0)
+                design_controller(law, building, building.connection(place)[None], 0)
         for dt in {motion.dt for motion in grid.motions}:
             parts((law,), dt)
 

@@ -92,7 +92,7 @@ def write_part(
         with _opened(path) as file:
             if file.attrs.get("digest") != what.digest:
                 raise FileError(
-                    path, f"is a part of another ensemble{what.of_another_way}; choose another folder, or remove it"
+                    path, f"is a part of another ensemble{what.other_version}; choose another folder, or remove it"
                 )
         return path
     values, diagnostics = _compute(what, part - 1, parts, executor, progress)

@@ -201,7 +201,7 @@ class Store:
         if self.file.attrs.get("digest") != self.what.digest:
             self.file.close()
             raise FileError(
-                path, f"holds another ensemble{self.what.of_another_way}; choose another file, or remove this one"
+                path, f"holds another ensemble{self.what.other_version}; choose another file, or remove this one"
             )
         self.shards = int(self.file.attrs["shards"])  # as the file was begun
         self.values = {q: self.file[q] for q in self.what.quantities}

@@ -18,7 +18,7 @@ from dampyr.models.codegen.composition import Composition
 from dampyr.models.laws import polynomial_table
 from dampyr.structures.building import Building
 from dampyr.structures.control_laws import check_decided, lag_of
-from dampyr.structures.controller import Controller, controller, source
+from dampyr.structures.controller import Controller, design_controller, law_source
 from dampyr.structures.propagator import propagator, system
 from dampyr.structures.sites import Site, connections, describe_place, drifts
 from dampyr.structures.time_history.linear_response import bare_response
@@ -58,7 +58,7 @@ class Sites(NamedTuple):
 class Control(NamedTuple):
     """The laws that set the inputs of the dampers; a site without one has ``every`` 0."""
 
-    kind: Any  # (N,) which of the functions of `dampyr.structures.controller.source`
+    kind: Any  # (N,) which of the functions of `dampyr.structures.controller.law_source`
     rows: Any  # (N, Y, 2n + 2 + N): this and the following as in `Controller`, a law each, filled up with zeros
     faults: Any  # (N, Y, 4)
     late: Any  # (N, Y)
@@ -68,7 +68,7 @@ class Control(NamedTuple):
     G: Any  # (N, X, Y)
     ideal: Any  # (N,) whether all of its sensors give what they measure
     seed: Any  # (N,) of their noise
-    moments: Any  # (N,) how many arguments of the law are signals: the others are its states
+    signals: Any  # (N,) how many arguments of the law are signals: the others are its states
     count: Any  # (N,) how many arguments it has
     known: Any  # (2n + 2 + N,): what a step knows; this and the following are written by the kernel
     past: Any  # (N, depth, Y): the latest measures
@@ -124,62 +124,69 @@ class Scratch(NamedTuple):
     work: Any  # (2 + N,): input, viscous, each damper, so far
 
 
-def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) -> Any:
-    """A function of the steps per sample that integrates once; of the motion times ``scale`` where that is given.
+class DampedRun:
+    """A building with dampers under a motion, integrated at each call with so many steps per sample."""
 
-    Of dampers it has ``greatest_slopes()``, too, which bound the step."""
-    if not sites:
-        return lambda m, scale=1.0: Integration(bare_response(building, motion.scaled(scale), m), motion.dt / m)
-    from dampyr.models.codegen.kernels import bind
-    from dampyr.structures.time_history.time_stepping import integrate
+    def __init__(self, building: Building, motion: GroundMotion, sites: tuple[Site, ...]) -> None:
+        from dampyr.models.codegen.kernels import bind
+        from dampyr.structures.time_history.time_stepping import integrate
 
-    laws = tuple(site.law for site in sites)
-    text, kinds = source(laws) if any(laws) else ("", [])
-    kernel = bind(integrate, distinct(sites), text)
-    rows = connections(building, sites)
-    controllers = [controller(site.law, building, rows, d) if site.law else None for d, site in enumerate(sites)]
-    linear = lru_cache(maxsize=2)(lambda step: _linear(building, sites, step))
+        self.building, self.motion, self.sites = building, motion, sites
+        laws, rows = tuple(site.law for site in sites), connections(building, sites)
+        self.under_laws = any(laws)
+        text, self.kinds = law_source(laws) if self.under_laws else ("", [])
+        self.kernel = bind(integrate, distinct(sites), text)
+        self.controllers = [
+            design_controller(site.law, building, rows, d) if site.law else None for d, site in enumerate(sites)
+        ]
+        self.linear = lru_cache(maxsize=2)(lambda step: _linear(building, sites, step))
 
-    def run(
-        m: int,
-        scale: float = 1.0,
-        before: Array | None = None,
-        imposed: Array | None = None,
+    def __call__(
+        self, m: int, scale: float = 1.0, before: Array | None = None, imposed: Array | None = None
     ) -> Integration:
-        """``before`` are the decisions of a run at another step, to compare with, and ``imposed`` such to take (see
-        `Control`)."""
-        ag = motion.acceleration * scale
-        step = motion.dt / m
-        out = output(len(ag), building.n, len(sites))
-        dampers = _dampers(sites, step)
-        steps = (len(ag) - 1) * m
-        control = _control(sites, kinds, controllers, step, steps, before, imposed) if any(laws) else None
+        """With m steps per sample, of the motion times ``scale``; ``before`` are the decisions of a run at another step, to
+        compare with, and ``imposed`` such to take (see `Control`)."""
+        building, sites, ag, step = self.building, self.sites, self.motion.acceleration * scale, self.motion.dt / m
+        out, dampers, steps = output(len(ag), building.n, len(sites)), _dampers(sites, step), (len(ag) - 1) * m
+        control = self._control(step, steps, before, imposed)
         if control is None:
             out.input[:] = out.mean_input[:] = [site.input_value for site in sites]
         work = _scratch(building.n, dampers.states)
-        kernel(ag, m, step, FORCE_TOLERANCE, linear(step), dampers, control, work, out)
+        self.kernel(ag, m, step, FORCE_TOLERANCE, self.linear(step), dampers, control, work, out)
         if control is not None:
             _check_inputs(sites, control)
             out.mean_input[:] = control.total / steps if steps else control.level
-        _check_bounded(out, motion)
+        _check_bounded(out, self.motion)
         decisions = None if control is None else _decisions(control, steps)
         return Integration(out.of_floors(building.n_floors), step, decisions=decisions)
 
-    def greatest_slopes() -> Array:
-        """The greatest slopes of the dampers at rest (N, 2), over the inputs that their laws may take."""
-        ag, step, out = np.zeros(1), motion.dt, output(1, building.n, len(sites))
-        dampers = _dampers(sites, step)
-        control = _control(sites, kinds, controllers, step, 0) if any(laws) else None
-        work, levels, slopes = _scratch(building.n, dampers.states), [site.levels() for site in sites], []
+    def _control(
+        self, step: float, steps: int, before: Array | None = None, imposed: Array | None = None
+    ) -> Control | None:
+        if not self.under_laws:
+            return None
+        return _control(self.sites, self.kinds, self.controllers, step, steps, before, imposed)
+
+    def greatest_slopes(self) -> Array:
+        """The greatest slopes of the dampers at rest (N, 2), over the inputs that their laws may take: they bound the step."""
+        sites, step = self.sites, self.motion.dt
+        ag, out, dampers = np.zeros(1), output(1, self.building.n, len(sites)), _dampers(sites, step)
+        control, work = self._control(step, 0), _scratch(self.building.n, dampers.states)
+        levels, slopes = [site.levels() for site in sites], []
         for k in range(max(map(len, levels))):
             for d, values in enumerate(levels):
                 dampers.params[d, :, : values.shape[1]] = values[min(k, len(values) - 1)]
-            kernel(ag, 1, step, FORCE_TOLERANCE, linear(step), dampers, control, work, out)
+            self.kernel(ag, 1, step, FORCE_TOLERANCE, self.linear(step), dampers, control, work, out)
             slopes.append(np.abs(out.rest_slopes))
         return np.asarray(np.max(slopes, axis=0))
 
-    run.greatest_slopes = greatest_slopes  # type: ignore[attr-defined]
-    return run
+
+def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) -> Any:
+    """A function of the steps per sample that integrates once; of the motion times ``scale`` where that is given. Of dampers it
+    is a `DampedRun`."""
+    if not sites:
+        return lambda m, scale=1.0: Integration(bare_response(building, motion.scaled(scale), m), motion.dt / m)
+    return DampedRun(building, motion, sites)
 
 
 def distinct(sites: tuple[Site, ...]) -> tuple[Composition, ...]:
@@ -238,13 +245,16 @@ def _control(
     imposed: Array | None = None,
 ) -> Control:
     """The laws of the sites for ``steps`` steps of ``step`` seconds; ``kinds``, ``before`` ... as in `Control`."""
-    made = [each for each in controllers if each is not None]
-    measured, known = max(len(each.rows) for each in made), made[0].rows.shape[1]
-    memory, most = max(len(each.F) for each in made), max(1, *(len(each.formulas.arguments) for each in made))
+    present = [controller for controller in controllers if controller is not None]
+    measured, known = max(len(controller.rows) for controller in present), present[0].rows.shape[1]
+    memory, most = (
+        max(len(controller.F) for controller in present),
+        max(1, *(len(controller.formulas.arguments) for controller in present)),
+    )
     decisions = max(math.ceil(steps / max(1, round(site.law.period / step))) for site in sites if site.law)
     count, tables = len(sites), [polynomial_table(site.damper, static=False) for site in sites]
-    max_settings = max(1, *(len(each.settings) for each in made))
-    depth_of_past = max(1, *(int(each.delays.max(initial=0)) + 1 for each in made))
+    max_settings = max(1, *(len(controller.settings) for controller in present))
+    depth_of_past = max(1, *(int(controller.delays.max(initial=0)) + 1 for controller in present))
     depth = [max(c.shape[axis] for _, c in tables) for axis in range(3)]
     control = Control(
         kind=np.array(kinds),
@@ -257,7 +267,7 @@ def _control(
         G=np.zeros((count, memory, measured)),
         ideal=np.ones(count, dtype=np.bool_),
         seed=np.zeros(count, dtype=np.uint64),
-        moments=np.zeros(count, dtype=np.int64),
+        signals=np.zeros(count, dtype=np.int64),
         count=np.zeros(count, dtype=np.int64),
         known=np.zeros(known),
         past=np.zeros((count, depth_of_past, measured)),
@@ -283,25 +293,25 @@ def _control(
     )
     for d, site in enumerate(sites):
         control.level[d] = control.command[d] = site.law.low if site.law else site.input_value
-        if made_here := controllers[d]:
-            _fill(control, d, site, made_here, step)
+        if controller := controllers[d]:
+            _fill(control, d, site, controller, step)
             knots, coefficients = tables[d]
             control.knots[d, : knots.shape[0], : knots.shape[1]] = knots
             control.coefficients[d][tuple(map(slice, coefficients.shape))] = coefficients
     return control
 
 
-def _fill(control: Control, d: int, site: Site, made: Controller, step: float) -> None:
+def _fill(control: Control, d: int, site: Site, controller: Controller, step: float) -> None:
     """Fill in what a law measures, its filter and settings, its sampling and the coil."""
     for name in ("rows", "faults", "of_memory", "of_measured", "F", "G"):
-        values = getattr(made, name)
+        values = getattr(controller, name)
         getattr(control, name)[d][tuple(map(slice, values.shape))] = values
-    control.late[d, : len(made.delays)] = made.delays
-    control.ideal[d], control.seed[d] = made.is_ideal, site.law.seed
-    control.moments[d], control.count[d] = len(made.formulas.moments), len(made.formulas.arguments)
-    control.arguments[d, control.moments[d] : control.count[d]] = made.formulas.states
+    control.late[d, : len(controller.delays)] = controller.delays
+    control.ideal[d], control.seed[d] = controller.is_ideal, site.law.seed
+    control.signals[d], control.count[d] = len(controller.formulas.signals), len(controller.formulas.arguments)
+    control.arguments[d, control.signals[d] : control.count[d]] = controller.formulas.states
     control.every[d] = round(site.law.period / step)
-    control.settings[d, : len(made.settings)] = made.settings
+    control.settings[d, : len(controller.settings)] = controller.settings
     if (lag := lag_of(site.law, site.damper)) > 0:
         control.decay[d] = np.exp(-np.arange(1, 5) * 0.25 * step / lag)
         control.mean_decay[d] = -math.expm1(-step / lag) * lag / step

@@ -42,8 +42,8 @@ def largest_step(building: Building, sites: tuple[Site, ...], slopes: Array, lim
     """The longest step (s) that the rule allows; ``slopes`` (N, 2) are the greatest of each damper at rest.
 
     The slopes are an argument because they have two sources, which agree to about six digits: ``greatest_slopes`` of
-    `dampyr.structures.time_history.kernel_run.runner` where the kernel of the dampers runs anyway, `difference_slopes` where it
-    would be compiled for nothing else.
+    `dampyr.structures.time_history.kernel_run.DampedRun` where the kernel of the dampers runs anyway, and `difference_slopes`
+    where it would be compiled for nothing else.
     """
     step = MAX_STEP
     for site, (by_stroke, by_rate) in zip(sites, slopes, strict=True):

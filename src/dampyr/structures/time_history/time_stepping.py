@@ -243,7 +243,7 @@ def measure(d: int, number: int, lin: Any, control: Any, now: Any, ground: float
 def filtered(d: int, control: Any) -> None:
     """The arguments of a site's law: its signals from memory and measures, its states updated; then the next memory."""
     s, x, y = control.arguments[d], control.memory[d], control.measured[d]
-    for j in range(control.moments[d]):
+    for j in range(control.signals[d]):
         s[j] = 0.0
         for k in range(x.shape[0]):
             s[j] += control.of_memory[d, j, k] * x[k]
