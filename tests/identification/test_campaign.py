@@ -51,23 +51,24 @@ def test_the_first_try_composition_beats_plain_dahl_by_far(records) -> None:
     assert 100 * np.mean([s.l1 for s in fit_result.scores.values()]) < 6.2
 
 
-WINNER = "shutting_bleed + compliance + place_friction"  # of `leaderboard`, which `make endure` runs
+WINNER = "shutting_bleed + compliance + place_friction + spring"  # of `leaderboard`, which `make endure` runs
+CONSTANT = {"spring.k0": "constant"}  # that it found to have one value
 
 
 @pytest.mark.prove
 @pytest.mark.endure
 def test_records_and_voltages_that_it_never_saw_are_predicted_as_the_docs_say(records, endurance: Endurance) -> None:
     """Random parts by three seeds: floor 4.1 %, aim 3.7 %; a voltage left out: floor 7.5 and 8.5 %, aim 6.5 and 7.0 %."""
-    options = FitOptions(bandwidth=18.2, steps=300)
+    options = FitOptions(bandwidth=18.2, steps=300, laws=CONSTANT)
     by_record = [
         cross_validate(records, WINNER, options=replace(options, seed=seed)).by_input
         for seed in range(endurance.count(3))
     ]
-    printed = {0.0: 4.8, 0.8712: 3.6, 1.98: 3.6, 3.212: 3.7}
+    printed = {0.0: 3.9, 0.8712: 3.0, 1.98: 3.7, 3.212: 3.7}
     assert {u: 100 * l1 for u, l1 in by_record[0].items()} == pytest.approx(printed, abs=0.06)
-    assert all(100 * np.mean(list(each.values())) < 4.1 for each in by_record)
+    assert all(100 * np.mean(list(each.values())) < 3.7 for each in by_record)
     by_voltage = cross_validate(records, WINNER, "input", options).by_input
-    assert {u: 100 * l1 for u, l1 in by_voltage.items()} == pytest.approx({0.8712: 6.2, 1.98: 7.7}, abs=0.06)
+    assert {u: 100 * l1 for u, l1 in by_voltage.items()} == pytest.approx({0.8712: 5.9, 1.98: 7.9}, abs=0.06)
 
 
 @pytest.mark.prove

@@ -98,7 +98,7 @@ def test_models_that_describe_the_records_alike_are_told_apart_by_their_numbers(
         Screened(model, (Trial(model, error, 1.0),))
         for model, error in (("modified_bouc_wen", 1e-8), ("bouc_wen", 2e-5))
     ]
-    assert _select_finalists(screened, 2) == ["bouc_wen", "modified_bouc_wen"]
+    assert [trial.model for trial in _select_finalists(screened, 2)] == ["bouc_wen", "modified_bouc_wen"]
     entries = entry("modified_bouc_wen", 8, 1e-6, 1e-7), entry("bouc_wen", 6, 2e-5, 1e-6)
     assert simplest(entries) is entries[1]
     assert simplest((entries[0], entry("bouc_wen", 6, 2.0 * EXACT, 1e-6))) is entries[0]

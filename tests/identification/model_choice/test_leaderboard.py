@@ -111,7 +111,8 @@ def test_the_order_in_which_workers_end_changes_nothing(monkeypatch: pytest.Monk
     monkeypatch.setattr(parallel, "run_all", run)
     same = leaderboard(records, options, executor=Backwards(), progress=lambda *a: calls.append(a))
     assert [(e.model, e.error) for e in same.entries] == [(e.model, e.error) for e in board.entries]
-    assert {what for what, _ in calls} == {"choosing the velocity", "screening models", "validating the best"}
+    stages = ("choosing the velocity", "screening models", "looking for constant parameters", "validating the best")
+    assert list(dict.fromkeys(what for what, _ in calls)) == [*stages]
 
 
 @pytest.mark.prove
@@ -210,10 +211,12 @@ def test_one_call_meets_the_floors_on_the_campaign(campaign_folder: Path, models
         ).winner  # whatever the machine
     by_record, by_input = best.validations
     print(best.model, by_record.by_input, by_input.by_input)
-    assert best.model == "shutting_bleed + compliance + place_friction"
+    assert best.model == "shutting_bleed + compliance + place_friction + spring"
+    assert best.constant == ("spring.k0",)
+    assert 100 * best.l1 < 3.7  # the aim
     for voltage, floor in ((0.0, 5.2), (0.8712, 4.0), (1.98, 4.0), (3.212, 4.0)):
         assert 100 * by_record.by_input[voltage] <= floor
-    assert 100 * by_input.by_input[0.8712] <= 7.5
+    assert 100 * by_input.by_input[0.8712] < 6.5  # the aim
     assert 100 * by_input.by_input[1.98] <= 8.5
 
 
@@ -270,8 +273,9 @@ def test_a_finalist_that_may_stand_in_a_building_is_always_among_them() -> None:
 
     errors = {"sigmoid": 0.05, "hysteretic_biviscous": 0.06, "dahl": 0.09, "bouc_wen": 0.10}
     screened = [Screened(model, (Trial(model, error, 1.0),)) for model, error in errors.items()]
-    assert _select_finalists(screened, 2) == ["sigmoid", "hysteretic_biviscous", "dahl"]
-    assert _select_finalists(screened, 3) == ["sigmoid", "hysteretic_biviscous", "dahl"]
+    for count in (2, 3):
+        chosen = [trial.model for trial in _select_finalists(screened, count)]
+        assert chosen == ["sigmoid", "hysteretic_biviscous", "dahl"]
 
 
 def test_the_standard_error_is_that_of_a_mean_over_inputs_of_means_over_records() -> None:

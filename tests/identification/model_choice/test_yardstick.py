@@ -109,5 +109,5 @@ def test_no_black_box_predicts_the_campaign_better(campaign_folder: Path) -> Non
     records = [with_velocity(record, 18.2) for record in dp.records.read_campaign(campaign_folder)]
     network, process = train_yardsticks(records, 5, 0, 1.0, lambda done: None)
     best = min(network.l1, process.l1)
-    assert 0.038 < best < 0.046  # the model: 0.039 (test_campaign.py)
-    assert min(network.unseen_input, process.unseen_input) > 0.12  # the model: 0.070
+    assert 0.038 < best < 0.046  # the model: 0.036 (test_campaign.py)
+    assert min(network.unseen_input, process.unseen_input) > 0.12  # the model: 0.069

@@ -21,7 +21,7 @@ from dampyr.identification.fits.result import Fit
 from dampyr.identification.model_choice.channel_delay import list_channel_delays
 from dampyr.identification.model_choice.leaderboard import Leaderboard, leaderboard
 from dampyr.identification.model_choice.missing_effect import list_missing_effects, rank_effects
-from dampyr.identification.model_choice.screening import hold_pairs
+from dampyr.identification.model_choice.parameter_laws import hold_pairs, with_constant
 from dampyr.identification.scoring.score import score_or_reason
 from dampyr.identification.scoring.scoring_window import list_unscorable
 from dampyr.identification.scoring.splits import split_tasks
@@ -125,6 +125,7 @@ def fit(
             print(_announce_search(fitted, chosen), file=sys.stderr)
         board = leaderboard(fitted, chosen, executor, progress)
         model, chosen = board.winner.model, replace(chosen, bandwidth=board.bandwidth, models=())
+        chosen = with_constant(chosen, board.winner.constant)
     chosen = hold_pairs(chosen, model)
     result = board.winner.fit if board else None
     if result is None:

@@ -3,8 +3,10 @@ r"""Leaderboard of models: every model of the catalogue, bare and with add-ons, 
 First each model is *screened* on a few shortened records (`dampyr.identification.model_choice.screening`): bare, then with the
 add-on that lowers its error most, then with the next, as long as that lowers it by 2 % and the model is within 15 % of the
 best. A model of more than four numbers that is more than 30 % behind the best bare one gets no add-on. Parts that are tried by
-name only join where a fit at one input calls for them (`dampyr.identification.model_choice.parts_by_name`). Then the best few,
-within a quarter of the best, are fitted and validated on all records. The validation error is
+name only join where a fit at one input calls for them (`dampyr.identification.model_choice.parts_by_name`). A parameter of an
+add-on follows the input only where that lowers the error by 2 %, and of the best few those that shape the force have one value
+at all inputs where that raises it by 0.5 % at most, unless ``laws`` say otherwise. Then the best few, within a quarter of the
+best, are fitted and validated on all records. The validation error is
 
 .. math:: E = \tfrac34 E_\text{record} + \tfrac14 E_\text{input}
 
@@ -46,18 +48,19 @@ from dampyr.identification.fits.fit_options import BUDGET, FitOptions
 from dampyr.identification.fits.least_squares import fit_model
 from dampyr.identification.fits.result import Fit
 from dampyr.identification.model_choice import parallel
+from dampyr.identification.model_choice.parameter_laws import PAIRS, list_held, may_follow_input, with_constant
 from dampyr.identification.model_choice.parts_by_name import CalledPart, find_called_parts
 from dampyr.identification.model_choice.screening import (
     BETWEEN,
     CUT,
     EXACT,
-    PAIRS,
     Screened,
+    Trial,
     choose_bandwidth,
     choose_splits,
-    list_held,
     screen_all,
     screening_set,
+    simplify,
     validation_error,
 )
 from dampyr.identification.model_choice.yardstick import (
@@ -100,7 +103,8 @@ class Finalist(Shown):
     over records that were left out, ``unseen_input`` the mean L1 ratio over inputs that were left out (NaN where there are
     fewer than three). ``standard_error`` is that of ``error``; ``not_for_buildings`` says why the model must not stand in for a
     damper of a building, and is empty where it may. ``seconds`` is the time of the fit to all records. ``fit`` is None where it
-    made no damper."""
+    made no damper. The parameters that are ``constant`` have one value at all inputs where they might have followed them.
+    """
 
     model: str
     error: float
@@ -117,6 +121,7 @@ class Finalist(Shown):
     validations: tuple[Validation, ...] = field(repr=False)
     fit: Fit | None = field(repr=False)
     not_for_buildings: str = ""
+    constant: tuple[str, ...] = ()
 
     @property
     def work(self) -> float:
@@ -290,6 +295,17 @@ def leaderboard(
     chosen = [] if cut else _select_finalists(screened, options.finalists)
     if not chosen and not cut:
         raise InputError(f"no model could be fitted; the first failed: {screened[0].bare.reason}")
+    if may_follow_input(options, listed):
+        chosen, screened, work = _simplify_all(
+            chosen,
+            screened,
+            partial(simplify, small=small, options=in_trials),
+            executor,
+            lambda done: report("looking for constant parameters", done),
+            SCREENING_SHARE * budget - spent,
+            deadline,
+        )
+        spent += work
     entries = _judge(
         chosen,
         listed,
@@ -303,7 +319,7 @@ def leaderboard(
     )
     ranked = sorted(entries, key=lambda entry: (entry.error, entry.model))
     notes = [*pieces, *left_out, *([] if cut else _describe_stops(screened, unfinished, ranked))]
-    missing = [model for model in chosen if model not in {entry.model for entry in entries}]
+    missing = [trial.model for trial in chosen if trial.model not in {entry.model for entry in entries}]
     spent += sum(entry.work for entry in entries)
     board = Leaderboard(
         tuple(ranked),
@@ -357,6 +373,37 @@ def _screen_called_parts(
     return called, more, unfinished, work + sum(trial.work for model in more for trial in model.trials)
 
 
+def _simplify_all(
+    finalists: Sequence[Trial],
+    screened: Sequence[Screened],
+    simplify_one: Callable[[Trial], tuple[Trial, tuple[Trial, ...]]],
+    executor: Executor | None,
+    progress: Callable[[float], None],
+    limit: float,
+    deadline: float,
+) -> tuple[list[Trial], list[Screened], float]:
+    """The finalists with the parameters constant that may be, the screened models with the trials of it, and their work.
+
+    Finalists stay as they are from the one on that ``limit``, counted s, or ``deadline`` leaves no time for.
+    """
+    spent = 0.0
+
+    def used_up(done: tuple[Trial, tuple[Trial, ...]]) -> bool:
+        nonlocal spent
+        spent += sum(trial.work for trial in done[1])
+        return spent > limit
+
+    jobs = [partial(simplify_one, finalist) for finalist in finalists] * (limit > 0.0)
+    found = [done for done in parallel.run_all(jobs, executor, progress, used_up, deadline) if done] if jobs else []
+    simpler = {best.model: best for best, _ in found}
+    tried = {best.model: trials for best, trials in found}
+    return (
+        [simpler.get(finalist.model, finalist) for finalist in finalists],
+        [replace(model, with_constant=tried.get(model.best.model, ())) for model in screened],
+        spent,
+    )
+
+
 def _measure_by_yardstick(
     board: Leaderboard, records: Sequence[Record], options: FitOptions, progress: Callable[[float], None]
 ) -> Leaderboard:
@@ -407,19 +454,18 @@ def _select_add_ons(add_ons: Sequence[str], records: Sequence[Record]) -> tuple[
     return tuple(add_ons), ()
 
 
-def _select_finalists(screened: Sequence[Screened], count: int) -> list[str]:
+def _select_finalists(screened: Sequence[Screened], count: int) -> list[Trial]:
     """The best models of the screening, two or more; one more where none of them may stand in for a damper of a building."""
     tried = [s.best for s in screened if np.isfinite(s.best.error)]
     ranked = sorted(tried, key=lambda trial: (trial.rank, len(compose(trial.model).parameters)))
-    models = [trial.model for trial in ranked]
     near = sum(trial.rank <= FAR_BEHIND * ranked[0].rank for trial in ranked)
-    best = models[: min(count, max(near, LEAST_FINALISTS))]
-    suited = [model for model in models if not compose(model).not_for_buildings]
-    return best + suited[:1] * (not any(model in suited for model in best))
+    best = ranked[: min(count, max(near, LEAST_FINALISTS))]
+    suited = [trial for trial in ranked if not compose(trial.model).not_for_buildings]
+    return best + suited[:1] * (not any(trial in suited for trial in best))
 
 
 def _judge(
-    models: Sequence[str],
+    finalists: Sequence[Trial],
     records: list[Record],
     whole: list[Record],
     options: FitOptions,
@@ -436,27 +482,29 @@ def _judge(
     """
     splits = choose_splits(records)
     options = replace(options, folds=PARTS, steps=FINAL_STEPS)
-    count = len(models) * (1 + sum(len(split_tasks(records, split, PARTS, options.seed)) for split in splits))
+    count = len(finalists) * (1 + sum(len(split_tasks(records, split, PARTS, options.seed)) for split in splits))
     share = 2.0 * max(remaining, 0.0) / max(count, 1)
     options = replace(options, budget=max(LEAST_WORK, min(FINAL_SHARE * budget, share)))
     jobs: list[tuple[str, Callable[[], Any]]] = []
     planned = []
-    for model in models:
-        of_model = replace(options, fixed=list_held(model) | dict(options.fixed))
+    for finalist in finalists:
+        model = finalist.model
+        held = replace(options, fixed=list_held(model) | dict(options.fixed))
+        of_model = with_constant(held, finalist.constant)
         parts = [validation_jobs(records, model, split, of_model) for split in splits]
         jobs += [(model, job) for folds, _ in parts for job in folds]
         jobs.append((model, partial(_fit_timed, model, whole, of_model)))
-        planned.append((model, parts))
+        planned.append((finalist, parts))
     # The slowest first, so that no core waits for another at the end.
     order = sorted(range(len(jobs)), key=lambda k: -len(compose(jobs[k][0]).parameters))
     done = parallel.run_all([partial(_run_quietly, jobs[k][1]) for k in order], executor, report, deadline=deadline)
     results = iter([result for _, result in sorted(zip(order, done, strict=True), key=lambda pair: pair[0])])
     entries = []
-    for model, parts in planned:
+    for finalist, parts in planned:
         folds, fitted = [[next(results) for _ in folds] for folds, _ in parts], next(results)
         if fitted is not None and all(fold is not None for of_split in folds for fold in of_split):
             validations = [assemble(of_split) for of_split, (_, assemble) in zip(folds, parts, strict=True)]
-            entries.append(_make_entry(model, validations, *fitted))
+            entries.append(_make_entry(finalist, validations, *fitted))
     return entries
 
 
@@ -472,7 +520,7 @@ def _fit_timed(model: str, records: list[Record], options: FitOptions) -> tuple[
     return fit_model(model, records, options), time.perf_counter() - begun
 
 
-def _make_entry(model: str, validations: list[Validation], fit_result: Fit, seconds: float) -> Finalist:
+def _make_entry(finalist: Trial, validations: list[Validation], fit_result: Fit, seconds: float) -> Finalist:
     scores = list(validations[0].scores.values())
 
     def mean(key: str) -> float:
@@ -480,7 +528,7 @@ def _make_entry(model: str, validations: list[Validation], fit_result: Fit, seco
         return float(np.nanmean(values)) if np.any(np.isfinite(values)) else float("nan")
 
     return Finalist(
-        model=model,
+        model=finalist.model,
         error=validation_error(validations) if fit_result.bare is not None else float("inf"),
         standard_error=standard_error(validations),
         l1=validations[0].error,
@@ -494,7 +542,8 @@ def _make_entry(model: str, validations: list[Validation], fit_result: Fit, seco
         reason=fit_result.reason,
         validations=tuple(validations),
         fit=fit_result,
-        not_for_buildings=compose(model).not_for_buildings,
+        not_for_buildings=compose(finalist.model).not_for_buildings,
+        constant=finalist.constant,
     )
 
 

@@ -20,7 +20,7 @@ from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.least_squares import fit_model
 from dampyr.identification.model_choice import parallel
-from dampyr.identification.model_choice.screening import list_held
+from dampyr.identification.model_choice.parameter_laws import list_held
 from dampyr.models.part import part
 from dampyr.phrases import percent
 from dampyr.records import Record

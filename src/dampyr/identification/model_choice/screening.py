@@ -1,11 +1,12 @@
-"""Screening: every model of a list on a few short records, bare and with add-ons, by what it predicts."""
+"""Screening: every model of a list on a few short records, bare and with add-ons, by what it predicts; and which of a model's
+parameters follow the input."""
 
 from __future__ import annotations
 
 import math
 import time
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -15,20 +16,21 @@ import numpy as np
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.model_choice import parallel
+from dampyr.identification.model_choice.parameter_laws import list_held, list_shapes, may_follow_input, with_constant
 from dampyr.identification.scoring.validation import Validation, cross_validate
 from dampyr.identification.search.work import OUT_OF_TIME, OUT_OF_WORK
-from dampyr.models import Damper, compose
-from dampyr.models.codegen.composition import Composition
+from dampyr.models import compose
 from dampyr.records import Record, cycle_bounds, measure, with_velocity
 from dampyr.records.checks.quality import motion_start
 from dampyr.records.conditioning.velocity import check_bandwidth, default_bandwidth
 from dampyr.shown import Shown
 
-#: compositions that are tried like a model of the catalogue, and what one of the two parts leaves to the other
-PAIRS = {"dahl + hyperbolic_tangent": {"hyperbolic_tangent.c": 0.0, "hyperbolic_tangent.s": 0.0}}
 BETWEEN = 0.25  # the weight of inputs left out: see `dampyr.identification.leaderboard`
 CONTENDING = 1.15  # times the lowest error: a model beyond it gets no further add-on
-WORTH = 0.02  # of the error: what an add-on must lower it by to stay
+WORTH = 0.02  # of the error: what an add-on, or values at each input of its parameters, must lower it by to stay
+# Of the error: what one value of a parameter that shapes the force may raise it by. The screening set is short: an error of 2 %
+# more on it may be 10 % more on all records.
+ALIKE = 0.005
 SIMPLE = 4  # numbers of a model that gets add-ons however it does bare: with them it may be the damper
 COMPARABLE = 1.3  # times the lowest error of a bare model: one of more numbers that is beyond it gets no add-on
 NOT_BEGUN = "not tried: the work was used up"
@@ -44,10 +46,23 @@ SAMPLES_PER_BANDWIDTH = 4.0  # twice the rate below which the motion would alias
 
 
 @dataclass(frozen=True)
+class Composed:
+    """A model, and those of its parameters that have one value at all inputs."""
+
+    model: str
+    constant: tuple[str, ...] = ()
+
+    def try_on(self, small: list[Record], options: FitOptions) -> Trial:
+        """`trial` of it."""
+        return replace(trial(self.model, small, with_constant(options, self.constant)), constant=self.constant)
+
+
+@dataclass(frozen=True)
 class Trial:
     """One model on the screening set: its validation error there; ``reason`` says why it is infinite, or what stopped a fit.
 
-    ``work`` is what its fits have spent, counted s (`dampyr.identification.search.work`).
+    ``work`` is what its fits have spent, counted s (`dampyr.identification.search.work`); the parameters that are ``constant``
+    had one value at all inputs where they might have followed them.
     """
 
     model: str
@@ -55,6 +70,12 @@ class Trial:
     seconds: float
     reason: str = ""
     work: float = 0.0
+    constant: tuple[str, ...] = ()
+
+    @property
+    def composed(self) -> Composed:
+        """What was tried."""
+        return Composed(self.model, self.constant)
 
     @property
     def rank(self) -> float:
@@ -64,10 +85,12 @@ class Trial:
 
 @dataclass(frozen=True, repr=False)
 class Screened(Shown):
-    """One model of the catalogue: every trial, the bare one first; the best is `best`."""
+    """One model of the catalogue: every trial, the bare one first; the best is `best`. Those of ``with_constant`` asked which
+    parameters of a finalist need not follow the input."""
 
     base: str
     trials: tuple[Trial, ...]
+    with_constant: tuple[Trial, ...] = ()
 
     @property
     def bare(self) -> Trial:
@@ -76,8 +99,11 @@ class Screened(Shown):
 
     @property
     def best(self) -> Trial:
-        """With the add-ons that were worth it; of trials that describe the records alike the first, with the fewest."""
-        return min(self.trials, key=lambda trial: trial.rank)
+        """With the add-ons that were worth it: of the trials within `WORTH` of the lowest error that with the fewest add-ons,
+        and among those with the fewest parameters that follow the input."""
+        lowest = min(trial.rank for trial in self.trials)
+        near = [trial for trial in self.trials if (1.0 - WORTH) * trial.rank <= lowest]
+        return min(near, key=lambda trial: (trial.model.count("+"), -len(trial.constant), trial.rank))
 
 
 def choose_bandwidth(
@@ -117,40 +143,51 @@ def screen_all(
     """Every model bare; those that are simple or near the best with each of ``options.add_ons``; then, round by round, those in
     contention with one more.
 
-    Every bare model is tried. Of the others none counts after those that together, in their order, have spent ``limit``,
-    counted s; the models that would have been gone on with, or have trials that were not done, are returned too. No trial
-    begins after ``deadline``, a value of ``time.time`` in s: those that it cuts have the reason `CUT`. ``lead`` is the lowest
-    error of models that were tried before.
+    Where a parameter may follow the input, an add-on is tried with one value of each of its own, and the one that is best is
+    tried with a value at each input too. Every bare model is tried. Of the others none counts after those that together, in
+    their order, have spent ``limit``, counted s; the models that would have been gone on with, or have trials that were not
+    done, are returned too. No trial begins after ``deadline``, a value of ``time.time`` in s: those that it cuts have the
+    reason `CUT`. ``lead`` is the lowest error of models that were tried before.
     """
     trials: dict[str, list[Trial]] = {base: [] for base in bases}
-    ends, add_ons = {base: base for base in bases}, options.add_ons
+    ends, add_ons = {base: Composed(base) for base in bases}, options.add_ons
     going, rounds, tally = list(bases), len(add_ons) + 1, _Tally(limit, len(bases))
+    follows = may_follow_input(options, small)
+
+    def try_all(plan: dict[str, list[Composed]], told: Callable[[float], None]) -> None:
+        # Each add-on with all models before the next one, so that a lack of work is the same for all.
+        places = range(max(map(len, plan.values()), default=0))
+        tried = [each for n in places for planned in plan.values() for each in planned[n : n + 1]]
+        tasks = [partial(each.try_on, small, options) for each in tried]
+        results = parallel.run_all(tasks, executor, told, tally.add, deadline) if tasks else []
+        why = NOT_BEGUN if tally.used_up else CUT
+        done = {
+            each: result or Trial(each.model, math.inf, 0.0, why, constant=each.constant)
+            for each, result in zip(tried, results, strict=True)
+        }
+        for base, planned in plan.items():
+            trials[base] += [done[each] for each in planned]
+
     for k in range(rounds):
         if not going or tally.used_up:
             break
-        plan = {base: _extend(ends[base], add_ons) if k else [base] for base in going}
-        # Each add-on with all models before the next one, so that a lack of work is the same for all.
-        tried = range(max(map(len, plan.values())))
-        models = [model for n in tried for planned in plan.values() for model in planned[n : n + 1]]
-        tasks = [partial(trial, m, small, options) for m in models]
-        results = parallel.run_all(
-            tasks,
-            executor,
-            lambda done, k=k: progress((k + done) / rounds),  # type: ignore[misc]
-            tally.add,
-            deadline,
-        )
-        why = NOT_BEGUN if tally.used_up else CUT
-        by_model = {m: done or Trial(m, math.inf, 0.0, why) for m, done in zip(models, results, strict=True)}
-        for base, planned in plan.items():
-            trials[base] += [by_model[model] for model in planned]
-        chosen = _select_contenders(going, trials, ends, lead) if k else _select_comparable(going, trials, lead)
+        plan = {base: _extend(ends[base], add_ons, follows) if k else [ends[base]] for base in going}
+        try_all(plan, lambda done, k=k: progress((k + 0.9 * done) / rounds))  # type: ignore[misc]
+        if k == 0:
+            chosen = _select_comparable(going, trials, lead)
+        else:
+            going = _follow_add_ons(going, trials, ends)
+            if not tally.used_up:
+                try_all({base: _free(ends[base], add_ons) for base in going}, lambda done: None)
+                _follow_add_ons(going, trials, ends)
+            chosen = _select_contenders(going, trials, ends, lead)
+        progress((k + 1) / rounds)
         going = chosen if k + 1 < rounds else []
     progress(1.0)
     unfinished = [base for base in bases if any(done.reason in (NOT_BEGUN, CUT) for done in trials[base])]
     return [Screened(base, tuple(trials[base])) for base in bases], [
         *unfinished,
-        *(ends[base] for base in going if base not in unfinished),
+        *(ends[base].model for base in going if base not in unfinished),
     ]
 
 
@@ -173,11 +210,25 @@ class _Tally:
         return self.sure <= 0 and self.spent > self.limit
 
 
-def _extend(model: str, add_ons: Sequence[str]) -> list[str]:
-    """The model with one add-on more, whichever it does not hold yet."""
-    parts = compose(model).parts
+def _extend(before: Composed, add_ons: Sequence[str], follows: bool) -> list[Composed]:
+    """The model with one add-on more, whichever it does not hold yet; where parameters may follow the input (``follows``) those
+    of the add-on are constant."""
+    parts = compose(before.model).parts
     held = {p.name for p in parts} | {inner for p in parts for inner in p.holds}
-    return [f"{model} + {a}" for a in add_ons if a not in held]
+    extended = []
+    for name in add_ons:
+        if name not in held:
+            model = f"{before.model} + {name}"
+            own = [shape for shape in list_shapes(model) if shape.startswith(f"{name}.")] if follows else []
+            extended.append(Composed(model, (*before.constant, *own)))
+    return extended
+
+
+def _free(end: Composed, add_ons: Sequence[str]) -> list[Composed]:
+    """The model with the parameters of its last add-on following the input, where they were constant."""
+    last = end.model.rpartition(" + ")[2]
+    kept = tuple(name for name in end.constant if not name.startswith(f"{last}."))
+    return [Composed(end.model, kept)] if last in add_ons and kept != end.constant else []
 
 
 def _select_comparable(bases: Sequence[str], trials: dict[str, list[Trial]], lead: float) -> list[str]:
@@ -191,36 +242,40 @@ def _select_comparable(bases: Sequence[str], trials: dict[str, list[Trial]], lea
     return [base for base in bases if base in simple or trials[base][0].error <= COMPARABLE * lead]
 
 
-def _select_contenders(
-    going: list[str], trials: dict[str, list[Trial]], ends: dict[str, str], lead: float
-) -> list[str]:
-    """The models that the last add-on was worth it for and that are not far behind the best; ``ends`` follows them."""
-    lead = min(lead, *(trial.error for tried in trials.values() for trial in tried))
+def _follow_add_ons(going: Sequence[str], trials: dict[str, list[Trial]], ends: dict[str, Composed]) -> list[str]:
+    """The models that the last trials were worth it for; ``ends`` follows them."""
     remaining = []
     for base in going:
-        before = min((t.error for t in trials[base] if t.model == ends[base]), default=float("inf"))
+        before = min((t.error for t in trials[base] if t.composed == ends[base]), default=math.inf)
         best = min(trials[base], key=lambda trial: trial.rank)
-        if best.model != ends[base] and best.error < (1.0 - WORTH) * before:
-            ends[base] = best.model
-            if best.error <= CONTENDING * lead:
-                remaining.append(base)
+        if best.composed != ends[base] and best.error < (1.0 - WORTH) * before:
+            ends[base] = best.composed
+            remaining.append(base)
     return remaining
 
 
-def hold_pairs(options: FitOptions, model: str | Composition | Damper) -> FitOptions:
-    """The options, with what a pair of parts within ``model`` holds unless one of them names it."""
-    laws = options.laws if isinstance(options.laws, Mapping) else {}
-    named = {*options.fixed, *laws, *options.tied, *options.tied.values()}
-    held = {name: value for name, value in list_held(model).items() if name not in named}
-    return replace(options, fixed=held | dict(options.fixed)) if held else options
+def _select_contenders(
+    going: Sequence[str], trials: dict[str, list[Trial]], ends: dict[str, Composed], lead: float
+) -> list[str]:
+    """The models that are not far behind the best."""
+    lead = min(lead, *(trial.error for tried in trials.values() for trial in tried))
+    return [
+        base for base in going if min(t.error for t in trials[base] if t.composed == ends[base]) <= CONTENDING * lead
+    ]
 
 
-def list_held(model: str | Composition | Damper) -> dict[str, float]:
-    """The parameters that a pair within ``model`` holds, in SI units."""
-    composition = compose(model) if isinstance(model, str) else model
-    parts = set((composition.composition if isinstance(composition, Damper) else composition).names)
-    pairs = [held for pair, held in PAIRS.items() if set(compose(pair).names) <= parts]
-    return {name: value for held in pairs for name, value in held.items()}
+def simplify(found: Trial, small: list[Record], options: FitOptions) -> tuple[Trial, tuple[Trial, ...]]:
+    """A finalist with one value of each parameter that need not follow the input, and the trials that found which: one after
+    the other, the last first. One stays constant where the error on the screening set ``small`` does not rise by more than
+    `ALIKE` over the lowest that this model had."""
+    best, lowest, trials = found, found.rank, []
+    for name in list_shapes(found.model):
+        if name not in best.constant:
+            done = Composed(found.model, (*best.constant, name)).try_on(small, options)
+            trials.append(done)
+            if done.rank <= (1.0 + ALIKE) * lowest:
+                best, lowest = done, min(lowest, done.rank)
+    return best, tuple(trials)
 
 
 def trial(model: str, small: list[Record], options: FitOptions) -> Trial:

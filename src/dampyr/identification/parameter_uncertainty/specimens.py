@@ -31,7 +31,7 @@ from dampyr.findings import Finding, Findings, handed_on, worst_first
 from dampyr.identification.fits.fit_options import FitOptions
 from dampyr.identification.fits.least_squares import fit_model, read_and_check
 from dampyr.identification.fits.result import Fit
-from dampyr.identification.model_choice.screening import hold_pairs
+from dampyr.identification.model_choice.parameter_laws import hold_pairs
 from dampyr.identification.parameter_uncertainty.profile_likelihood import variance_ratios
 from dampyr.identification.parameter_uncertainty.random_effects import MIN_GROUPS, RandomEffects, random_effects
 from dampyr.identification.search.problem import to_coordinates, to_values

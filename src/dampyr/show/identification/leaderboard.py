@@ -18,7 +18,7 @@ from dampyr.show.table import Cell, Table
 #: what JSON and a data frame hold of an entry
 ENTRY_KEYS = (
     "model", "error", "standard_error", "l1", "nrmse", "pointwise", "energy", "unseen_input", "relevelled", "parameters",
-    "seconds", "converged", "reason", "not_for_buildings",
+    "seconds", "converged", "reason", "not_for_buildings", "constant",
 )  # fmt: skip
 
 
@@ -35,6 +35,7 @@ def describe_entry(entry: Finalist) -> Description:
             ),
             ("NRMSE", f"{percent(entry.nrmse)}, pointwise {percent(entry.pointwise)}, energy {percent(entry.energy)}"),
             ("fit", f"{counted(entry.parameters, 'parameter')}, {entry.seconds:.3g} s; {entry.reason}"),
+            *([("the same at all inputs", listing(entry.constant, len(entry.constant)))] if entry.constant else []),
             *([("buildings", entry.not_for_buildings)] if entry.not_for_buildings else []),
         ],
     )
@@ -56,7 +57,7 @@ def describe_leaderboard(board: Leaderboard) -> Description:
 
 
 def _rows(board: Leaderboard) -> list[tuple[str, str]]:
-    trials = sum(len(model.trials) for model in board.screened)
+    trials = sum(len(model.trials) + len(model.with_constant) for model in board.screened)
     screened = f"{counted(len(board.screened), 'model')}, {counted(trials, 'composition')}, {board.seconds:.3g} s"
     if board.cut:
         return [("chosen", f"nothing: {board.cut}"), ("screened", screened)]
@@ -107,11 +108,21 @@ def finalists(board: Leaderboard) -> Table:
             f"error: {whole_inputs}; ±: one standard error.",
             "relevelled: L1 over records left out, with the level (a factor on the whole force) that each one's first cycles "
             "have; building: whether the model may stand in for a damper of a building.",
+            *[f"{sentence(words)}" for words in _constants_in_words(board.entries)],
             *["Black boxes were trained on the same parts: a yardstick, of which no card is made."] * bool(board.yardsticks),
         ),
         digits=3,
     )  # fmt: skip
     return table if has_input else table.without("unseen input")
+
+
+def _constants_in_words(entries: Sequence[Finalist]) -> list[str]:
+    """Which parameters of each finalist a search found to have one value at all inputs."""
+    return [
+        f"the same at all inputs in {entry.model}, as it predicts as well so: {listing(entry.constant, len(entry.constant))}"
+        for entry in entries
+        if entry.constant
+    ]
 
 
 def _has_input(entries: Sequence[Finalist]) -> bool:
@@ -166,6 +177,7 @@ def _columns(board: Leaderboard) -> DataFrameColumns:
     """The finalists, the best first; errors are ratios, ``seconds`` s."""
     keys = [key for key in ENTRY_KEYS if key != "model"]
     columns = {key: [getattr(entry, key) for entry in board.entries] for key in keys}
+    columns["constant"] = [", ".join(entry.constant) for entry in board.entries]
     return DataFrameColumns(columns, [entry.model for entry in board.entries], "model")
 
 
@@ -201,6 +213,7 @@ def choice_in_words(board: Leaderboard) -> list[str]:
             f"models within one standard error of the lowest ({best.model}, {percent(best.error)} ± "
             f"{percent(best.standard_error)}) it {_merit(board)}"
         ]
+    words += _constants_in_words([winner])
     if suited is None:
         words.append("no finalist may stand in for a damper of a building; try dahl, bouc_wen or modified_bouc_wen")
     else:
