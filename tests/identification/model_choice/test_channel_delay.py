@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 import dampyr as dp
 from dampyr.cli import cli
+from dampyr.identification.model_choice import channel_delay
 from dampyr.records import Record
 
 DAHL = dp.Damper("dahl", {"dahl.kx": 1200.0, "dahl.kw": 200.0, "dahl.rho": 2000.0})
@@ -64,6 +65,29 @@ def test_a_delay_is_told_and_what_is_told_repairs_it(delay: float, tmp_path: Pat
 @pytest.mark.usefixtures("no_trials")
 def test_nothing_is_said_where_nothing_was_late(damper: dp.Damper, delay: float, model: str) -> None:
     assert delays(dp.fit([sampled_late(damper, delay), sampled_late(damper, delay, 0.5)], model)) == []
+
+
+def test_a_residual_of_white_noise_is_not_looked_into(monkeypatch: pytest.MonkeyPatch) -> None:
+    def looked(*of: object) -> None:
+        raise AssertionError("the delay of white noise was estimated")
+
+    monkeypatch.setattr(channel_delay, "_common_delay", looked)
+    assert delays(dp.fit(sampled_late(DAHL, 0.0), "dahl")) == []
+    with pytest.raises(AssertionError, match="white noise"):
+        dp.fit(sampled_late(DAHL, 0.003), "dahl")
+
+
+@pytest.mark.parametrize("samples_a_cycle", [8, 20, 200])
+def test_the_share_that_is_told_is_no_white_noise(samples_a_cycle: int) -> None:
+    """What a delay takes up least of a residual, beside white noise, on records that are sampled ever so coarsely."""
+    t = np.arange(0.0, 40.0, 1.0 / samples_a_cycle)
+    force = DAHL.force(t, 0.01 * np.sin(2.0 * np.pi * t), voltage=0.0)
+    slope = np.gradient(force, t)
+    for seed in range(20):
+        noise = np.random.default_rng(seed).standard_normal(t.size)
+        share = channel_delay.SHARE
+        mixed = np.sqrt(share) * slope / np.std(slope) + np.sqrt(1.0 - share) * noise
+        assert not channel_delay._is_noise(mixed)
 
 
 def test_a_varying_input_and_a_motion_that_cannot_be_moved_are_left_alone() -> None:

@@ -50,6 +50,9 @@ MAX_FITS = 20  # of the search
 SETTLED = 0.005  # of the first estimate, to which the delay is searched
 MAX_RECORDS = 3  # that are looked at, from the first to the last
 MAX_ROWS = 4000  # of a record's regression, which needs no more
+# The correlation of a residual with itself, one sample on: white noise has none, and a delay that takes up `SHARE` of it leaves
+# about that, as the slope of the force goes on from sample to sample.
+NOISE = 0.05
 STEP = 1e-4  # of a parameter, or of its unit where it is 0: for differences of the force
 DELAYED = {"delay", "lag"}
 
@@ -61,12 +64,19 @@ def list_channel_delays(fit: Fit, options: FitOptions) -> list[MissingEffect]:
         return []
     if not damper.composition.n_states or DELAYED & set(damper.composition.names):
         return []
+    if all(_is_noise(residual) for residual in fit.optimum.residuals):
+        return []
     chosen = [records[k] for k in np.unique(np.linspace(0, len(records) - 1, MAX_RECORDS).astype(int))]
     # what is to be said of the records and the model the fit itself has said
     with np.errstate(over="ignore", invalid="ignore"), warnings.catch_warnings():
         warnings.simplefilter("ignore", DampyrWarning)
         delay, share = _common_delay(damper, chosen, options.fixed)
         return _search(fit, chosen, delay, options) if share >= SHARE else []
+
+
+def _is_noise(residual: Array) -> bool:
+    """Whether nothing in a residual goes on from one sample to the next."""
+    return abs(float(residual[1:] @ residual[:-1])) <= NOISE * float(residual @ residual)
 
 
 def _search(fit: Fit, records: Sequence[Record], estimate: float, options: FitOptions) -> list[MissingEffect]:

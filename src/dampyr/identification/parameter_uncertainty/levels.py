@@ -211,6 +211,8 @@ class _Level:
             rest = residual - basis @ shape
             away = np.abs(rest - _median_of_five(rest))
             true = away <= max(FALSE * float(np.median(away)), STANDS_OUT * float(np.median(np.abs(rest))))
+            if np.all(true):
+                break
         pairs = [(true[k:] & true[: rest.size - k], rest[k:] * rest[: rest.size - k]) for k in range(3)]
         lags = np.array([float(np.sum(products[both])) / max(int(both.sum()), 1) for both, products in pairs])
         first_piece = problem.pieces[pieces[0]]
