@@ -148,7 +148,7 @@ def envelope(
         limits[u] = np.array([_limit_sine(f, u, rig, damper) for f in frequencies])
         progress((k + 1) / rounds)
         if "sine" in kinds:
-            candidates += _take_shares(frequencies, limits[u], rig, partial(_make_sine, u=u, seconds=seconds))
+            candidates += _take_shares(frequencies, limits[u], rig, partial(make_sine, u=u, seconds=seconds))
     if "voltage_steps" in kinds and len(levels) > 1:
         steps = partial(_make_voltage_steps, levels=levels, seconds=seconds)
         candidates += _take_shares(frequencies, limits[max(levels)], rig, steps)
@@ -162,7 +162,7 @@ def envelope(
             candidates += _fit_bands(
                 rig, damper, [_make_random(0.2, top, u, seconds, s, rig) for top in (1.5, 4.0) for s in SEEDS]
             )
-    dampers = _list_dampers(rig, damper)
+    dampers = list_dampers(rig, damper)
     passed = tuple(
         replace(c, has_input=damper.has_input)
         for c in candidates
@@ -175,13 +175,14 @@ def envelope(
             at, lower = f" at {min(levels):.4g} to {max(levels):.4g} V", "lower the voltages, or "
         raise InputError(
             f"the rig {rig.name!r} can do none of {len(candidates)} candidate tests with this damper{at}: with at least "
-            f"{1e3 * _smallest_amplitude(rig):.3g} mm none is within its limits; {lower}check actuator and limits in the "
+            f"{1e3 * smallest_amplitude(rig):.3g} mm none is within its limits; {lower}check actuator and limits in the "
             "rig's file"
         )
     return RigEnvelope(passed, frequencies, limits, levels)
 
 
-def _smallest_amplitude(rig: RigSettings) -> float:
+def smallest_amplitude(rig: RigSettings) -> float:
+    """What the encoder tells to a per cent, m."""
     return LEAST * rig.encoder.count
 
 
@@ -198,7 +199,7 @@ def _limit_sine(frequency: float, voltage: float, rig: RigSettings, damper: Damp
     return _limit_amplitude(step, rig, damper) or 0.0
 
 
-def _list_dampers(rig: RigSettings, damper: Damper) -> tuple[Damper | None, ...]:
+def list_dampers(rig: RigSettings, damper: Damper) -> tuple[Damper | None, ...]:
     """What a step is checked with: the damper, and where the rig's file names no card, what a campaign is checked with then."""
     return (damper,) if rig.specimen.card else (damper, specimen(rig))
 
@@ -206,7 +207,7 @@ def _list_dampers(rig: RigSettings, damper: Damper) -> tuple[Damper | None, ...]
 def _limit_amplitude(step: Any, rig: RigSettings, damper: Damper) -> float | None:
     """The largest amplitude [m] that passes, at most the step's own; None where none does."""
     a: float | None = float(step.amplitude)
-    for checked in _list_dampers(rig, damper):
+    for checked in list_dampers(rig, damper):
         if a is not None and violations_of(replace(step, amplitude=a), rig, checked):
             a = largest(replace(step, amplitude=a), "amplitude", rig, checked)
     return a
@@ -219,20 +220,22 @@ def _take_shares(
     candidates = []
     for f, limit in zip(frequencies, limits, strict=True):
         for share in SHARES:
-            a = _round_down(share * limit)
-            if a >= _smallest_amplitude(rig):
+            a = round_down(share * limit)
+            if a >= smallest_amplitude(rig):
                 candidates.append(candidate_of(float(f), a))
     return candidates
 
 
-def _round_down(value: float) -> float:
+def round_down(value: float) -> float:
+    """To three digits, never up."""
     if value <= 0.0:
         return 0.0
     unit = 10.0 ** (math.floor(math.log10(value)) - 2)
     return round_trip(math.floor(value / unit + 2e-3) * unit)
 
 
-def _make_sine(f: float, a: float, u: float, seconds: float) -> Candidate:
+def make_sine(f: float, a: float, u: float, seconds: float) -> Candidate:
+    """A sine of ``f`` Hz, ``a`` m and ``u`` V, for about so many seconds."""
     step = kind("sine")(amplitude=a, frequency=f, voltage=u, cycles=max(1, round(seconds * f)), rest_before=1.0)
     return _place("sine", step, f, a)
 
@@ -280,7 +283,7 @@ def _fit_bands(rig: RigSettings, damper: Damper, wanted: list[Candidate]) -> lis
     candidates = []
     for candidate in wanted:
         a = _limit_amplitude(candidate.step, rig, damper)
-        if a is not None and a >= _smallest_amplitude(rig):
-            a = _round_down(MARGIN * a)
+        if a is not None and a >= smallest_amplitude(rig):
+            a = round_down(MARGIN * a)
             candidates.append(replace(candidate, step=replace(candidate.step, amplitude=a), amplitude=a))
     return candidates

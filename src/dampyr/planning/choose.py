@@ -109,14 +109,15 @@ def best_tests(
     time: float = np.inf,
     enough: float = -np.inf,
     progress: Callable[[float], None] = lambda done: None,
+    first: Sequence[int] = (),
 ) -> list[int]:
     """The places of the chosen candidates, at most ``number`` of them and ``time`` s together, each at most once: tests of one
     motion share what the model misses there, and the spread between records would not show it.
 
-    Fewer where the criterion falls to ``enough`` with them.
+    Those of ``first`` are among them whatever they tell. Fewer where the criterion falls to ``enough`` with them.
     """
     lengths = np.asarray(durations, dtype=float)
-    chosen: list[int] = []
+    chosen = list(first)
 
     def allowed(others: list[int]) -> list[int]:
         left = time - lengths[others].sum()
@@ -132,7 +133,7 @@ def best_tests(
         if min(values) <= enough:
             break
     for turn in range(PASSES):
-        if not _exchange(plan, pool, goal, chosen, allowed):
+        if not _exchange(plan, pool, goal, chosen, allowed, len(first)):
             break
         progress((number + turn + 1) / (number + PASSES))
     progress(1.0)
@@ -140,11 +141,16 @@ def best_tests(
 
 
 def _exchange(
-    plan: CoefficientLayout, pool: Pool, goal: Criterion, chosen: list[int], allowed: Callable[[list[int]], list[int]]
+    plan: CoefficientLayout,
+    pool: Pool,
+    goal: Criterion,
+    chosen: list[int],
+    allowed: Callable[[list[int]], list[int]],
+    kept: int,
 ) -> bool:
-    """Replace each chosen test by a better one where there is one; whether there was."""
+    """Replace each chosen test but the first ``kept`` by a better one where there is one; whether there was."""
     improved = False
-    for place in range(len(chosen)):
+    for place in range(kept, len(chosen)):
         others = chosen[:place] + chosen[place + 1 :]
         now = pool.criterion(plan, chosen, goal)
         options = allowed(others)

@@ -39,6 +39,7 @@ from dampyr.planning.expected_information import (
     learned,
 )
 from dampyr.planning.goal import Peak, parameter_goal, peak_goal, peak_half_of_fit
+from dampyr.planning.separating_tests import separate_level_from_stroke
 from dampyr.records import Record, nominal_inputs
 from dampyr.rig import RigSettings, load_settings
 from dampyr.shown import Shown
@@ -140,14 +141,18 @@ class PlanOptions(Options):
 
 @dataclass(frozen=True, repr=False)
 class ProposedTest(Shown):
-    """A test of a proposal; ``improves`` says by how much intervals would be wider without it, the most first."""
+    """A test of a proposal; ``improves`` says by how much intervals would be wider without it, the most first, and ``reason``
+    what else it is there for."""
 
     candidate: Candidate
     improves: Mapping[str, float]
+    reason: str = ""
 
     @property
     def why(self) -> str:
-        """Which intervals would be wider without it, in words."""
+        """What it is there for, or which intervals would be wider without it, in words."""
+        if self.reason:
+            return self.reason
         wider = [
             f"{label} {100 * share:.0f} %" for label, share in list(self.improves.items())[:CAUSES] if share > TINY_GAIN
         ]
@@ -338,7 +343,8 @@ def _propose(
     candidates_of = envelope(
         rig, bare, levels, kinds, options.seconds, lambda p: progress("finding what the rig can do", p)
     )
-    candidates = candidates_of.candidates
+    apart = _separate(evidence, rig, bare, levels, kinds, options, notes)
+    candidates = (*apart, *candidates_of.candidates)
     records = []
     for k, candidate in enumerate(candidates):
         records.append(expected_record(candidate.step.drive(rig), bare, rig, f"candidate {k + 1}"))
@@ -358,6 +364,7 @@ def _propose(
         np.inf if options.duration is None else options.duration,
         enough=enough - float(np.log(pool.peak_factor)),
         progress=lambda p: progress("choosing tests", p),
+        first=range(len(apart)),
     )
     if not places:
         shortest = min(candidate.duration for candidate in candidates)
@@ -371,7 +378,11 @@ def _propose(
     else:  # without a lag, or at fewer voltages, there are fewer coefficients
         last = study.of(chosen)
     after = expected(last.plan, [*last.present, *last.candidates], last.spread, factors=last.factors)
-    tests = tuple(ProposedTest(candidates[k], last.improved_by(place, after)) for place, k in enumerate(places))
+    reasons = [apart.get(candidates[k], "") for k in places]
+    tests = tuple(
+        ProposedTest(candidates[k], last.improved_by(place, after), reason)
+        for place, (k, reason) in enumerate(zip(places, reasons, strict=True))
+    )
     before, peak_before = _measure_before(damper, evidence, last, notes)
     if last.spread.records == 0:
         notes.append(
@@ -401,6 +412,35 @@ def _propose(
         peak_after=peak_after,
         notes=(*notes, *_note_sessions(evidence, [test.candidate for test in tests])),
     )
+
+
+def _separate(
+    evidence: Fit | None,
+    rig: RigSettings,
+    damper: Damper,
+    inputs: Sequence[float],
+    kinds: Sequence[str],
+    options: PlanOptions,
+    notes: list[str],
+) -> dict[Candidate, str]:
+    """The tests that tell a level from a stroke where the records do not, and why each is there; ``notes`` say what is open."""
+    if evidence is None or "sine" not in kinds:
+        return {}
+    found = separate_level_from_stroke(evidence, rig, damper, inputs, options.seconds)
+    if found is None:
+        return {}
+    needed = sum(test.duration for test in found.tests)
+    if not found.tests:
+        notes.append(f"{found.words}; this rig can do no three sines that would tell, at these inputs")
+        return {}
+    if options.max_tests <= len(found.tests) or (options.duration is not None and needed > options.duration):
+        notes.append(
+            f"{found.words}; three tests of {needed:.0f} s together would tell, and are proposed where {len(found.tests) + 1} "
+            "tests or more and as much time are allowed"
+        )
+        return {}
+    notes.append(f"{found.words}; the first three of these tests, made in one session, tell")
+    return dict(zip(found.tests, found.reasons, strict=True))
 
 
 def _choose_kinds(rig: RigSettings, options: PlanOptions, notes: list[str]) -> tuple[str, ...]:

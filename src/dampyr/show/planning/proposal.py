@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 @describe.register
 def describe_proposed_test(test: ProposedTest) -> Description:
     """Its duration, and which intervals would be wider without it."""
-    rows = [("duration", f"{test.candidate.duration:.4g} s"), ("wider without it", test.why)]
+    rows = [("duration", f"{test.candidate.duration:.4g} s"), ("for" if test.reason else "wider without it", test.why)]
     return Description(f"ProposedTest {test.candidate.words!r}", rows)
 
 
@@ -77,7 +77,7 @@ def proposed_tests(proposal: Proposal) -> Table:
         [k, test.candidate.words, test.candidate.duration, test.why] for k, test in enumerate(proposal.tests, start=1)
     ]
     return Table(
-        ("", "test", "time", "intervals that would be wider without it"),
+        ("", "test", "time", "why: the intervals that would be wider without it"),
         rows,
         ("", "", "s", ""),
         caption=f"{counted(len(rows), 'test')} for {proposal.goal}, of {len(proposal.envelope.candidates)} that "
@@ -135,6 +135,7 @@ def _numbers(proposal: Proposal) -> dict[str, Any]:
                 "frequency_Hz": test.candidate.frequency,
                 "amplitude_m": test.candidate.amplitude,
                 "wider_without": dict(test.improves),
+                "reason": test.reason,
             }
             for test in proposal.tests
         ],
