@@ -31,6 +31,7 @@ from dampyr.structures import Building
 from dampyr.structures.control_laws import lag_of, values_at
 from dampyr.structures.controller import ControllerRun, design_controller
 from dampyr.structures.sites import connections, make_sites
+from dampyr.structures.wanted_force import inverse_of
 
 Array = NDArray[np.float64]
 HEADER = 11
@@ -125,7 +126,7 @@ class LawInput:
         values_at(law, damper)
         self.law, self.lag = law, lag_of(law, damper)
         controller = design_controller(law, building, row[None], 0)
-        self.run = ControllerRun(controller)
+        self.run = ControllerRun(controller, inverse=inverse_of(law, damper))
         if np.any(controller.rows[:, 2 * building.n : 2 * building.n + 2]) and motion is None:
             raise InputError(
                 "this law needs the motion of the ground, which OpenSees does not send; give the motion that shakes the "

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from dampyr import registry, units
 from dampyr.errors import InputError
+from dampyr.models.inverse import check_invertible
 from dampyr.models.part import quantities
-from dampyr.structures.controller import REGISTRY, class_in, module_of
+from dampyr.structures.controller import REGISTRY, asks_force, class_in, module_of
 from dampyr.structures.law_form import ControlLaw
 from dampyr.structures.sensors import MEASURES, Sensor
 
@@ -159,11 +160,13 @@ def values_at(law: Any, damper: Any, allow_extrapolation: bool = False) -> Array
     """The parameters of a damper (201, P) from the least input of ``law`` to the greatest, static forces left out.
 
     Raises InputError unless the law can control the damper: its inputs in the calibrated range (or extrapolation allowed), one
-    lag, a constant delay.
+    lag, a constant delay, and for a law that asks for a force a damper whose force an input of the same step can choose.
     """
     _check_order(law)
     values: Array = damper.values(np.linspace(law.low, law.high, 201), False, allow_extrapolation)
     lag_of(law, damper)
+    if asks_force(law):
+        check_invertible(damper)
     k = damper.composition.delay
     if k is not None and np.ptp(values[:, k]) > 0:
         raise InputError(

@@ -28,12 +28,18 @@ from dampyr.structures.sensors import MEASURES, VECTORS, DamperPlace
 
 Array = NDArray[np.float64]
 REGISTRY = "dampyr.structures.control"
+FOLLOWED = ("stroke", "rate")  # what the model of the damper follows in a law that asks for a force
 MAX_ARGUMENTS = 8  # of what a law's formulas take at a sample: every corner of them is looked at (`take_decision`)
 
 
 def module_of(law: Any) -> ModuleType:
     """The file of a law or of its class."""
     return sys.modules[(law if isinstance(law, type) else type(law)).__module__]
+
+
+def asks_force(law: Any) -> bool:
+    """Whether a law, or one of a class, decides on a force and leaves the input to the damper's inverse."""
+    return getattr(module_of(law), "ASKS", "input") == "force"
 
 
 def setting_names(cls: Any) -> list[str]:
@@ -49,6 +55,12 @@ class LawFormulas:
     update: Formula | None
     arguments: tuple[str, ...]
     states: tuple[float, ...]  # their values at the start
+    asks_force: bool = False
+
+    @property
+    def stroke_and_rate(self) -> tuple[int, int]:
+        """Where these two stand among the arguments of a law that asks for a force."""
+        return self.arguments.index("stroke"), self.arguments.index("rate")
 
     @property
     def signals(self) -> tuple[str, ...]:
@@ -65,14 +77,16 @@ def formulas_of(cls: Any) -> LawFormulas:
     for text in texts:
         _check_expression(cls, text)
     known = (*setting_names(cls), *states)
-    signals = tuple(dict.fromkeys(name for text in texts for name in text.arguments if name not in known))
+    asks = asks_force(cls)
+    named = [name for text in texts for name in text.arguments if name not in known]
+    signals = tuple(dict.fromkeys([*named, *(FOLLOWED if asks else ())]))
     arguments = (*signals, *states)
     if len(arguments) > MAX_ARGUMENTS:
         raise InputError(
             f"{cls.__name__} decides by {len(arguments)} quantities ({', '.join(arguments)}); {MAX_ARGUMENTS} are allowed: "
             "let its design sum up what is linear"
         )
-    return LawFormulas(texts[0], texts[1] if states else None, arguments, tuple(map(float, states.values())))
+    return LawFormulas(texts[0], texts[1] if states else None, arguments, tuple(map(float, states.values())), asks)
 
 
 def _check_expression(cls: type, formula: Formula) -> None:
@@ -173,6 +187,11 @@ def _measures(law: Any) -> tuple[str, ...]:
     for name in names:
         if name not in MEASURES:
             raise InputError(f"{cls} measures {name!r}, which is no measure; {choose_from(name, list(MEASURES))}")
+    missing = [name for name in FOLLOWED if name not in names]
+    if missing and asks_force(law):
+        raise InputError(
+            f"{cls} asks for a force and does not measure {missing[0]}; MEASURES must have {', '.join(FOLLOWED)}"
+        )
     for name, _ in law.sensors:
         if name not in names:
             raise InputError(
@@ -203,7 +222,11 @@ def _signal(cls: type, name: str, design: LawDesign, first: dict[str, int], memo
 class ControllerRun:
     """A controller sample by sample, in plain Python: as the kernels compute it, for other programs and for checks."""
 
-    def __init__(self, controller: Controller, site: int = 0) -> None:
+    def __init__(self, controller: Controller, site: int = 0, inverse: Any = None) -> None:
+        """``inverse`` finds the input of a law that asks for a force (`dampyr.structures.wanted_force.FollowedInverse`)."""
+        if controller.formulas.asks_force and inverse is None:
+            raise ValueError(f"{type(controller.law).__name__} asks for a force; give the inverse of its damper")
+        self.inverse, self.reason = inverse, ""
         self.controller, self.site, self.sample = controller, site, 0
         self.memory = np.zeros(len(controller.F))
         self.states = np.array(controller.formulas.states)
@@ -236,6 +259,9 @@ class ControllerRun:
         self.functions["remember"](self.kind, arguments, controller.settings)
         self.states = arguments[len(controller.formulas.signals) :].copy()
         u = float(self.functions["decide"](self.kind, arguments, controller.settings))
+        if controller.formulas.asks_force:
+            found = self.inverse.find(*arguments[list(controller.formulas.stroke_and_rate)], u)
+            u, self.reason = found.input, found.reason
         self.memory = controller.F @ self.memory + controller.G @ y
         self.sample += 1
         return u

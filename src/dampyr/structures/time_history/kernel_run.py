@@ -23,6 +23,7 @@ from dampyr.structures.propagator import propagator, system
 from dampyr.structures.sites import Site, connections, describe_place, drifts
 from dampyr.structures.time_history.linear_response import bare_response
 from dampyr.structures.time_history.response import Decisions, Integration, Output, output
+from dampyr.structures.wanted_force import reasons_of, wanted_forces
 
 Array = NDArray[np.float64]
 
@@ -151,14 +152,15 @@ class DampedRun:
         control = self._control(step, steps, before, imposed)
         if control is None:
             out.input[:] = out.mean_input[:] = [site.input_value for site in sites]
-        work = _scratch(building.n, dampers.states)
-        self.kernel(ag, m, step, FORCE_TOLERANCE, self.linear(step), dampers, control, work, out)
+        work, models = _scratch(building.n, dampers.states), wanted_forces(sites, dampers.kind, self.controllers)
+        self.kernel(ag, m, step, FORCE_TOLERANCE, self.linear(step), dampers, control, models, work, out)
         if control is not None:
             _check_inputs(sites, control)
             out.mean_input[:] = control.total / steps if steps else control.level
         _check_bounded(out, self.motion)
         decisions = None if control is None else _decisions(control, steps)
-        return Integration(out.of_floors(building.n_floors), step, decisions=decisions)
+        reasons = reasons_of(models, len(sites))
+        return Integration(out.of_floors(building.n_floors), step, decisions=decisions, reasons=reasons)
 
     def _control(
         self, step: float, steps: int, before: Array | None = None, imposed: Array | None = None
@@ -176,7 +178,8 @@ class DampedRun:
         for k in range(max(map(len, levels))):
             for d, values in enumerate(levels):
                 dampers.params[d, :, : values.shape[1]] = values[min(k, len(values) - 1)]
-            self.kernel(ag, 1, step, FORCE_TOLERANCE, self.linear(step), dampers, control, work, out)
+            models = wanted_forces(sites, dampers.kind, self.controllers)
+            self.kernel(ag, 1, step, FORCE_TOLERANCE, self.linear(step), dampers, control, models, work, out)
             slopes.append(np.abs(out.rest_slopes))
         return np.asarray(np.max(slopes, axis=0))
 
