@@ -74,7 +74,7 @@ def test_a_sensor_is_late_biased_noisy_limited_and_counts_in_quanta() -> None:
     run = ControllerRun(controller_of(law))
     truth = [3.0, -1.0, 0.7, 0.3, -4.0]
     for k, f in enumerate(truth):
-        _, given = run.measured(np.array([0, 0, 0, 0, 0, 0, f], dtype=float))
+        given, _ = run.measured(np.array([0, 0, 0, 0, 0, 0, f], dtype=float))
         late = truth[k - 2] if k >= 2 else 0.0
         drawn = late + 0.2 + 0.5 * noise(9, k * 65536)[1]
         assert given == pytest.approx(0.25 * np.floor(np.clip(drawn, -2.0, 2.0) / 0.25 + 0.5))

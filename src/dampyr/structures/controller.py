@@ -102,7 +102,8 @@ class Controller:
     """A law at its place: with w what a step knows (see `dampyr.structures.sensors`) and y what the sensors give,
 
     y of ``rows`` (Y, 2n + 2 + N) w; s = ``of_memory`` (S, X) x + ``of_measured`` (S, Y) y; x' = ``F`` x + ``G`` y.
-    ``faults`` (Y, 4) are noise, bias, quantum and range of each y, ``delays`` (Y,) samples.
+    ``faults`` (Y, 4) are noise, bias, quantum and range of each y, ``delays`` (Y,) samples; ``channels`` (Y,) are their numbers
+    among all that the law measures, by which their noise is drawn.
     """
 
     law: Any
@@ -110,6 +111,7 @@ class Controller:
     rows: Array
     faults: Array
     delays: NDArray[np.int64]
+    channels: NDArray[np.int64]
     of_memory: Array
     of_measured: Array
     F: Array
@@ -117,9 +119,15 @@ class Controller:
     sizes: tuple[tuple[str, int], ...] = ()  # of each measure how many rows, where they are not summed up
 
     @cached_property
+    def err(self) -> NDArray[np.bool_]:
+        """Which sensors (Y,) give something else than what they measure."""
+        wrong = np.any(self.faults[:, :3], axis=1) | np.isfinite(self.faults[:, 3]) | (self.delays > 0)
+        return np.asarray(wrong, dtype=np.bool_)
+
+    @property
     def is_ideal(self) -> bool:
         """Whether all of its sensors give what they measure."""
-        return not (np.any(self.faults[:, :3]) or np.any(np.isfinite(self.faults[:, 3])) or np.any(self.delays))
+        return not self.err.any()
 
     @property
     def module(self) -> ModuleType:
@@ -135,7 +143,7 @@ class Controller:
 def design_controller(law: Any, building: Building, connections: Array, d: int, summed: bool = True) -> Controller:
     """The controller of damper ``d`` of those at ``connections`` (N, n); InputError where the law's design does not fit.
 
-    Where its sensors are ideal, what is linear in its measures is ``summed`` up beforehand."""
+    What is linear in the measures whose sensors are ideal is ``summed`` up beforehand."""
     cls: Any = type(law)
     place, module = DamperPlace(building, connections, d), module_of(law)
     formulas: LawFormulas = formulas_of(cls)
@@ -159,22 +167,28 @@ def design_controller(law: Any, building: Building, connections: Array, d: int, 
     faults = np.array([(s.noise, s.bias, s.quantum, s.range) for s in sensors]).reshape(len(rows), 4)
     delays = np.array([s.delay for s in sensors], dtype=np.int64)
     sizes = tuple((name, len(block)) for name, block in zip(names, blocks, strict=True))
-    controller = Controller(law, formulas, rows, faults, delays, table[:, :memory], table[:, memory:], F, G, sizes)
-    return _summed_up(controller) if summed and controller.is_ideal else controller
+    channels = np.arange(len(rows))
+    controller = Controller(
+        law, formulas, rows, faults, delays, channels, table[:, :memory], table[:, memory:], F, G, sizes
+    )
+    return _summed_up(controller) if summed else controller
 
 
 def _summed_up(controller: Controller) -> Controller:
-    """The same where the sensors are ideal: what is linear in the measures is summed up beforehand."""
-    count, memory = len(controller.of_measured), len(controller.F)
-    rows = np.vstack([controller.of_measured @ controller.rows, controller.G @ controller.rows])
-    size = count + memory
+    """The same with what is linear in ideally measured quantities summed up: after the sensors that err comes one row for each
+    signal and one for each number of the memory, those that are not 0."""
+    count, memory, err = len(controller.of_measured), len(controller.F), controller.err
+    sums = np.vstack([part[:, ~err] @ controller.rows[~err] for part in (controller.of_measured, controller.G)])
+    kept, units = np.any(sums != 0.0, axis=1), np.eye(count + memory)
+    size = int(kept.sum())
     return replace(
         controller,
-        rows=rows,
-        faults=np.tile([0.0, 0.0, 0.0, np.inf], (size, 1)),
-        delays=np.zeros(size, dtype=np.int64),
-        of_measured=np.eye(count, size),
-        G=np.eye(memory, size, count),
+        rows=np.vstack([controller.rows[err], sums[kept]]),
+        faults=np.vstack([controller.faults[err], np.tile([0.0, 0.0, 0.0, np.inf], (size, 1))]),
+        delays=np.append(controller.delays[err], np.zeros(size, dtype=np.int64)),
+        channels=np.append(controller.channels[err], np.zeros(size, dtype=np.int64)),
+        of_measured=np.hstack([controller.of_measured[:, err], units[:count, kept]]),
+        G=np.hstack([controller.G[:, err], units[count:, kept]]),
         sizes=(),
     )
 
@@ -243,7 +257,10 @@ class ControllerRun:
         y = np.array([self.past[-1 - late][c] for c, late in enumerate(self.controller.delays)])
         for c, (spread, bias, quantum, limit) in enumerate(self.controller.faults):
             if spread > 0.0:
-                y[c] += spread * noise(self.controller.law.seed, counter(self.sample, self.site, c // 2))[c % 2]
+                number = int(self.controller.channels[c])
+                y[c] += (
+                    spread * noise(self.controller.law.seed, counter(self.sample, self.site, number // 2))[number % 2]
+                )
             y[c] = min(max(y[c] + bias, -limit), limit)
             y[c] = quantum * np.floor(y[c] / quantum + 0.5) if quantum > 0.0 else y[c]
         return y

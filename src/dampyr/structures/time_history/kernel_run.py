@@ -63,6 +63,7 @@ class Control(NamedTuple):
     rows: Any  # (N, Y, 2n + 2 + N): this and the following as in `Controller`, a law each, filled up with zeros
     faults: Any  # (N, Y, 4)
     late: Any  # (N, Y)
+    channels: Any  # (N, Y)
     of_memory: Any  # (N, A, X)
     of_measured: Any  # (N, A, Y)
     F: Any  # (N, X, X)
@@ -264,6 +265,7 @@ def _control(
         rows=np.zeros((count, measured, known)),
         faults=np.zeros((count, measured, 4)),
         late=np.zeros((count, measured), dtype=np.int64),
+        channels=np.zeros((count, measured), dtype=np.int64),
         of_memory=np.zeros((count, most, memory)),
         of_measured=np.zeros((count, most, measured)),
         F=np.zeros((count, memory, memory)),
@@ -310,6 +312,7 @@ def _fill(control: Control, d: int, site: Site, controller: Controller, step: fl
         values = getattr(controller, name)
         getattr(control, name)[d][tuple(map(slice, values.shape))] = values
     control.late[d, : len(controller.delays)] = controller.delays
+    control.channels[d, : len(controller.channels)] = controller.channels
     control.ideal[d], control.seed[d] = controller.is_ideal, site.law.seed
     control.signals[d], control.count[d] = len(controller.formulas.signals), len(controller.formulas.arguments)
     control.arguments[d, control.signals[d] : control.count[d]] = controller.formulas.states

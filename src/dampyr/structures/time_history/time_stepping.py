@@ -238,8 +238,9 @@ def measure(d: int, number: int, lin: Any, control: Any, now: Any, ground: float
         late = control.late[d, c]
         y[c] = past[(number - late) % depth, c] if number >= late else 0.0
         if faults[c, 0] > 0.0:
-            pair = normal_pair(control.seed[d], counter(number, d, c // 2))
-            y[c] += faults[c, 0] * (pair[0] if c % 2 == 0 else pair[1])
+            channel = control.channels[d, c]
+            pair = normal_pair(control.seed[d], counter(number, d, channel // 2))
+            y[c] += faults[c, 0] * (pair[0] if channel % 2 == 0 else pair[1])
         y[c] = min(max(y[c] + faults[c, 1], -faults[c, 3]), faults[c, 3])
         if faults[c, 2] > 0.0:
             y[c] = faults[c, 2] * math.floor(y[c] / faults[c, 2] + 0.5)
