@@ -79,9 +79,9 @@ def write(
     law that asks for a force calls the inverse.
     """
     check_name(name)
-    controlled = _controlled(damper, control, structure, place)
+    made = controlled(damper, control, structure, place)
     precision = SINGLE if single else DOUBLE
-    follows = controlled is not None and controlled[0].formulas.asks_force
+    follows = made is not None and made[0].formulas.asks_force
     c = c_source(damper, name, allow_extrapolation, precision, history, inverse or follows)
     texts = {
         f"{name}.h": c.header,
@@ -89,11 +89,7 @@ def write(
         f"{name}_vectors.h": _vectors(damper, name),
         f"{name}_test.c": _test_program(name, precision, damper.has_input, inverse or follows),
     }
-    law_texts = (
-        {}
-        if controlled is None
-        else law_files(*controlled, damper, name, describe_law(control, damper.input), precision)
-    )
+    law_texts = {} if made is None else law_files(*made, damper, name, describe_law(control, damper.input), precision)
     libm = {name: bool(c.libm)} | ({f"{name}_law": libm_of(law_texts.values(), precision)} if law_texts else {})
     texts |= law_texts | {"Makefile": _makefile(libm, f"{name}.c {name}.h" if follows else "")}
     folder.mkdir(parents=True, exist_ok=True)
@@ -102,7 +98,7 @@ def write(
     return [folder / file for file in texts]
 
 
-def _controlled(
+def controlled(
     damper: Damper, control: Any, structure: Building | None, place: Any
 ) -> tuple[Controller, Building] | None:
     """The controller that is written, with its building; None where there is no law."""
