@@ -27,6 +27,9 @@ from dampyr.export.opensees_server import live_damper
 from dampyr.ground_motions import GroundMotion
 from dampyr.models import Damper
 from dampyr.structures.control_laws import law_of
+from dampyr.structures.controller import ControllerRun, design_controller
+from dampyr.structures.law_input import LawInput
+from dampyr.structures.wanted_force import inverse_of
 from dampyr.studies import raminelli_2020
 
 
@@ -99,6 +102,27 @@ def test_a_control_law_live_is_that_of_dampyr(law: str) -> None:
     expected = dp.structures.respond(dp.structures.two_storey(), motion, {1: damper}, voltage=law_of(law, damper))
     print(1e3 * expected.peak_displacement)
     np.testing.assert_allclose(answer["peaks"], expected.peak_displacement, rtol=1e-2)
+
+
+@pytest.mark.parametrize("name", dp.structures.available_control_laws())
+def test_a_law_decides_on_what_is_committed_as_the_controller_does(name: str) -> None:
+    """One record of states and forces, in steps of a fifth of the period; between its samples nothing is decided."""
+    damper, building, rng = raminelli_2020.damper(), dp.structures.two_storey(), np.random.default_rng(3)
+    law, motion = dp.structures.control_law(name, high=3.0), begin_of_el_centro(1.0)
+    row = building.connection(1)
+    here = LawInput(law, damper, building, row, motion)
+    run = ControllerRun(design_controller(law, building, row[None], 0), inverse=inverse_of(law, damper))
+    velocity = np.concatenate(
+        [[0.0], np.cumsum(0.5 * motion.dt * (motion.acceleration[1:] + motion.acceleration[:-1]))]
+    )
+    for k in range(100):
+        t = 0.001 * k
+        q, v, f = 1e-4 * rng.standard_normal(2), 0.02 * rng.standard_normal(2), 200.0 * rng.standard_normal()
+        here.decide_at(t, q, v, f)
+        if k % 5 == 0:
+            ground = [float(np.interp(t, motion.time, of)) for of in (velocity, motion.acceleration)]
+            expected = run.decide(np.concatenate([q, v, ground, [f]]))
+        assert here.command == expected
 
 
 class Client:

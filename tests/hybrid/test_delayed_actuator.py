@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 from tests.hybrid.chapter_5 import PRINTED, SHAKES, peak, shaken
+from tests.structures.begin_of_el_centro import short
 
 from dampyr.hybrid import Substructure, run_delayed
 from dampyr.models import Damper
-from dampyr.structures import Building
+from dampyr.structures import Building, control_law, respond, two_storey
 from dampyr.studies import raminelli_2020
 
 
@@ -19,6 +20,22 @@ def test_it_does_not_matter_how_the_lag_is_parted(lead, motion):
     about = shaken(0.8712, raminelli_2020.damper(), motion, lag=0.010 - lead, adaptive=False)
     run = run_delayed(about, raminelli_2020.damper(), 0.010, lead)
     assert peak(run) == pytest.approx(PRINTED[0.8712], rel=1e-4)
+
+
+@pytest.mark.parametrize("name", ["clipped_optimal", "inverse_tracking", "modulated_friction"])
+def test_under_a_law_it_is_the_response_under_that_law(name):
+    """On an actuator without a delay, with the model that predicts; the force is held over its steps."""
+    damper, building, h = raminelli_2020.damper(), two_storey(), 5e-4
+    motion, law = short(8.0), control_law(name, high=3.0, lag=0.01)
+    ground = np.interp(np.arange(round(8.0 / h) + 1) * h, motion.time, motion.acceleration)
+    run = run_delayed(Substructure(building, 1, ground, h, damper), damper, 0.0, 0.0, law)
+    assert run.over
+    expected = respond(building, motion, {1: damper}, voltage=law)
+    got = np.abs(run.z[:, :2]).max(axis=0)
+    assert got == pytest.approx(expected.peak_displacement, rel=1e-2)
+    assert np.abs(run.force).max() == pytest.approx(expected.peak_force[0], rel=2e-2)
+    off = run_delayed(Substructure(building, 1, ground, h, damper), damper, 0.0, 0.0)
+    assert got[0] < 0.7 * np.abs(off.z[:, 0]).max()
 
 
 def critical_delay(m: float, c: float, k: float, spring: float) -> float:

@@ -299,6 +299,9 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "rig.RigSettings": lambda made: made.rig.settings,
     "rig.ArmedRig": lambda made: made.table,
     "structures.Arena": lambda made: dp.structures.arena(made.ensemble),
+    "structures.ControlSearch": lambda made: dp.structures.search_control(
+        made.building, [made.motion] * 4, made.damper, [0.0, 1.0, 2.0]
+    ),
     "structures.Building": lambda made: dp.structures.shear_building([1e5] * 40, [1e8] * 40, damping_ratio=0.05),
     "structures.Condensed": lambda made: made.condensed,
     "structures.FragilityCurve": lambda made: made.ensemble.curves[0].curves[0],

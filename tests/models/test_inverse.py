@@ -145,7 +145,7 @@ def test_each_reason_and_the_nearest_force(monkeypatch, curve, wanted, input_, r
     """The search itself, on curves whose answer is known, from a last input of 2.5."""
     monkeypatch.setattr(inverse_model, "force_under_input", lambda u, *_: curve(u))
     nodes, out = np.append(np.linspace(0.0, 3.0, inverse_model.CELLS + 1), inverse_model.BEYOND), np.empty(4)
-    inverse_model.find_input(wanted, 2.5, 0.0, 3.0, 1e-9, nodes, *[None] * 10, out)
+    inverse_model.find_input(wanted, 2.5, 0.0, 3.0, 1e-9, nodes, *[None] * 11, out)
     found = inverse_model.REASONS[int(out[2])]
     assert (found, bool(out[3])) == (reason, monotone)
     if input_ == 1.244:  # of two inputs beside the summit, both between the same nodes
@@ -160,7 +160,7 @@ def test_a_planted_error_is_seen(monkeypatch) -> None:
     monkeypatch.setattr(inverse_model, "force_under_input", lambda u, *_: 100.0 - (u - 1.234) ** 2)
     monkeypatch.setattr(inverse_model, "turning_point", lambda _, best, at_best, *rest: (best, at_best))
     nodes, out = np.array([0.0, 1.0, 1.5, 3.0, inverse_model.BEYOND]), np.empty(4)
-    inverse_model.find_input(200.0, 0.0, 0.0, 3.0, 1e-9, nodes, *[None] * 10, out)
+    inverse_model.find_input(200.0, 0.0, 0.0, 3.0, 1e-9, nodes, *[None] * 11, out)
     assert abs(out[0] - 1.234) > 0.2
 
 

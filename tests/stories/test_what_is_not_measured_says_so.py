@@ -195,6 +195,7 @@ PAGES: dict[str, Callable[[Made], list[Any]]] = {
     "response_page": COMMANDS["simulate"],
     "ensemble_page": COMMANDS["ensemble"],
     "arena_page": COMMANDS["arena"],
+    "search_page": lambda m: ["arena", m.card, "--search", "voltage=1,2", "--synthetic", "4", "--duration", "2"],
 }
 
 

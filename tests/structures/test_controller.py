@@ -1,5 +1,6 @@
 """A control law at its place: measures, sensors and filter against numbers worked out here, and the kernel's own text."""
 
+import math
 import re
 from dataclasses import dataclass
 from types import SimpleNamespace
@@ -9,16 +10,19 @@ import pytest
 
 from dampyr.errors import InputError
 from dampyr.models import Damper
+from dampyr.models import inverse as inverse_model
+from dampyr.models.codegen.composition import text_of
 from dampyr.structures import available_control_laws, control_law, shear_building, two_storey
-from dampyr.structures.controller import ControllerRun, design_controller, law_source, law_texts, module_of
+from dampyr.structures.controller import ControllerRun, asks_force, design_controller, law_source, law_texts, module_of
 from dampyr.structures.law_form import ControlLaw, LawDesign
 from dampyr.structures.propagator import system
 from dampyr.structures.sensor_noise import noise
 from dampyr.structures.sensors import MEASURES as ALL_MEASURES
 from dampyr.structures.sensors import DamperPlace, Sensor
 from dampyr.structures.sites import make_sites
-from dampyr.structures.time_history import time_stepping
+from dampyr.structures.time_history import followed_model, time_stepping
 from dampyr.structures.time_history.kernel_run import _control
+from dampyr.structures.wanted_force import inverse_of, wanted_forces
 
 MEASURES = ("accelerations", "force")
 STATES = {"count": 2.0}
@@ -70,7 +74,7 @@ def test_a_sensor_is_late_biased_noisy_limited_and_counts_in_quanta() -> None:
     run = ControllerRun(controller_of(law))
     truth = [3.0, -1.0, 0.7, 0.3, -4.0]
     for k, f in enumerate(truth):
-        _, given = run.measured(np.array([0, 0, 0, 0, 0, 0, f], dtype=float))
+        given, _ = run.measured(np.array([0, 0, 0, 0, 0, 0, f], dtype=float))
         late = truth[k - 2] if k >= 2 else 0.0
         drawn = late + 0.2 + 0.5 * noise(9, k * 65536)[1]
         assert given == pytest.approx(0.25 * np.floor(np.clip(drawn, -2.0, 2.0) / 0.25 + 0.5))
@@ -147,28 +151,39 @@ def test_what_does_not_fit_is_said() -> None:
 def test_the_text_of_the_kernel_decides_as_the_controller_does(name: str, cubics: Damper, monkeypatch) -> None:
     """On one record of measurements, with sensors that err; the lanes are compared in test_ensemble_control.py."""
     measures = getattr(module_of(control_law(name, high=3.0)), "MEASURES", ())
-    law = control_law(name, high=3.0, sensors={m: Sensor(0.1, 0.05, 0.01, 1e6, 1) for m in measures}, seed=4)
+    asks = asks_force(type(control_law(name, high=3.0)))
+    erring = Sensor(1e-5, 1e-6, 1e-7, 1e6, 1) if asks else Sensor(0.1, 0.05, 0.01, 1e6, 1)
+    law = control_law(name, high=3.0, sensors=dict.fromkeys(measures, erring), seed=4)
     building = two_storey()
     sites = make_sites(building, {1: cubics}, law, None, False)
     each = controller_of(law)
-    control = _control(sites, law_source((law,))[1], [each], 0.005, 200)
+    control, models = _control(sites, law_source((law,))[1], [each], 0.005, 200), wanted_forces(sites, [0], [each])
+    run, rng = ControllerRun(each, inverse=inverse_of(law, cubics)), np.random.default_rng(2)
+    # forces as large as the building's springs give; where one is asked for, motions at which the damper gives it now and then
+    sizes = [2e-5, 2e-5, 1e-3, 1e-3, 1, 1, 1e5] if asks else [1, 1, 1, 1, 1, 1, 1e5]
+    record = rng.standard_normal((200, 7)) * sizes
+    decided = [(run.decide(w), run.reason) for w in record]
     functions = {name: getattr(np, name) for name in ("exp", "sqrt", "tanh", "copysign")}
     exec(law_source((law,))[0], functions)
     for function in ("decide", "remember"):
         monkeypatch.setattr(time_stepping, function, functions[function])
-    run, rng = ControllerRun(each), np.random.default_rng(2)
+    of_the_damper = {name: getattr(math, name) for name in ("exp", "expm1", "sqrt", "copysign")}
+    exec(text_of((cubics.composition,)), of_the_damper)
+    for function in ("advance", "force"):
+        for module in (followed_model, inverse_model):
+            monkeypatch.setattr(module, function, of_the_damper[function], raising=False)
     lin = SimpleNamespace(pull=np.zeros(2))
-    decisions = set()
-    for k in range(200):
-        w = rng.standard_normal(7) * [1, 1, 1, 1, 1, 1, 1e5]  # forces as large as the building's springs give
+    for k, (w, (expected, _)) in enumerate(zip(record, decided, strict=True)):
         now = SimpleNamespace(z=w[:4], f=w[6:])
         with np.errstate(over="ignore"):
             time_stepping.measure(0, k, lin, control, now, w[4], w[5])
         time_stepping.filtered(0, control)
-        u = time_stepping.take_decision(0, k, control)
-        assert u == pytest.approx(run.decide(w), abs=1e-10)
-        decisions.add(u)
-    assert len(decisions) >= (1 if name.startswith("passive") else 2)
+        control.command[0] = time_stepping.take_decision(0, k, control, models)
+        assert control.command[0] == pytest.approx(expected, abs=1e-10)
+    assert len({u for u, _ in decided}) >= (1 if name.startswith("passive") else 2)
+    if asks:
+        assert {"met", "wrong_sign", "above_largest"} <= {reason for _, reason in decided}
+        assert models.tally.sum() == 200
 
 
 def test_functions_of_one_name_in_two_files_stay_apart() -> None:

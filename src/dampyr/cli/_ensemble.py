@@ -55,8 +55,8 @@ class EnsembleCommand:
     scales: tuple[str, ...]
     temperature: float | None
 
-    def cases(self, options: EnsembleOptions) -> dict[str, Any]:
-        """The arguments of `dampyr.structures.ensemble` that say which cases there are."""
+    def cases(self, options: EnsembleOptions, any_input: bool = False) -> dict[str, Any]:
+        """The arguments of `dampyr.structures.ensemble` that say which cases there are; with ``any_input`` without one, too."""
         damper = damper_of(self.card, self.temperature, options.allow_extrapolation)
         placed = {place_of(self.storey, self.between): damper}
         return {
@@ -65,8 +65,13 @@ class EnsembleCommand:
             "dampers": [*([None] if self.without_damper else []), placed],
             "scales": scales(self.scales),
             "options": options,
-            **inputs_by_kind(damper, self.voltages, self.currents, self.controls),
+            **self._inputs(damper, any_input),
         }
+
+    def _inputs(self, damper: Any, any_input: bool) -> dict[str, Any]:
+        if any_input and damper.has_input and not (self.voltages or self.currents or self.controls):
+            return {"voltage" if damper.input == "V" else "current": []}
+        return inputs_by_kind(damper, self.voltages, self.currents, self.controls)
 
     def _motions(self, seed: int) -> list[GroundMotion]:
         from dampyr import ground_motions

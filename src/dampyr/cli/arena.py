@@ -11,6 +11,7 @@ from dampyr.cli._ensemble import (
     CASE_OPTIONS,
     EnsembleCommand,
     case_options,
+    counting,
     read_option,
     refuse_cases,
     workers_option,
@@ -20,9 +21,10 @@ from dampyr.cli._options import OptionsCommand
 from dampyr.cli._output import as_json_option, print_answer
 from dampyr.cli._report import report_options
 from dampyr.cli.ensemble import run_cases
+from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.structures import EnsembleOptions
+    from dampyr.structures import ControlSearch, EnsembleOptions
 
 
 @click.command(
@@ -30,7 +32,8 @@ if TYPE_CHECKING:
     options={"options": "dampyr.structures:EnsembleOptions"},
     first=len(CASE_OPTIONS) - 1,  # the first of them is an argument
     epilog=examples(
-        "dampyr arena --control on_off --control skyhook --synthetic 4 --duration 4 --criterion acceleration"
+        "dampyr arena --control on_off --control skyhook --synthetic 4 --duration 4 --criterion acceleration",
+        "dampyr arena --search voltage=0:3:1 --search place=1,2 --synthetic 6 --duration 4",
     ),
 )
 @case_options
@@ -40,7 +43,19 @@ if TYPE_CHECKING:
     metavar="QUANTITY",
     help="The largest peak that is to be small: drift, displacement, acceleration, force or stroke.  [default: drift]",
 )
-@click.option("--out", type=click.Path(path_type=Path), help="An .h5 file of the ensemble, continued where it stopped.")
+@click.option(
+    "--search",
+    "axes",
+    multiple=True,
+    metavar="AXIS",
+    help="Choose the best: voltage=0:3:0.5, clipped_optimal.effort=0.01,0.1 or place=1,2,0-2; may be repeated.",
+)
+@click.option("--finalists", type=click.IntRange(2), metavar="N", help="Judge the first N of a search.  [default: 5]")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path),
+    help="An .h5 file of the ensemble, continued where it stopped; with --search a folder.",
+)
 @read_option
 @workers_option
 @report_options()
@@ -51,6 +66,8 @@ def command(
     request: EnsembleCommand,
     options: EnsembleOptions,
     criterion: str,
+    axes: tuple[str, ...],
+    finalists: int | None,
     out: Path | None,
     read: Path | None,
     workers: int | None,
@@ -63,9 +80,24 @@ def command(
     drawn dampers with the same noise. Told are the share of the cases in which each is the best, and of each pair how often
     the one beats the other, with 90 % bands and how many motions would tell them apart. The options are those of dampyr
     ensemble; give several motions, or --synthetic N.
+
+    With --search the inputs and places of its axes are candidates. Half of the motions choose, and the first ones are judged
+    on the other half, which had no say: how much worse than the first each is there, with its 90 % band.
     """
     from dampyr import structures
 
+    if finalists is not None and not axes:
+        raise InputError("--finalists belongs to --search; give an axis, such as --search place=1,2, or leave it out")
+    if axes:
+        if read is not None:
+            raise InputError("--search computes, and --read takes what was computed; leave one of them out")
+        found_best = _search(request, options, criterion, axes, finalists or 5, out, workers)
+        if report:
+            from dampyr.show.pages.result_page import write_page
+
+            write_page(found_best, report)
+        print_answer(found_best, as_json)
+        return
     if read is None:
         result = run_cases(request, options, out, workers)
     else:
@@ -77,3 +109,32 @@ def command(
 
         write_page(found, report)
     print_answer(found, as_json)
+
+
+def _search(
+    request: EnsembleCommand,
+    options: EnsembleOptions,
+    criterion: str,
+    axes: tuple[str, ...],
+    finalists: int,
+    out: Path | None,
+    workers: int | None,
+) -> ControlSearch:
+    from concurrent.futures import ThreadPoolExecutor
+
+    from dampyr import structures
+    from dampyr.cli._search_axes import searched
+
+    if request.without_damper:
+        raise InputError("--without-damper has no input to choose; leave it out of a search")
+    what = request.cases(options, any_input=True)
+    [placed] = what.pop("dampers")
+    [(place, damper)] = placed.items()
+    word = "current" if damper.input == "A" else "voltage"
+    inputs, places = searched(damper, axes, list(what.pop(word)), request.controls)
+    with counting() as progress, ThreadPoolExecutor(workers) as pool:
+        return structures.search_control(
+            what["buildings"], what["motions"], damper, places=places or [place], scales=what["scales"],
+            criterion=criterion, finalists=finalists, executor=pool, options=options, out=out, progress=progress,
+            **{word: inputs},
+        )  # fmt: skip

@@ -38,9 +38,7 @@ from dampyr.errors import InputError
 @click.option(
     "--inverse", is_flag=True, help="Write what finds the input that gives a wanted force, too; for c and fmu."
 )
-@click.option(
-    "--control", metavar="LAW", help="Write a control law for the damper, too, such as clipped_optimal_lqg; for c."
-)
+@click.option("--control", metavar="LAW", help="Write a control law for the damper, too, such as fuzzy; for c and fmu.")
 @structure_option
 @click.option("--storey", type=int, help="The storey in which the damper stands; for --control.  [default: 1]")
 @click.option("--between", nargs=2, metavar="I J", help="Two floors that the damper joins instead; for --control.")

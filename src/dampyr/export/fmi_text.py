@@ -18,7 +18,8 @@ from dampyr.models import Damper
 from dampyr.models.inverse import REASONS
 
 UNITS = {
-    "m": 'm="1"', "m/s": 'm="1" s="-1"', "N": 'kg="1" m="1" s="-2"', "V": 'kg="1" m="2" s="-3" A="-1"', "A": 'A="1"',
+    "m": 'm="1"', "m/s": 'm="1" s="-1"', "m/s^2": 'm="1" s="-2"',
+    "N": 'kg="1" m="1" s="-2"', "V": 'kg="1" m="2" s="-3" A="-1"', "A": 'A="1"',
     "s": 's="1"', "kg": 'kg="1"', "1/m": 'm="-1"', "1/s": 's="-1"', "N/m": 'kg="1" s="-2"', "N s/m": 'kg="1" s="-1"',
     "m/N": 'kg="-1" s="2"', "N s/m^3": 'kg="1" m="-2" s="-1"',
 }  # fmt: skip
@@ -86,16 +87,19 @@ def model_description(
     damper: Damper, name: str, fmi: int, drive: str, token: str, version: str, inverse: bool = False
 ) -> str:
     """The text of modelDescription.xml."""
-    listed = variables(damper, drive, inverse)
+    origin = f". {notice}" if (notice := damper.origin.notice) else ""
+    about = quoteattr(f"Damper: {damper.composition}{origin}. {before_use(damper)}".removesuffix(". "))
+    head = f'modelName={quoteattr(name)} description={about} generationTool="dampyr {version}"'
+    return described(name, head, token, fmi, variables(damper, drive, inverse), 0.0 if inverse else damper.range[0])
+
+
+def described(name: str, head: str, token: str, fmi: int, listed: list[Variable], start: float) -> str:
+    """The text of modelDescription.xml for these variables; ``start`` is that of the variable of reference 2."""
     used = sorted({variable.unit for variable in listed if variable.unit})
     units = "\n".join(
         f"    <Unit name={quoteattr(unit)}>" + (f"<BaseUnit {UNITS[unit]}/>" if unit in UNITS else "") + "</Unit>"
         for unit in used
     )
-    origin = f". {notice}" if (notice := damper.origin.notice) else ""
-    about = quoteattr(f"Damper: {damper.composition}{origin}. {before_use(damper)}".removesuffix(". "))
-    head = f'modelName={quoteattr(name)} description={about} generationTool="dampyr {version}"'
-    start = 0.0 if inverse else damper.range[0]
     if fmi == 2:
         return _description_2(name, head, token, units, listed, start)
     return _description_3(name, head, token, units, listed, start)

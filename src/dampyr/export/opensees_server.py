@@ -28,8 +28,7 @@ from dampyr.input_kinds import input_arguments
 from dampyr.models import Damper
 from dampyr.models.codegen.kernels import bind
 from dampyr.structures import Building
-from dampyr.structures.control_laws import lag_of, values_at
-from dampyr.structures.controller import ControllerRun, design_controller
+from dampyr.structures.law_input import LawInput
 from dampyr.structures.sites import connections, make_sites
 
 Array = NDArray[np.float64]
@@ -116,43 +115,6 @@ class LiveDamper:
         self.at[:] = self.now
         if self.law is not None:
             self.law.decide_at(self.now[0], self.x, self.v, float(self.out[0]))
-
-
-class LawInput:
-    """The input that a control law decides from what OpenSees commits, as in `dampyr.structures.respond`."""
-
-    def __init__(self, law: Any, damper: Damper, building: Building, row: Array, motion: GroundMotion | None) -> None:
-        values_at(law, damper)
-        self.law, self.lag = law, lag_of(law, damper)
-        controller = design_controller(law, building, row[None], 0)
-        self.run = ControllerRun(controller)
-        if np.any(controller.rows[:, 2 * building.n : 2 * building.n + 2]) and motion is None:
-            raise InputError(
-                "this law needs the motion of the ground, which OpenSees does not send; give the motion that shakes the "
-                "structure there, --motion FILE or motion=, or choose a law of the state alone, such as clipped_optimal"
-            )
-        self.motion = motion
-        if motion is not None:
-            a, dt = motion.acceleration, motion.dt
-            self.ground = np.concatenate([[0.0], np.cumsum(0.5 * dt * (a[1:] + a[:-1]))])
-        self.next, self.command, self.level, self.since = 0.0, law.low, law.low, 0.0
-
-    def input_at(self, t: float) -> float:
-        """The input at the end of a trial: the coil follows the command with its lag."""
-        if self.lag == 0.0:
-            return self.command
-        return self.command + (self.level - self.command) * float(np.exp(-(t - self.since) / self.lag))
-
-    def decide_at(self, t: float, x: Array, v: Array, force: float) -> None:
-        """The law's decision at a committed time, where its period has passed."""
-        self.level, self.since = self.input_at(t), t
-        if t < self.next - 1e-9 * self.law.period:
-            return
-        ground = [0.0, 0.0]
-        if self.motion is not None:
-            ground = [float(np.interp(t, self.motion.time, of)) for of in (self.ground, self.motion.acceleration)]
-        self.command = self.run.decide(np.concatenate([x, v, ground, [force]]))
-        self.next += self.law.period * max(1.0, np.floor((t - self.next) / self.law.period + 1e-9) + 1.0)
 
 
 def live_damper(

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.ground_motions import GroundMotion
 from dampyr.hybrid import substructure_kernel
 from dampyr.hybrid.substructure import Substructure, SubstructureRun
 from dampyr.models import Damper
 from dampyr.models.codegen.kernels import bind
+from dampyr.structures.law_input import LawInput
 
 Array = NDArray[np.float64]
 
@@ -19,6 +23,7 @@ def run_delayed(
     specimen: Damper,
     delay: float,
     lead: float | None = None,
+    law: Any = None,
 ) -> SubstructureRun:
     """The hybrid test of a damper's model on an actuator that is late by a fixed time.
 
@@ -32,6 +37,9 @@ def run_delayed(
         s by which the actuator is late, 0 to 1.
     lead
         s by which set points are sent ahead of their time, 0 to 1; None: as long as the delay.
+    law
+        A control law that sets the input of the specimen in the place of ``part.voltage``, and of the model that predicts its
+        force: it decides at the ends of the steps on the computed structure, the ground and the specimen's force.
 
     Returns
     -------
@@ -41,7 +49,7 @@ def run_delayed(
     Raises
     ------
     InputError
-        ``delay`` or ``lead`` is outside of its range.
+        ``delay`` or ``lead`` is outside of its range, or the law does not fit the specimen.
     """
     h = part.h
     lead = delay if lead is None else lead
@@ -55,9 +63,20 @@ def run_delayed(
         np.ascontiguousarray(specimen.values(part.voltage, static=False)),
     )
     y, out = np.zeros(2), np.zeros(1)
+    decided = (
+        None
+        if law is None
+        else LawInput(law, specimen, part.building, part.row, GroundMotion(part.ground, h, "ground"))
+    )
     run.set_points(ahead)
     while not run.over:
         k = run.now + 1
+        if decided is not None:
+            q, v = np.split(run.z[run.now], 2)
+            decided.decide_at(run.now * h, q, v, float(out[0]))
+            voltage = decided.input_at(k * h)
+            p = np.ascontiguousarray(specimen.values(voltage, static=False))
+            run.set_input(voltage)
         run.set_points(min(k + ahead, part.steps))
         place = min(max(0.0, k - late), run.given)
         index = int(place)

@@ -224,6 +224,11 @@ class SubstructureRun(Shown):
         self._difference, self._share = 0.0, 1.0 - math.exp(-about.h / SMOOTHING)
         self.begin(about.lag)
 
+    def set_input(self, value: float) -> None:
+        """From now on the model that predicts the force has this input [V or A]."""
+        if self.about.model is not None:
+            self._p[:] = self.about.model.values(value, static=False)
+
     @property
     def over(self) -> bool:
         """Whether all steps were made."""

@@ -262,7 +262,7 @@ def track(dt, x, v, wanted, low, high, tau, nodes, knots, coefficients, s, past,
         least, most = low + (u - low) * left, high + (u - high) * left
         find_input(
             wanted[i], u, least, most, TOLERANCE, nodes, s, past[0], x[i], past[1], v[i], dt[i], knots, coefficients, work, p,
-            out[i],
+            0, out[i],
         )  # fmt: skip
         reached = out[i, 0]
         look_up(knots, coefficients, reached, p)
@@ -272,29 +272,29 @@ def track(dt, x, v, wanted, low, high, tau, nodes, knots, coefficients, s, past,
         out[i, 0] = min(max((reached - u * left) / (1.0 - left), low), high)
 
 
-def force_under_input(u, s, x0, x1, v0, v1, dt, knots, coefficients, work, p):
-    """F(u): the force at the end of a step from the states ``s``, which stay."""
+def force_under_input(u, s, x0, x1, v0, v1, dt, knots, coefficients, work, p, kind):
+    """F(u): the force at the end of a step from the states ``s``, which stay; ``kind`` is which of the bound dampers it is."""
     look_up(knots, coefficients, u, p)
     for k in range(s.size):
         work[k] = s[k]
     if dt > 0.0:
-        advance(0, work, x0, x1, v0, v1, dt, p)
-    return force(0, work, x1, v1, 0.0, p)
+        advance(kind, work, x0, x1, v0, v1, dt, p)
+    return force(kind, work, x1, v1, 0.0, p)
 
 
-def scan_nodes(wanted, near, low, high, nodes, s, x0, x1, v0, v1, dt, knots, coefficients, work, p):
+def scan_nodes(wanted, near, low, high, nodes, s, x0, x1, v0, v1, dt, knots, coefficients, work, p, kind):
     """The node whose force is nearest to ``wanted``, its force and its neighbours; the pair of neighbours around ``wanted``
     nearest to ``near``, with their forces and its distance, below 0 where there is no pair; the largest force, and how much the
     force rises and falls from a node to the next."""
     ua = low
-    fa = force_under_input(ua, s, x0, x1, v0, v1, dt, knots, coefficients, work, p)
+    fa = force_under_input(ua, s, x0, x1, v0, v1, dt, knots, coefficients, work, p, kind)
     scale, rise, fall = abs(fa), 0.0, 0.0
     best, at_best, before, after = low, fa, low, low
     a, at_a, b, at_b, away = low, fa, low, fa, -1.0
     for k in range(100000):
         ub = min(nodes[k], high)
         if ub > ua:
-            fb = force_under_input(ub, s, x0, x1, v0, v1, dt, knots, coefficients, work, p)
+            fb = force_under_input(ub, s, x0, x1, v0, v1, dt, knots, coefficients, work, p, kind)
             scale, rise, fall = max(scale, abs(fb)), max(rise, fb - fa), max(fall, fa - fb)
             if best == ua:
                 after = ub
@@ -309,18 +309,18 @@ def scan_nodes(wanted, near, low, high, nodes, s, x0, x1, v0, v1, dt, knots, coe
     return best, at_best, before, after, a, at_a, b, at_b, away, scale, rise, fall
 
 
-def turning_point(side, best, at_best, before, after, s, x0, x1, v0, v1, dt, knots, coefficients, work, p):
+def turning_point(side, best, at_best, before, after, s, x0, x1, v0, v1, dt, knots, coefficients, work, p, kind):
     """The input between the neighbours of the best node at which ``side`` times the force is least, and that force: the node
     itself, or by golden section a turning point. At a bound the force has to turn within a thousandth of the gap to be looked
     for."""
     if before == best or after == best:
         u = best + 1e-3 * (after - best) - 1e-3 * (best - before)
-        f = force_under_input(u, s, x0, x1, v0, v1, dt, knots, coefficients, work, p)
+        f = force_under_input(u, s, x0, x1, v0, v1, dt, knots, coefficients, work, p, kind)
         if side * (f - at_best) >= 0.0:
             return best, at_best
     u, m, fm = before + 0.6180339887498949 * (after - before), best, at_best
     for k in range(22):
-        f = force_under_input(u, s, x0, x1, v0, v1, dt, knots, coefficients, work, p)
+        f = force_under_input(u, s, x0, x1, v0, v1, dt, knots, coefficients, work, p, kind)
         if k == 0:
             m, fm = u, f
         elif side * (f - fm) < 0.0:
@@ -334,12 +334,12 @@ def turning_point(side, best, at_best, before, after, s, x0, x1, v0, v1, dt, kno
     return m, fm
 
 
-def root_between(wanted, near, allowed, a, at_a, b, at_b, s, x0, x1, v0, v1, dt, knots, coefficients, work, p):
+def root_between(wanted, near, allowed, a, at_a, b, at_b, s, x0, x1, v0, v1, dt, knots, coefficients, work, p, kind):
     """The input between a and b, whose forces lie on either side of ``wanted``, where it is met to ``allowed`` N; its force."""
     ga, gb = at_a - wanted, at_b - wanted
     for _ in range(100):
         u = b - gb * (b - a) / (gb - ga) if gb != ga else min(max(near, min(a, b)), max(a, b))
-        f = force_under_input(u, s, x0, x1, v0, v1, dt, knots, coefficients, work, p)
+        f = force_under_input(u, s, x0, x1, v0, v1, dt, knots, coefficients, work, p, kind)
         if (f - wanted) * gb < 0.0:
             a, at_a, ga = b, at_b, gb
         else:
@@ -352,15 +352,19 @@ def root_between(wanted, near, allowed, a, at_a, b, at_b, s, x0, x1, v0, v1, dt,
     return b, at_b
 
 
-def find_input(wanted, near, low, high, tolerance, nodes, s, x0, x1, v0, v1, dt, knots, coefficients, work, p, out):
+def find_input(
+    wanted, near, low, high, tolerance, nodes, s, x0, x1, v0, v1, dt, knots, coefficients, work, p, kind, out
+):
     """Fill ``out`` with the input between ``low`` and ``high`` whose force is nearest to ``wanted``, that force, the reason by
     its number, and 1 where the force is monotone."""
     best, at_best, before, after, a, at_a, b, at_b, away, scale, rise, fall = scan_nodes(
-        wanted, near, low, high, nodes, s, x0, x1, v0, v1, dt, knots, coefficients, work, p
+        wanted, near, low, high, nodes, s, x0, x1, v0, v1, dt, knots, coefficients, work, p, kind
     )
     if away < 0.0:  # all nodes lie on one side of the wanted force
         side = 1.0 if at_best > wanted else -1.0
-        u, f = turning_point(side, best, at_best, before, after, s, x0, x1, v0, v1, dt, knots, coefficients, work, p)
+        u, f = turning_point(
+            side, best, at_best, before, after, s, x0, x1, v0, v1, dt, knots, coefficients, work, p, kind
+        )
         rise, fall = max(rise, abs(f - at_best)), max(fall, abs(f - at_best))
         if side * (f - wanted) <= 0.0:
             a, at_a, b, at_b, away = best, at_best, u, f, 0.0
@@ -384,6 +388,7 @@ def find_input(wanted, near, low, high, tolerance, nodes, s, x0, x1, v0, v1, dt,
             coefficients,
             work,
             p,
+            kind,
         )
     reason = 2.0 if abs(wanted) > abs(at_best) else 3.0
     reason = 1.0 if wanted * at_best < 0.0 else reason

@@ -7,14 +7,16 @@ is the building of chapter 5, ``Building(M, C, K)``, ``shear_building``, ``singl
 makes a law that sets an input in the place of a number, `Sensor` says what is wrong with what it measures, and `ControlLaw`
 and `LawDesign` are for laws of one's own; a list of inputs gives `Responses`, a case for each.
 ``ensemble`` runs the outer product of buildings, dampers, inputs, motions and scales, and returns the peaks;
-``fragility``, ``incremental`` and ``arena`` evaluate them, ``write_part`` and ``collect`` divide the work for a batch system.
+``fragility``, ``incremental`` and ``arena`` evaluate them, ``search_control`` chooses among inputs
+and places, ``write_part`` and ``collect`` divide the work for a batch system.
 """
 
 from dampyr.structures.benchmark_ratios import benchmark_criteria
 from dampyr.structures.building import Building, condense
 from dampyr.structures.building_options import EnsembleOptions, RespondOptions
-from dampyr.structures.control_laws import available_control_laws, control_law
+from dampyr.structures.control_laws import available_control_laws, control_law, control_laws_of
 from dampyr.structures.ensembles.arena import Arena, arena
+from dampyr.structures.ensembles.control_search import ControlSearch, search_control
 from dampyr.structures.ensembles.demand_tables import demand_tables, write_demands
 from dampyr.structures.ensembles.ensemble import ensemble
 from dampyr.structures.ensembles.ensemble_grid import cases as ensemble_cases
@@ -41,6 +43,7 @@ __all__ = [
     "Building", "two_storey", "shear_building", "yielding_shear_building", "single_mass", "quarter_car", "road",
     "random_road", "bump", "ride_figures", "RideFigures", "vertical_weighting", "weighted_acceleration", "condense",
     "load", "respond", "control_law", "arena", "Arena", "available_control_laws", "ControlLaw", "LawDesign", "Sensor",
+    "search_control", "ControlSearch", "control_laws_of",
     "RespondOptions", "ensemble", "EnsembleOptions", "EnsembleResult", "ensemble_cases", "read_ensemble",
     "demand_tables", "write_demands", "summary", "fragility", "incremental", "write_part", "collect", "Response",
     "state_space", "from_state_space", "benchmark_criteria", "Rides", "rides",

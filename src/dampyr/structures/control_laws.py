@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import MISSING, Field, fields
 from fractions import Fraction
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,9 @@ from numpy.typing import NDArray
 
 from dampyr import registry, units
 from dampyr.errors import InputError
+from dampyr.models.inverse import check_invertible
 from dampyr.models.part import quantities
-from dampyr.structures.controller import REGISTRY, class_in, module_of
+from dampyr.structures.controller import REGISTRY, asks_force, class_in, module_of
 from dampyr.structures.law_form import ControlLaw
 from dampyr.structures.sensors import MEASURES, Sensor
 
@@ -60,6 +62,26 @@ def control_law(name: str, **settings: Any) -> Any:
     law = cls(**{key: _number(name, allowed[key], value) for key, value in settings.items()}, **given)
     _check_order(law)
     return law
+
+
+def control_laws_of(name: str, **settings: Any) -> list[Any]:
+    """The laws of every combination of the settings, of which some are lists: the gains to choose from in a search.
+
+    >>> import dampyr as dp
+    >>> laws = dp.structures.control_laws_of("clipped_optimal", high=3.0, effort=[0.01, 0.1], lag=[0.0, 0.01])
+    >>> len(laws)
+    4
+
+    Raises :class:`~dampyr.errors.InputError` as `control_law` does, and for a list without a value.
+    """
+    several = {key: list(value) for key, value in settings.items() if isinstance(value, list | np.ndarray)}
+    for key, values in several.items():
+        if not values:
+            raise InputError(f"{key} = [] of {name} has no value to choose from; give one or more")
+    one = {key: value for key, value in settings.items() if key not in several}
+    return [
+        control_law(name, **one, **dict(zip(several, values, strict=True))) for values in product(*several.values())
+    ]
 
 
 def law_of(text: str, damper: Any) -> Any:
@@ -159,11 +181,13 @@ def values_at(law: Any, damper: Any, allow_extrapolation: bool = False) -> Array
     """The parameters of a damper (201, P) from the least input of ``law`` to the greatest, static forces left out.
 
     Raises InputError unless the law can control the damper: its inputs in the calibrated range (or extrapolation allowed), one
-    lag, a constant delay.
+    lag, a constant delay, and for a law that asks for a force a damper whose force an input of the same step can choose.
     """
     _check_order(law)
     values: Array = damper.values(np.linspace(law.low, law.high, 201), False, allow_extrapolation)
     lag_of(law, damper)
+    if asks_force(law):
+        check_invertible(damper)
     k = damper.composition.delay
     if k is not None and np.ptp(values[:, k]) > 0:
         raise InputError(

@@ -28,12 +28,18 @@ from dampyr.structures.sensors import MEASURES, VECTORS, DamperPlace
 
 Array = NDArray[np.float64]
 REGISTRY = "dampyr.structures.control"
+FOLLOWED = ("stroke", "rate")  # what the model of the damper follows in a law that asks for a force
 MAX_ARGUMENTS = 8  # of what a law's formulas take at a sample: every corner of them is looked at (`take_decision`)
 
 
 def module_of(law: Any) -> ModuleType:
     """The file of a law or of its class."""
     return sys.modules[(law if isinstance(law, type) else type(law)).__module__]
+
+
+def asks_force(law: Any) -> bool:
+    """Whether a law, or one of a class, decides on a force and leaves the input to the damper's inverse."""
+    return getattr(module_of(law), "ASKS", "input") == "force"
 
 
 def setting_names(cls: Any) -> list[str]:
@@ -49,6 +55,12 @@ class LawFormulas:
     update: Formula | None
     arguments: tuple[str, ...]
     states: tuple[float, ...]  # their values at the start
+    asks_force: bool = False
+
+    @property
+    def stroke_and_rate(self) -> tuple[int, int]:
+        """Where these two stand among the arguments of a law that asks for a force."""
+        return self.arguments.index("stroke"), self.arguments.index("rate")
 
     @property
     def signals(self) -> tuple[str, ...]:
@@ -65,14 +77,16 @@ def formulas_of(cls: Any) -> LawFormulas:
     for text in texts:
         _check_expression(cls, text)
     known = (*setting_names(cls), *states)
-    signals = tuple(dict.fromkeys(name for text in texts for name in text.arguments if name not in known))
+    asks = asks_force(cls)
+    named = [name for text in texts for name in text.arguments if name not in known]
+    signals = tuple(dict.fromkeys([*named, *(FOLLOWED if asks else ())]))
     arguments = (*signals, *states)
     if len(arguments) > MAX_ARGUMENTS:
         raise InputError(
             f"{cls.__name__} decides by {len(arguments)} quantities ({', '.join(arguments)}); {MAX_ARGUMENTS} are allowed: "
             "let its design sum up what is linear"
         )
-    return LawFormulas(texts[0], texts[1] if states else None, arguments, tuple(map(float, states.values())))
+    return LawFormulas(texts[0], texts[1] if states else None, arguments, tuple(map(float, states.values())), asks)
 
 
 def _check_expression(cls: type, formula: Formula) -> None:
@@ -88,7 +102,8 @@ class Controller:
     """A law at its place: with w what a step knows (see `dampyr.structures.sensors`) and y what the sensors give,
 
     y of ``rows`` (Y, 2n + 2 + N) w; s = ``of_memory`` (S, X) x + ``of_measured`` (S, Y) y; x' = ``F`` x + ``G`` y.
-    ``faults`` (Y, 4) are noise, bias, quantum and range of each y, ``delays`` (Y,) samples.
+    ``faults`` (Y, 4) are noise, bias, quantum and range of each y, ``delays`` (Y,) samples; ``channels`` (Y,) are their numbers
+    among all that the law measures, by which their noise is drawn.
     """
 
     law: Any
@@ -96,6 +111,7 @@ class Controller:
     rows: Array
     faults: Array
     delays: NDArray[np.int64]
+    channels: NDArray[np.int64]
     of_memory: Array
     of_measured: Array
     F: Array
@@ -103,9 +119,15 @@ class Controller:
     sizes: tuple[tuple[str, int], ...] = ()  # of each measure how many rows, where they are not summed up
 
     @cached_property
+    def err(self) -> NDArray[np.bool_]:
+        """Which sensors (Y,) give something else than what they measure."""
+        wrong = np.any(self.faults[:, :3], axis=1) | np.isfinite(self.faults[:, 3]) | (self.delays > 0)
+        return np.asarray(wrong, dtype=np.bool_)
+
+    @property
     def is_ideal(self) -> bool:
         """Whether all of its sensors give what they measure."""
-        return not (np.any(self.faults[:, :3]) or np.any(np.isfinite(self.faults[:, 3])) or np.any(self.delays))
+        return not self.err.any()
 
     @property
     def module(self) -> ModuleType:
@@ -121,7 +143,7 @@ class Controller:
 def design_controller(law: Any, building: Building, connections: Array, d: int, summed: bool = True) -> Controller:
     """The controller of damper ``d`` of those at ``connections`` (N, n); InputError where the law's design does not fit.
 
-    Where its sensors are ideal, what is linear in its measures is ``summed`` up beforehand."""
+    What is linear in the measures whose sensors are ideal is ``summed`` up beforehand."""
     cls: Any = type(law)
     place, module = DamperPlace(building, connections, d), module_of(law)
     formulas: LawFormulas = formulas_of(cls)
@@ -145,22 +167,28 @@ def design_controller(law: Any, building: Building, connections: Array, d: int, 
     faults = np.array([(s.noise, s.bias, s.quantum, s.range) for s in sensors]).reshape(len(rows), 4)
     delays = np.array([s.delay for s in sensors], dtype=np.int64)
     sizes = tuple((name, len(block)) for name, block in zip(names, blocks, strict=True))
-    controller = Controller(law, formulas, rows, faults, delays, table[:, :memory], table[:, memory:], F, G, sizes)
-    return _summed_up(controller) if summed and controller.is_ideal else controller
+    channels = np.arange(len(rows))
+    controller = Controller(
+        law, formulas, rows, faults, delays, channels, table[:, :memory], table[:, memory:], F, G, sizes
+    )
+    return _summed_up(controller) if summed else controller
 
 
 def _summed_up(controller: Controller) -> Controller:
-    """The same where the sensors are ideal: what is linear in the measures is summed up beforehand."""
-    count, memory = len(controller.of_measured), len(controller.F)
-    rows = np.vstack([controller.of_measured @ controller.rows, controller.G @ controller.rows])
-    size = count + memory
+    """The same with what is linear in ideally measured quantities summed up: after the sensors that err comes one row for each
+    signal and one for each number of the memory, those that are not 0."""
+    count, memory, err = len(controller.of_measured), len(controller.F), controller.err
+    sums = np.vstack([part[:, ~err] @ controller.rows[~err] for part in (controller.of_measured, controller.G)])
+    kept, units = np.any(sums != 0.0, axis=1), np.eye(count + memory)
+    size = int(kept.sum())
     return replace(
         controller,
-        rows=rows,
-        faults=np.tile([0.0, 0.0, 0.0, np.inf], (size, 1)),
-        delays=np.zeros(size, dtype=np.int64),
-        of_measured=np.eye(count, size),
-        G=np.eye(memory, size, count),
+        rows=np.vstack([controller.rows[err], sums[kept]]),
+        faults=np.vstack([controller.faults[err], np.tile([0.0, 0.0, 0.0, np.inf], (size, 1))]),
+        delays=np.append(controller.delays[err], np.zeros(size, dtype=np.int64)),
+        channels=np.append(controller.channels[err], np.zeros(size, dtype=np.int64)),
+        of_measured=np.hstack([controller.of_measured[:, err], units[:count, kept]]),
+        G=np.hstack([controller.G[:, err], units[count:, kept]]),
         sizes=(),
     )
 
@@ -173,6 +201,11 @@ def _measures(law: Any) -> tuple[str, ...]:
     for name in names:
         if name not in MEASURES:
             raise InputError(f"{cls} measures {name!r}, which is no measure; {choose_from(name, list(MEASURES))}")
+    missing = [name for name in FOLLOWED if name not in names]
+    if missing and asks_force(law):
+        raise InputError(
+            f"{cls} asks for a force and does not measure {missing[0]}; MEASURES must have {', '.join(FOLLOWED)}"
+        )
     for name, _ in law.sensors:
         if name not in names:
             raise InputError(
@@ -203,7 +236,11 @@ def _signal(cls: type, name: str, design: LawDesign, first: dict[str, int], memo
 class ControllerRun:
     """A controller sample by sample, in plain Python: as the kernels compute it, for other programs and for checks."""
 
-    def __init__(self, controller: Controller, site: int = 0) -> None:
+    def __init__(self, controller: Controller, site: int = 0, inverse: Any = None) -> None:
+        """``inverse`` finds the input of a law that asks for a force (`dampyr.structures.wanted_force.FollowedInverse`)."""
+        if controller.formulas.asks_force and inverse is None:
+            raise ValueError(f"{type(controller.law).__name__} asks for a force; give the inverse of its damper")
+        self.inverse, self.reason = inverse, ""
         self.controller, self.site, self.sample = controller, site, 0
         self.memory = np.zeros(len(controller.F))
         self.states = np.array(controller.formulas.states)
@@ -220,7 +257,10 @@ class ControllerRun:
         y = np.array([self.past[-1 - late][c] for c, late in enumerate(self.controller.delays)])
         for c, (spread, bias, quantum, limit) in enumerate(self.controller.faults):
             if spread > 0.0:
-                y[c] += spread * noise(self.controller.law.seed, counter(self.sample, self.site, c // 2))[c % 2]
+                number = int(self.controller.channels[c])
+                y[c] += (
+                    spread * noise(self.controller.law.seed, counter(self.sample, self.site, number // 2))[number % 2]
+                )
             y[c] = min(max(y[c] + bias, -limit), limit)
             y[c] = quantum * np.floor(y[c] / quantum + 0.5) if quantum > 0.0 else y[c]
         return y
@@ -236,6 +276,9 @@ class ControllerRun:
         self.functions["remember"](self.kind, arguments, controller.settings)
         self.states = arguments[len(controller.formulas.signals) :].copy()
         u = float(self.functions["decide"](self.kind, arguments, controller.settings))
+        if controller.formulas.asks_force:
+            found = self.inverse.find(*arguments[list(controller.formulas.stroke_and_rate)], u)
+            u, self.reason = found.input, found.reason
         self.memory = controller.F @ self.memory + controller.G @ y
         self.sample += 1
         return u

@@ -16,6 +16,10 @@ A file of a law has a class of its settings (`ControlLaw`), and beside it
 ``decide(...)``
     the input from then on, in V or A as the damper takes it.
 
+``ASKS = "force"``
+    where ``decide`` gives the force that the law wants [N], and the input is what the damper's own model, run backwards, finds
+    for it (`dampyr.structures.wanted_force`). Such a law measures ``stroke`` and ``rate``, which the model follows.
+
 ``update`` and ``decide`` are formulas: one expression each, of the signals, measures of one number, states and settings that
 they name. They are written into the kernels of responses and ensembles.
 """

@@ -25,7 +25,7 @@ from dampyr.models.laws import Law
 from dampyr.source_digest import full_version
 from dampyr.structures.building import Building
 from dampyr.structures.control_laws import describe_law, is_control_law, values_at
-from dampyr.structures.controller import Controller, design_controller
+from dampyr.structures.controller import Controller, asks_force, design_controller
 from dampyr.structures.raminelli_2020_building import two_storey
 
 Array = NDArray[np.float64]
@@ -38,7 +38,13 @@ WIDTH = 116  # characters of a line of a comment
 VECTORS = 400  # samples of the path that the exported test replays
 TOLERANCE = {DOUBLE: 1e-9, SINGLE: 1e-4}  # of the largest force: what the exported test allows
 MET = {DOUBLE: inverse_model.TOLERANCE, SINGLE: 1e-5}  # of the largest force: what counts as the wanted one
-IN_PYTHON = {"knots", "coefficients", "work", "p"}  # arguments of the inverse's kernel; in C the laws are functions
+IN_PYTHON = {
+    "knots",
+    "coefficients",
+    "work",
+    "p",
+    "kind",
+}  # arguments of the inverse's kernel; in C the laws are functions
 
 
 @dataclass(frozen=True)
@@ -69,30 +75,30 @@ def write(
 
     ``single`` writes ``float`` in the place of ``double``; ``history`` is the number of samples that a delay looks back over.
     ``inverse`` adds the functions that find the input of a wanted force (`dampyr.models.inverse`). ``control``, a control law
-    for the damper at ``place`` of ``structure``, adds ``name_law.h`` and ``name_law.c``: its filter, states and decision.
+    for the damper at ``place`` of ``structure``, adds ``name_law.h`` and ``name_law.c``: its filter, states and decision; a
+    law that asks for a force calls the inverse.
     """
     check_name(name)
-    controlled = _controlled(damper, control, structure, place)
+    made = controlled(damper, control, structure, place)
     precision = SINGLE if single else DOUBLE
-    c = c_source(damper, name, allow_extrapolation, precision, history, inverse)
+    follows = made is not None and made[0].formulas.asks_force
+    c = c_source(damper, name, allow_extrapolation, precision, history, inverse or follows)
     texts = {
         f"{name}.h": c.header,
         f"{name}.c": c.source,
         f"{name}_vectors.h": _vectors(damper, name),
-        f"{name}_test.c": _test_program(name, precision, damper.has_input, inverse),
+        f"{name}_test.c": _test_program(name, precision, damper.has_input, inverse or follows),
     }
-    law_texts = (
-        {} if controlled is None else law_files(*controlled, name, describe_law(control, damper.input), precision)
-    )
+    law_texts = {} if made is None else law_files(*made, damper, name, describe_law(control, damper.input), precision)
     libm = {name: bool(c.libm)} | ({f"{name}_law": libm_of(law_texts.values(), precision)} if law_texts else {})
-    texts |= law_texts | {"Makefile": _makefile(libm)}
+    texts |= law_texts | {"Makefile": _makefile(libm, f"{name}.c {name}.h" if follows else "")}
     folder.mkdir(parents=True, exist_ok=True)
     for file, text in texts.items():
         (folder / file).write_text(text, encoding="utf-8")
     return [folder / file for file in texts]
 
 
-def _controlled(
+def controlled(
     damper: Damper, control: Any, structure: Building | None, place: Any
 ) -> tuple[Controller, Building] | None:
     """The controller that is written, with its building; None where there is no law."""
@@ -102,6 +108,12 @@ def _controlled(
         raise InputError(f"control is a {type(control).__name__}; give a law that dampyr.structures.control_law makes")
     building = two_storey() if structure is None else structure
     values_at(control, damper.without("lag") if damper.composition.lag is not None else damper)
+    static = [part.name for part in damper.composition.parts if part.static]
+    if static and asks_force(control):
+        raise InputError(
+            f"{describe_law(control)} asks for a force without the static one, {static[0]}, which buildings leave out; export "
+            f"damper.without({static[0]!r}), or with --without {static[0]}"
+        )
     ideal = replace(control, sensors=())
     return design_controller(ideal, building, building.connection(place)[None], 0, summed=False), building
 
@@ -567,12 +579,16 @@ int main(void)
 """
 
 
-def _makefile(libm: Mapping[str, bool]) -> str:
-    """``libm``: what has a test, such as ``damper``, and whether it needs the mathematics library."""
+def _makefile(libm: Mapping[str, bool], for_the_law: str = "") -> str:
+    """``libm``: what has a test, such as ``damper``, and whether it needs the mathematics library; ``for_the_law``: the files
+    of the damper where the law calls it."""
     tests = [f"{name}_test" for name in libm]
+    last = list(libm)[-1]
+    more = {name: f" {for_the_law}" if for_the_law and name == last else "" for name in libm}
     rules = [
-        f"{name}_test: {name}_test.c {name}.c {name}.h {name}_vectors.h\n"
-        f"\t$(CC) $(CFLAGS) {name}_test.c {name}.c -o $@{' -lm' if needed else ''}\n\n"
+        f"{name}_test: {name}_test.c {name}.c {name}.h {name}_vectors.h{more[name]}\n"
+        f"\t$(CC) $(CFLAGS) {name}_test.c {name}.c{more[name].rpartition(' ')[0]} -o $@"
+        f"{' -lm' if needed or (more[name] and any(libm.values())) else ''}\n\n"
         for name, needed in libm.items()
     ]
     runs = "".join(f"\t./{test}\n" for test in tests)

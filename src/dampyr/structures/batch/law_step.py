@@ -203,12 +203,13 @@ class LawStep:
             updates[f"{name}_late{c}_{k}"] = f"{name}_late{c}_{k - 1}" if k > 1 else value
         value = f"{name}_late{c}_{late}" if late else value
         if noise > 0.0:
-            pair = c // 2
+            channel = int(self.controller.channels[c])
+            pair = channel // 2
             drawn = f"{name}_n{2 * pair}, {name}_n{2 * pair + 1} = normal_pair("
             if not any(line.startswith(drawn) for line in lines):
                 first = f"(steps//{self.every})*{counter(1, 0, 0)} + {counter(0, self.d, pair)}"
                 lines.append(f"{drawn}{name}_seed, {first})")
-            value += f" + {text.number(noise)}*{name}_n{c}"
+            value += f" + {text.number(noise)}*{name}_n{channel}"
         value += f" + {text.number(bias)}" if bias else ""
         if np.isfinite(limit):
             value = f"min(max({value}, {text.number(-limit)}), {text.number(limit)})"

@@ -51,6 +51,19 @@ def optimal_gains(building: Building, row: Array, effort: float, weights: Sequen
     return np.asarray((b.T @ p)[0] / cost)
 
 
+def held_steps(building: Building, row: Array, period: float) -> tuple[Array, Array, Array]:
+    """Phi (2n, 2n), Gamma (2n,) and Gamma_g (2n,) of the state over a period in which the damper's force and the ground's
+    acceleration are held."""
+    from scipy.linalg import expm
+
+    a, e, b = system(building, row[None])
+    n = building.n
+    held = np.zeros((2 * n + 2, 2 * n + 2))
+    held[: 2 * n] = np.column_stack([a, b, e])
+    step = expm(held * period)[: 2 * n]
+    return step[:, : 2 * n], step[:, 2 * n], step[:, 2 * n + 1]
+
+
 def state_filter(
     building: Building, row: Array, period: float, noise: float, disturbance: float
 ) -> tuple[Array, Array, Array]:
@@ -59,18 +72,15 @@ def state_filter(
     ``estimate`` (2n, 2n + Y) makes :math:`\hat z` of the memory and the measures, ``F`` and ``G`` the next memory. ``noise`` is
     the standard deviation of an accelerometer, ``disturbance`` that of the ground's acceleration, held over the ``period``.
     """
-    from scipy.linalg import expm, solve_discrete_are
+    from scipy.linalg import solve_discrete_are
 
-    a, e, b = system(building, row[None])
+    a, _, b = system(building, row[None])
     n, floors = building.n, building.n_floors
-    held = np.zeros((2 * n + 2, 2 * n + 2))
-    held[: 2 * n] = np.column_stack([a, b, e])
-    step = expm(held * period)[: 2 * n]
-    phi, gamma, push = step[:, : 2 * n], step[:, [2 * n]], step[:, [2 * n + 1]]
+    phi, gamma, push = held_steps(building, row, period)
     C, D = a[n : n + floors], b[n : n + floors]
-    P = solve_discrete_are(phi.T, C.T, disturbance**2 * push @ push.T, noise**2 * np.eye(floors))
+    P = solve_discrete_are(phi.T, C.T, disturbance**2 * np.outer(push, push), noise**2 * np.eye(floors))
     L = P @ C.T @ np.linalg.inv(C @ P @ C.T + noise**2 * np.eye(floors))
     estimate = np.hstack([np.eye(2 * n) - L @ C, L, -L @ D])
     F, G = phi @ estimate[:, : 2 * n], phi @ estimate[:, 2 * n :]
-    G[:, [floors]] += gamma
+    G[:, floors] += gamma
     return estimate, F, G

@@ -142,9 +142,14 @@ def arena(result: EnsembleResult, criterion: str = "drift", seed: int = 1) -> Ar
     x = peak_of_cases(dataset, criterion, "worst", None)[:, with_damper]
     x = np.where(np.isnan(x), np.inf, x)
     names = tuple(str(name) for name in dataset.input_name.values)
+    return compared(x, names, criterion, str(dataset[criterion].attrs.get("units", "")), seed, result)
+
+
+def compared(x: Array, names: tuple[str, ...], criterion: str, unit: str, seed: int, result: EnsembleResult) -> Arena:
+    """The arena of the criterion x (buildings, dampers, inputs, motions, scales), whose inputs have these names."""
     dampers, motions = x.shape[1], x.shape[3]
     ahead, first = _pairs(x), _firsts(x)
-    weights = _weights(np.random.default_rng(seed), dampers), _weights(np.random.default_rng(seed + 1), motions)
+    weights = bootstrap_weights(seed, dampers, motions)
     wins, wins_band = _share(ahead, weights)
     best, best_band = _share(first, weights)
     reason = (
@@ -155,7 +160,7 @@ def arena(result: EnsembleResult, criterion: str = "drift", seed: int = 1) -> Ar
     return Arena(
         names,
         criterion,
-        str(dataset[criterion].attrs.get("units", "")),
+        unit,
         int(x[:, :, 0].size),
         motions,
         dampers,
@@ -188,6 +193,11 @@ def _firsts(x: Array) -> Array:
     least = x == x.min(axis=2, keepdims=True)
     share = least / least.sum(axis=2, keepdims=True)
     return np.moveaxis(share.mean(axis=(0, 4)), 1, 0)
+
+
+def bootstrap_weights(seed: int, dampers: int, motions: int) -> tuple[Array, Array]:
+    """How often each damper and each motion is drawn in every repeat of the bootstrap, as shares."""
+    return _weights(np.random.default_rng(seed), dampers), _weights(np.random.default_rng(seed + 1), motions)
 
 
 def _weights(rng: np.random.Generator, count: int) -> Array:

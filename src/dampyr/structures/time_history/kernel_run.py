@@ -23,6 +23,7 @@ from dampyr.structures.propagator import propagator, system
 from dampyr.structures.sites import Site, connections, describe_place, drifts
 from dampyr.structures.time_history.linear_response import bare_response
 from dampyr.structures.time_history.response import Decisions, Integration, Output, output
+from dampyr.structures.wanted_force import reasons_of, wanted_forces
 
 Array = NDArray[np.float64]
 
@@ -62,6 +63,7 @@ class Control(NamedTuple):
     rows: Any  # (N, Y, 2n + 2 + N): this and the following as in `Controller`, a law each, filled up with zeros
     faults: Any  # (N, Y, 4)
     late: Any  # (N, Y)
+    channels: Any  # (N, Y)
     of_memory: Any  # (N, A, X)
     of_measured: Any  # (N, A, Y)
     F: Any  # (N, X, X)
@@ -151,14 +153,15 @@ class DampedRun:
         control = self._control(step, steps, before, imposed)
         if control is None:
             out.input[:] = out.mean_input[:] = [site.input_value for site in sites]
-        work = _scratch(building.n, dampers.states)
-        self.kernel(ag, m, step, FORCE_TOLERANCE, self.linear(step), dampers, control, work, out)
+        work, models = _scratch(building.n, dampers.states), wanted_forces(sites, dampers.kind, self.controllers)
+        self.kernel(ag, m, step, FORCE_TOLERANCE, self.linear(step), dampers, control, models, work, out)
         if control is not None:
             _check_inputs(sites, control)
             out.mean_input[:] = control.total / steps if steps else control.level
         _check_bounded(out, self.motion)
         decisions = None if control is None else _decisions(control, steps)
-        return Integration(out.of_floors(building.n_floors), step, decisions=decisions)
+        reasons = reasons_of(models, len(sites))
+        return Integration(out.of_floors(building.n_floors), step, decisions=decisions, reasons=reasons)
 
     def _control(
         self, step: float, steps: int, before: Array | None = None, imposed: Array | None = None
@@ -176,7 +179,8 @@ class DampedRun:
         for k in range(max(map(len, levels))):
             for d, values in enumerate(levels):
                 dampers.params[d, :, : values.shape[1]] = values[min(k, len(values) - 1)]
-            self.kernel(ag, 1, step, FORCE_TOLERANCE, self.linear(step), dampers, control, work, out)
+            models = wanted_forces(sites, dampers.kind, self.controllers)
+            self.kernel(ag, 1, step, FORCE_TOLERANCE, self.linear(step), dampers, control, models, work, out)
             slopes.append(np.abs(out.rest_slopes))
         return np.asarray(np.max(slopes, axis=0))
 
@@ -261,6 +265,7 @@ def _control(
         rows=np.zeros((count, measured, known)),
         faults=np.zeros((count, measured, 4)),
         late=np.zeros((count, measured), dtype=np.int64),
+        channels=np.zeros((count, measured), dtype=np.int64),
         of_memory=np.zeros((count, most, memory)),
         of_measured=np.zeros((count, most, measured)),
         F=np.zeros((count, memory, memory)),
@@ -307,6 +312,7 @@ def _fill(control: Control, d: int, site: Site, controller: Controller, step: fl
         values = getattr(controller, name)
         getattr(control, name)[d][tuple(map(slice, values.shape))] = values
     control.late[d, : len(controller.delays)] = controller.delays
+    control.channels[d, : len(controller.channels)] = controller.channels
     control.ideal[d], control.seed[d] = controller.is_ideal, site.law.seed
     control.signals[d], control.count[d] = len(controller.formulas.signals), len(controller.formulas.arguments)
     control.arguments[d, control.signals[d] : control.count[d]] = controller.formulas.states

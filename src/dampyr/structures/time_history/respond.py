@@ -384,6 +384,7 @@ def _response(
         title=f"{building.name}, {motion.name}",
         after=float(after),
         truncation=truncation,
+        wanted_forces=run.reasons,
         origin=combined(site.damper.origin for site in sites),
         of_dampers=handed_on((site.damper for site in sites), OF_DAMPER),
         doubts=(*inaccurate, *_feeding_dampers(energy, sites), *outside),

@@ -167,6 +167,7 @@ class Integration:
     changes: Mapping[str, float] = field(default_factory=dict)  # by quantity, see `Response.error_estimates`
     reason: str = ""
     decisions: Decisions | None = None
+    reasons: tuple[dict[str, float], ...] = ()  # as `Response.wanted_forces`
 
     @property
     def error(self) -> float | None:
@@ -252,6 +253,9 @@ class Response(Shown):
     # an accuracy that was not reached, a damper that gave energy, calibrated limits that the motion leaves, in words
     doubts: tuple[str, ...] = ()
     truncation: Truncation | None = None  # what a reduced structure leaves out; None where nothing is left out
+    # (N,) of a law that asks for a force: the share of its decisions that were "met", and of those that were not by what kept
+    # them from it (`dampyr.models.inverse`); {} of others
+    wanted_forces: tuple[Mapping[str, float], ...] = ()
 
     @property
     def has_input(self) -> bool:

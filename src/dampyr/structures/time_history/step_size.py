@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -129,12 +130,12 @@ def halve_until_converged(run: Any, motion: GroundMotion, tolerance: float, m: i
         m *= 2
         if m * len(motion.acceleration) > MAX_STEP_COUNT:
             reason = f"{m} steps per sample would pass {MAX_STEP_COUNT} steps"
-            return Integration(coarse.out, coarse.step, tolerance, coarse.changes, reason)
+            return replace(coarse, tolerance=tolerance, reason=reason)
         fine = run(m)
         changed = changes(coarse.out, fine.out)
         if largest(changed) <= tolerance and fine.out.misfit[0] == 0:
-            return Integration(fine.out, fine.step, tolerance, changed)
-        coarse = Integration(fine.out, fine.step, tolerance, changed)
+            return replace(fine, tolerance=tolerance, changes=changed)
+        coarse = replace(fine, tolerance=tolerance, changes=changed)
 
 
 def halve_under_laws(run: Any, motion: GroundMotion, tolerance: float, m: int) -> Integration:
@@ -166,14 +167,14 @@ def halve_under_laws(run: Any, motion: GroundMotion, tolerance: float, m: int) -
                 reason = f"{share} hang on the step, and taken the other way they change a peak by {100 * change:.2g} %"
             changed = {name: max(changed[name], other_way[name]) for name in changed}
         errors = {name: max(value, last.get(name, 0.0)) for name, value in changed.items()} if reason else changed
-        coarse, last = Integration(fine.out, fine.step, tolerance, errors, decisions=fine.decisions), changed
+        coarse, last = replace(fine, tolerance=tolerance, changes=errors), changed
         if not reason:
             break
     if not coarse.changes:
         reason = "its first run has as many steps as are allowed, so that its error is not known"
     elif reason:
         reason += f", down to a step of {1e3 * coarse.step:.2g} ms; give the coil a lag, or the law a longer period"
-    return Integration(coarse.out, coarse.step, tolerance, coarse.changes, reason)
+    return replace(coarse, tolerance=tolerance, reason=reason)
 
 
 def run_once(run: Any, m: int) -> Integration:
@@ -181,7 +182,7 @@ def run_once(run: Any, m: int) -> Integration:
     integration: Integration = run(m)
     unsolved, gap, _ = integration.out.misfit
     reason = f"the forces of {unsolved:.0f} steps converged to {gap:.1g} only" if unsolved else ""
-    return Integration(integration.out, integration.step, None, {}, reason)
+    return replace(integration, reason=reason)
 
 
 def changes(coarse: Output, fine: Output) -> dict[str, float]:

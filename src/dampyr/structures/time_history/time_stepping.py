@@ -18,7 +18,8 @@ from 0.
 
 ``integrate`` is plain Python for numba: ``advance``, ``force``, ``slopes``, ``decide`` and ``remember`` are names that
 :func:`dampyr.models.codegen.kernels.bind` gives the functions of the dampers and of the laws. ``control`` is None where no law
-sets an input; numba then leaves out everything that depends on it.
+sets an input, ``models`` where no law asks for a force (`dampyr.structures.wanted_force`); numba then leaves out everything
+that depends on it.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from typing import Any
 
 from dampyr.models.laws import look_up
 from dampyr.structures.sensor_noise import counter, normal_pair
+from dampyr.structures.time_history.followed_model import follow, input_of_force
 from dampyr.structures.time_history.kernel_math import (
     copy_into,
     delayed_force,
@@ -37,7 +39,10 @@ from dampyr.structures.time_history.kernel_math import (
     turning_point,
 )
 
-BOUND_WITH = ("dampyr.structures.time_history.kernel_math", "dampyr.models.laws", "dampyr.structures.sensor_noise")
+BOUND_WITH = (
+    "dampyr.structures.time_history.kernel_math", "dampyr.structures.time_history.followed_model",
+    "dampyr.models.laws", "dampyr.structures.sensor_noise",
+)  # fmt: skip
 
 
 def _unbound(*_: Any) -> Any:
@@ -233,8 +238,9 @@ def measure(d: int, number: int, lin: Any, control: Any, now: Any, ground: float
         late = control.late[d, c]
         y[c] = past[(number - late) % depth, c] if number >= late else 0.0
         if faults[c, 0] > 0.0:
-            pair = normal_pair(control.seed[d], counter(number, d, c // 2))
-            y[c] += faults[c, 0] * (pair[0] if c % 2 == 0 else pair[1])
+            channel = control.channels[d, c]
+            pair = normal_pair(control.seed[d], counter(number, d, channel // 2))
+            y[c] += faults[c, 0] * (pair[0] if channel % 2 == 0 else pair[1])
         y[c] = min(max(y[c] + faults[c, 1], -faults[c, 3]), faults[c, 3])
         if faults[c, 2] > 0.0:
             y[c] = faults[c, 2] * math.floor(y[c] / faults[c, 2] + 0.5)
@@ -259,15 +265,30 @@ def filtered(d: int, control: Any) -> None:
     copy_into(control.next_memory, x, 0)
 
 
-def take_decision(d: int, number: int, control: Any) -> float:
+def decided(d: int, s: Any, control: Any, models: Any) -> float:
+    """The input that a site's law decides on; of a law that asks for a force the one that the damper's model gives it with."""
+    u = decide(control.kind[d], s, control.settings[d])
+    if models is not None:  # noqa: SIM102 - alone, so that numba leaves out what it guards
+        if models.asks[d] != 0:
+            u = input_of_force(d, s, u, control, models)
+    return u
+
+
+def take_decision(d: int, number: int, control: Any, models: Any) -> float:
     """The decision of a site's law, stored with its arguments; one that is given in ``control.imposed`` is taken instead.
 
     Beside it is stored the decision farthest from it that the law could have taken, had each argument been off by as much as
     it differs from the run at twice the step (``control.before``): the law is a sign of something, so the corners tell.
     """
-    kind, s, settings = control.kind[d], control.arguments[d], control.settings[d]
+    s = control.arguments[d]
     sensed, count = control.sensed[d, number], control.count[d]
-    u = decide(kind, s, settings)
+    if models is not None:  # noqa: SIM102 - alone, so that numba leaves out what it guards
+        if models.asks[d] != 0:
+            follow(d, s, control, models)
+    u = decided(d, s, control, models)
+    if models is not None:  # noqa: SIM102 - alone, so that numba leaves out what it guards
+        if models.asks[d] != 0:
+            models.tally[d, int(models.found[2])] += 1.0
     if number < control.imposed.shape[1] and control.imposed[d, number] == control.imposed[d, number]:
         u = control.imposed[d, number]
     copy_into(s, sensed, 0)
@@ -278,14 +299,16 @@ def take_decision(d: int, number: int, control: Any) -> float:
         for corner in range(1 << count):
             for j in range(count):
                 control.corner[j] = s[j] + (s[j] - before[j]) * (1.0 if (corner >> j) & 1 else -1.0)
-            other = decide(kind, control.corner, settings)
+            other = decided(d, control.corner, control, models)
             if abs(other - u) > abs(farthest - u):
                 farthest = other
         control.other[d, number] = farthest
     return u
 
 
-def update_inputs(step: int, lin: Any, sites: Any, control: Any, now: Any, ground: float, ag: float) -> bool:
+def update_inputs(
+    step: int, lin: Any, sites: Any, control: Any, models: Any, now: Any, ground: float, ag: float
+) -> bool:
     """Let the laws decide where it is time, and set the parameters of the step; True where a force may jump."""
     jumped = False
     for d in range(control.every.shape[0]):
@@ -293,7 +316,7 @@ def update_inputs(step: int, lin: Any, sites: Any, control: Any, now: Any, groun
         if every > 0 and step % every == 0:
             measure(d, step // every, lin, control, now, ground, ag)
             filtered(d, control)
-            u = take_decision(d, step // every, control)
+            u = take_decision(d, step // every, control, models)
             control.command[d] = u
             control.reached[d, 0] = min(control.reached[d, 0], u)
             control.reached[d, 1] = max(control.reached[d, 1], u)
@@ -333,7 +356,7 @@ def apply_force_jump(lin: Any, sites: Any, w: Any, now: Any) -> None:
 
 
 def integrate(
-    ag: Any, m: int, h: float, tolerance: float, lin: Any, sites: Any, control: Any, w: Any, out: Any
+    ag: Any, m: int, h: float, tolerance: float, lin: Any, sites: Any, control: Any, models: Any, w: Any, out: Any
 ) -> None:
     """Integrate through the ground motion ``ag`` with m steps of h seconds per sample; ``out`` is written in place."""
     now, half, whole, work = w.now, w.half, w.whole, w.work
@@ -348,7 +371,7 @@ def integrate(
             ag0 = ag[i] + (ag[i + 1] - ag[i]) * j / m
             ag1 = ag[i] + (ag[i + 1] - ag[i]) * (j + 1) / m
             if control is not None:
-                if update_inputs(i * m + j, lin, sites, control, now, ground, ag0):
+                if update_inputs(i * m + j, lin, sites, control, models, now, ground, ag0):
                     apply_force_jump(lin, sites, w, now)
                     observe(now, ag0, lin, out)
                 ground += 0.5 * h * (ag0 + ag1)

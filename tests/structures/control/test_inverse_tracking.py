@@ -1,0 +1,62 @@
+"""Inverse-model force tracking: each input is the one whose force, by the forward model, is nearest to the wanted one."""
+
+import numpy as np
+import pytest
+from tests.structures.begin_of_el_centro import short
+from tests.structures.control.sensed_signals import sensed
+
+from dampyr.errors import InputError
+from dampyr.models import Damper
+from dampyr.structures import control_law, ensemble, respond, two_storey
+
+HIGH, PERIOD = 3.0, 0.02
+
+
+def test_the_wanted_force_is_that_of_clipped_optimal():
+    assert np.array_equal(sensed("inverse_tracking", effort=0.1), sensed("clipped_optimal", effort=0.1))
+
+
+def test_no_other_input_gives_a_force_nearer_to_the_wanted_one(cubics: Damper):
+    """The forward model along the measured strokes, held inputs and all, under 121 inputs of the period to come."""
+    law, motion = control_law("inverse_tracking", high=HIGH, period=PERIOD), short(8.0)
+    response = respond(two_storey(), motion, {1: cubics}, voltage=law, step=0.0025)
+    z = np.vstack([response.displacement, response.velocity])
+    wanted = sensed("inverse_tracking")[:4] @ z
+    x, v, t = z[0], z[2], motion.time
+    commands = np.append(response.input[0, 1:], np.nan)  # what was decided at a sample acts at the next
+    grid, met = np.linspace(0.0, HIGH, 121), 0
+    for k in range(20, len(t) - 1, 37):
+        past = t[: k + 2], np.append(x[: k + 1], x[k] + PERIOD * v[k]), np.append(v[: k + 1], v[k])
+        inputs = np.append(0.0, commands[: k + 1])
+
+        def given(u, past=past, inputs=inputs):
+            return cubics.force(past[0], past[1], velocity=past[2], voltage=np.append(inputs[:-1], u))[-1]
+
+        gaps = np.array([abs(given(u) - wanted[k]) for u in grid])
+        found = abs(given(commands[k]) - wanted[k])
+        assert found <= gaps.min() + 1e-6 * abs(wanted[k])
+        met += found <= 1e-6 * abs(wanted[k])
+    assert met >= 3
+
+
+def test_how_often_the_force_was_met_is_said(cubics: Damper):
+    law = control_law("inverse_tracking", high=HIGH, lag=0.01)
+    response = respond(two_storey(), short(6.0), {1: cubics, 2: cubics}, voltage={1: law, 2: 1.0}, step=0.0025)
+    shares, of_a_number = response.wanted_forces
+    assert of_a_number == {}
+    assert sum(shares.values()) == pytest.approx(1.0)
+    assert {"met", "wrong_sign"} < set(shares)
+
+
+def test_an_ensemble_has_the_peaks_of_a_response(cubics: Damper):
+    law = control_law("inverse_tracking", high=HIGH, lag=0.01)
+    dataset = ensemble(two_storey(), short(4.0), {1: cubics}, law, [0.5, 1.0], accuracy="strict").dataset
+    assert dataset.attrs["one_by_one"] == 2
+    one = respond(two_storey(), short(4.0).scaled(0.5), {1: cubics}, voltage=law)
+    assert dataset.drift.values.ravel()[:2] == pytest.approx(one.peak_drift, rel=4e-4)
+
+
+def test_a_damper_without_an_inverse_is_refused(cubics: Damper):
+    late = Damper("dahl + delay", {**cubics.laws, "delay.tau": 0.01})
+    with pytest.raises(InputError, match="the force of this damper is delayed"):
+        respond(two_storey(), short(1.0), {1: late}, voltage=control_law("inverse_tracking", high=HIGH))
