@@ -17,7 +17,7 @@ unexport PYTHONDONTWRITEBYTECODE
 # The workers share the cores: with threads of its own, OpenBLAS takes 200 times as long for an exponential of a small matrix.
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: help demo test prove endure quick check docs site bench pictures lock clean compiler octave chromium axe blas firmware firmware-tools
+.PHONY: help demo test prove endure quick check docs site bench pictures lock clean compiler octave chromium axe blas wine firmware firmware-tools
 
 help:
 	@echo "make demo    a simulated campaign, from records to a building in an earthquake, as one page in out/demo"
@@ -89,16 +89,23 @@ axe:
 	  npm install --silent --no-save --no-audit --no-fund --ignore-scripts --prefix out/axe axe-core@4.14.1 >/dev/null 2>&1; } || \
 	  echo "axe-core was not found or installed (it needs npm); the tests of the console's labels and contrast will be skipped"
 
+# The Windows library of an FMU is loaded in Wine. Without it that proof is skipped, and says so.
+wine:
+	@command -v wine64 >/dev/null 2>&1 || [ -x /usr/lib/wine/wine64 ] || { \
+	  [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null 2>&1 && apt-get update -qq >/dev/null 2>&1 && \
+	  DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends wine64 >/dev/null 2>&1; } || \
+	  echo "no Wine was found or installed; the proof of FMUs for Windows will be skipped"
+
 demo: $(READY)
 	$(BIN)/dampyr demo --out out/demo
 
 test: $(READY) compiler firmware-tools octave blas chromium axe
 	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "not prove and not by_hand"
 
-prove: $(READY) compiler firmware-tools octave blas chromium axe
+prove: $(READY) compiler firmware-tools octave blas chromium axe wine
 	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "prove and not by_hand"
 
-endure: $(READY) compiler firmware-tools octave blas chromium axe
+endure: $(READY) compiler firmware-tools octave blas chromium axe wine
 	$(BIN)/python -m pytest --endure -o faulthandler_timeout=0 -m "endure or by_hand" $(if $(NAME),-k "$(NAME)")
 
 quick: $(READY)

@@ -14,10 +14,11 @@ def run(*args: str | Path) -> Result:
 
 
 @pytest.mark.prove
-def test_a_lag_is_left_out_by_name_for_c(tmp_path: Path) -> None:
-    card = published.damper("spencer_1997").save(tmp_path / "card.toml")
-    refused = run(card, "--to", "c", "--out", tmp_path)
+def test_a_lag_is_left_out_by_name_for_an_inverse(tmp_path: Path) -> None:
+    card = published.damper("tan_agrawal_2004").save(tmp_path / "card.toml")
+    refused = run(card, "--to", "c", "--out", tmp_path, "--inverse")
     assert refused.exit_code == 2
-    assert "or with --without lag, and filter the command u_c before: u' = (u_c - u)/0.00526316 s" in refused.stderr
-    assert run(card, "--to", "c", "--out", tmp_path, "--without", "lag").exit_code == 0
-    assert (tmp_path / "damper.c").exists()
+    assert "or with --without lag, and let what acts follow the command u_c: u' = (u_c - u)/" in refused.stderr
+    assert run(card, "--to", "c", "--out", tmp_path, "--inverse", "--without", "lag").exit_code == 0
+    assert run(card, "--to", "c", "--out", tmp_path / "command").exit_code == 0
+    assert "double command, acting;" in (tmp_path / "command" / "damper.h").read_text()

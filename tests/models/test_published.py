@@ -206,14 +206,14 @@ def test_a_constant_command_lags_behind_nothing(name: str) -> None:
 LAW = partial(structures.control_law, "on_off", low=0.0, high=2.25)
 
 
-def test_a_control_law_with_a_lag_of_its_own_and_c_code_refuse_it(tmp_path: Path) -> None:
+def test_a_control_law_with_a_lag_of_its_own_and_an_inverse_in_c_refuse_it(tmp_path: Path) -> None:
     motion, building = ground_motions.el_centro().scaled(0.05), structures.two_storey()
     with pytest.raises(InputError, match="leave one of the two out"):
         structures.respond(building, motion, {1: made("spencer_1997")}, voltage=LAW(lag=1.0 / 190.0))
     words = r"export damper.without\('lag'\), or with --without lag, .* u' = \(u_c - u\)/0.00526316 s"
     with pytest.raises(InputError, match=words):
-        export(made("spencer_1997"), "c", tmp_path)
-    assert export(made("spencer_1997", "lag"), "c", tmp_path)
+        export(made("spencer_1997"), "c", tmp_path, inverse=True)
+    assert export(made("spencer_1997"), "c", tmp_path)
 
 
 @pytest.mark.by_hand  # two kernels of half a minute each; the lag itself is a proof above

@@ -18,6 +18,7 @@ from dampyr.errors import InputError
         "dampyr export damper.toml --to c --out controller",
         "dampyr export damper.toml --to c --control clipped_optimal_lqg --out controller",
         "dampyr export damper.toml --to fmu --name rd8041 --out fmu",
+        "dampyr export damper.toml --to fmu --platform win64 --platform linux64",
     )
 )
 @click.argument("card", type=click.Path(path_type=Path))
@@ -34,6 +35,13 @@ from dampyr.errors import InputError
     "--drive",
     type=click.Choice(["both", "displacement", "velocity"]),
     help="The input of the damper; for fmu. The other one is derived.  [default: both]",
+)
+@click.option(
+    "--platform",
+    "platforms",
+    multiple=True,
+    metavar="NAME",
+    help="Library for linux64, win64, darwin64, linux-arm64 or all; for fmu.  [default: this machine]",
 )
 @click.option(
     "--inverse", is_flag=True, help="Write what finds the input that gives a wanted force, too; for c and fmu."
@@ -57,6 +65,7 @@ def command(
     history: int | None,
     fmi: str | None,
     drive: str | None,
+    platforms: tuple[str, ...],
     inverse: bool,
     control: str | None,
     structure: str | None,
@@ -70,7 +79,7 @@ def command(
 
     CARD is a damper's card, or the name of a published damper.
     What is written refuses inputs outside the calibrated range (in C: the force is NAN) unless allowed here.
-    An FMU is compiled on this machine, and needs a C compiler.
+    An FMU is compiled for this machine by its C compiler, or for the platforms that are named (dampyr[fmu]).
     """
     from dampyr.export import export
     from dampyr.findings import OF_DAMPER, as_dicts, handed_on
@@ -82,6 +91,7 @@ def command(
         "history": history,
         "fmi": int(fmi) if fmi else None,
         "drive": drive,
+        "platforms": platforms or None,
         "inverse": inverse or None,
     }
     options: dict[str, Any] = {key: value for key, value in typed.items() if value is not None}

@@ -36,10 +36,10 @@ def export(
     """Write ``damper`` as ``to`` (one of `available_kinds`) into the folder ``out``; the files written.
 
     ``name`` is its name there. Inputs outside the calibrated range are refused by what is written, unless
-    ``allow_extrapolation``. ``options`` are those of the kind, the keywords of its ``write``: ``single`` and ``history``
-    of ``c``, ``fmi`` and ``drive`` of ``fmu``, and of both ``inverse``, ``control``, ``structure`` and ``place``. Raises
-    :class:`~dampyr.errors.InputError` for an unknown kind, an option that it does not have, or a name that the target cannot
-    use.
+    ``allow_extrapolation``. ``options`` are those of the kind, the keywords of its ``write``: ``single`` and ``history`` of
+    ``c``; ``fmi``, ``drive`` and ``platforms`` of ``fmu``; of both ``inverse``, ``control``, ``structure`` and ``place``.
+    Raises :class:`~dampyr.errors.InputError` for an unknown kind, an option that it does not have, or a name that the target
+    cannot use.
 
     Examples
     --------

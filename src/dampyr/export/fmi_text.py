@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from xml.sax.saxutils import quoteattr
 
-from dampyr.export.kinds.c import before_use
+from dampyr.export.kinds.c import before_use, time_constant
 from dampyr.input_kinds import INPUTS
 from dampyr.models import Damper
 from dampyr.models.inverse import REASONS
@@ -60,7 +60,9 @@ def variables(damper: Damper, drive: str, inverse: bool = False) -> list[Variabl
         )
     ]
     units = {f"{p.name}.{key}": q.unit for p in damper.composition.parts for key, q in p.parameters.items()}
-    at_coil = Variable(word, damper.input, "input", f"at the coil; the damper {damper.range_words}")
+    tau = time_constant(damper)
+    where = "at the coil" if tau is None else f"command, which the coil follows with a time constant of {tau:g} s"
+    at_coil = Variable(word, damper.input, "input", f"{where}; the damper {damper.range_words}")
     about = f"parameter at the present {word}" if word else "parameter"
     found: list[Variable] = []
     if inverse:
@@ -183,6 +185,9 @@ def wrapper(damper: Damper, name: str, fmi: int, drive: str, inverse: bool = Fal
     for text, instead in INVERSE if inverse else ():
         assert text in core, f"the wrapper has no {text!r} any more, which the inverse's replaces"
         core = core.replace(text, instead)
+    for text, instead in WITH_LAG if time_constant(damper) is not None else ():
+        assert text in core, f"the wrapper has no {text!r} any more, which the lag's replaces"
+        core = core.replace(text, instead)
     core = (
         core.replace("DAMPER", name)
         .replace("@COUNT", str(count))
@@ -226,6 +231,17 @@ static double stepped(DAMPER_inverse *g, DAMPER_state *d, double dt, double x, d
     ("unit->m.in[U] = @LOW;", "DAMPER_inverse_start(&unit->m.g);\n    unit->m.found = unit->m.g;"),
 )  # fmt: skip
 """What of the core's text is another one where the input is found: U is the wanted force then."""
+
+
+WITH_LAG = (
+    (
+        "    int running;  ",
+        "    double acting;                    /* what the command u has become */\n    int running;  ",
+    ),
+    ("    if (commit && f == f) {\n", "    m->acting = d.acting;\n    if (commit && f == f) {\n"),
+    ("DAMPER_parameters(u, p);", "DAMPER_parameters(unit->m.acting, p);"),
+)
+"""What of the core's text is another one where the input is a command, which a coil follows."""
 
 
 WITHOUT_INPUT = (

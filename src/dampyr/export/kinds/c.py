@@ -134,20 +134,26 @@ def before_use(damper: Damper) -> str:
     return text
 
 
-def check_exportable(damper: Damper) -> None:
-    """Raise :class:`InputError` for a damper that needs more than its path and its input at the coil."""
+def check_exportable(damper: Damper, takes_command: bool = True) -> None:
+    """Raise :class:`InputError` for a damper that needs more than its path and its input: at the coil, or where the code takes
+    that its command."""
     for p in damper.composition.parts:
         if p.needs_acceleration:
             raise InputError(
                 f"{p.name} needs the acceleration, which the exported code is not given; export damper.without({p.name!r})"
             )
-    k = damper.composition.lag
-    if k is not None:
-        tau = float(list(damper.all_laws.values())[k](damper.range[0]))
+    tau = time_constant(damper)
+    if tau is not None and not takes_command:
         raise InputError(
-            "the exported code takes the input, not its command; export damper.without('lag'), or with --without lag, and "
-            f"filter the command u_c before: u' = (u_c - u)/{tau:.6g} s"
+            "the inverse in C gives the input at the coil, not its command; export damper.without('lag'), or with --without "
+            f"lag, and let what acts follow the command u_c: u' = (u_c - u)/{tau:.6g} s"
         )
+
+
+def time_constant(damper: Damper) -> float | None:
+    """That of the part ``lag``, s; None without one."""
+    k = damper.composition.lag
+    return None if k is None else float(list(damper.all_laws.values())[k](damper.range[0]))
 
 
 def c_source(
@@ -160,7 +166,7 @@ def c_source(
 ) -> CSource:
     """The C text of a damper; :class:`InputError` for one that has no C form, or with ``inverse`` no inverse, and for a
     ``history`` out of range."""
-    check_exportable(damper)
+    check_exportable(damper, takes_command=not inverse)
     if inverse:
         inverse_model.check_invertible(damper)
     if isinstance(history, bool) or not HISTORIES[0] <= history <= HISTORIES[1]:
@@ -176,11 +182,18 @@ def c_source(
 def _header(damper: Damper, name: str, precision: Precision, history: int, libm: tuple[str, ...], inverse: bool) -> str:
     real, late = precision.real, damper.composition.has_delay
     at_coil, outside, in_range, and_u, u_first, u = "", "", "", "", "", ("", "")
+    lag = ""
     if damper.has_input:
         at_coil = f", {damper.input} ({INPUTS[damper.input]} at the coil)"
         outside = f" Outside its range the force is NAN (see {name}_in_range)."
         in_range = f"int {name}_in_range({real} u);\n"
         and_u, u_first, u = f", {real} u", f"{real} u, ", (", u0", ", u1")
+    if (tau := time_constant(damper)) is not None:
+        at_coil = f", {damper.input} (command of the {INPUTS[damper.input]})"
+        lag = f"\n    {real} command, acting;"
+        outside += f"""
+ * u is the command, which counts as straight between two samples; what acts on the damper, `acting`, follows it with a time
+ * constant of {tau:g} s, and is the command at the start."""
     delay = (
         f"\n    {real} late_dt[{history}], late_f[{history}];\n    long late_at, late_count;\n    int late_lost;"
         if late
@@ -225,7 +238,7 @@ extern "C" {{
 
 typedef struct {{
     {real} s[{max(damper.composition.n_states, 1)}];
-    {real} t, x, v;{delay}
+    {real} t, x, v;{lag}{delay}
 }} {name}_state;
 
 {in_range}{real} {name}_start({name}_state *d, {real} t, {real} x, {real} v{and_u});
@@ -409,18 +422,22 @@ def _calls(damper: Damper, prefix: str, precision: Precision) -> str:
     empty = "    d->late_at = 0; d->late_count = 0; d->late_lost = 0;\n" if late else ""
     count = len(composition.parameters)
     past = "".join(f"    d->s[{k}] = {precision.number(v)};\n" for k, v in enumerate(composition.path0) if v)
-    declared, passed, first_u, refused, outside = "", "", "", "", ""
+    declared, passed, first_u, refused, outside, begun, followed = "", "", "", "", "", "", ""
     if damper.has_input:
         declared, passed, first_u = f", {real} u", ", u", "u, "
         refused = f"    if (!{prefix}in_range(u)) return ({real})NAN;\n"
         outside = f"!{prefix}in_range(u) || "
+    if (tau := time_constant(damper)) is not None:
+        first_u = "d->acting, "
+        begun = "    d->command = u; d->acting = u;\n"
+        followed = _follow(tau, precision)
     return f"""\
 {real} {prefix}start({prefix}state *d, {real} t, {real} x, {real} v{declared})
 {{
     {real} p[{count}], f;
     for (int k = 0; k < {max(composition.n_states, 1)}; k++) d->s[k] = {zero};
 {past}    d->t = t; d->x = x; d->v = v;
-{empty}{refused}    {prefix}parameters({first_u}p);
+{empty}{refused}{begun}    {prefix}parameters({first_u}p);
     f = {prefix}force(d->s, x, v, {zero}, p);
     return {first};
 }}
@@ -429,7 +446,7 @@ def _calls(damper: Damper, prefix: str, precision: Precision) -> str:
 {{
     {real} p[{count}], f;
     if ({outside}!(dt > {zero})) return ({real})NAN;
-    {prefix}parameters({first_u}p);
+{followed}    {prefix}parameters({first_u}p);
     {prefix}advance(d->s, d->x, x, d->v, v, dt, p);
     d->t += dt; d->x = x; d->v = v;
     f = {prefix}force(d->s, x, v, {zero}, p);
@@ -442,6 +459,20 @@ def _calls(damper: Damper, prefix: str, precision: Precision) -> str:
     if (f == f) d->t = t;
     return f;
 }}"""
+
+
+def _follow(tau: float, precision: Precision) -> str:
+    """The lines that let the acting input follow the command u, straight over the step: `dampyr.models.input_lag`'s step."""
+    if tau == 0.0:
+        return "    d->acting = u; d->command = u;\n"
+    real, number = precision.real, precision.number(tau)
+    return f"""\
+    {{
+        {real} rise = (u - d->command)/dt*{number};
+        d->acting = u - rise + (d->acting - d->command + rise)*exp{precision.suffix}(-dt/{number});
+        d->command = u;
+    }}
+"""
 
 
 class _Less(ast.NodeTransformer):

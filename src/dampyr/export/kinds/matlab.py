@@ -7,7 +7,7 @@ from textwrap import wrap
 
 from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError
-from dampyr.export.kinds.c import ARRAYS, WIDTH, before_use, check_exportable, check_name, function_trees
+from dampyr.export.kinds.c import ARRAYS, WIDTH, before_use, check_exportable, check_name, function_trees, time_constant
 from dampyr.export.matlab_text import SUPPORT, function, number
 from dampyr.input_kinds import INPUTS
 from dampyr.models import Constant, Damper, Interpolation, Polynomial
@@ -41,11 +41,17 @@ def _main(damper: Damper, name: str, allow_extrapolation: bool) -> str:
     outside = f"u < {number(low - slack)} | u > {number(high + slack)} | isnan(u)"
     bad = "~isfinite(u)" if allow_extrapolation else outside
     given, numbers, u_of_sample = ["t", "x", "v"], "", ""
-    about, check = ".", ""
+    about, check, followed, kept = ".", "", "", ""
     if damper.has_input:
         word, unit = INPUTS[damper.input], damper.input
         given, u_of_sample = ["t", "x", "v", "u"], "u(k)"
         about = f"; u is the {word} [{unit}] at the coil, one number or one for each sample."
+        if (tau := time_constant(damper)) is not None:
+            about = (
+                f"; u is the command of the {word} [{unit}], which the coil follows with a time constant of {tau:g} s."
+            )
+            u_of_sample = "acting"
+            followed, kept = _follow(tau), "\n        state.command = u(k); state.acting = acting;"
         numbers = "\n    if isscalar(u), u = repmat(u, size(x)); end"
         check = f"""
     bad = find({bad}, 1);
@@ -75,7 +81,7 @@ function [f, state] = {name}({arguments}, state)
             {sizes});
     end{check}
     f = zeros(size(x));
-    for k = 1:numel(t)
+    for k = 1:numel(t){followed}
         p = {prefix}parameters({u_of_sample});
         if isempty(state)
             state = struct('s', [{start}], 't', t(k), 'x', x(k), 'v', v(k));{empty.replace("        ", "            ")}
@@ -86,9 +92,20 @@ function [f, state] = {name}({arguments}, state)
             state.s = {prefix}advance(state.s, state.x, x(k), state.v, v(k), t(k) - state.t, p);
             state.t = t(k); state.x = x(k); state.v = v(k);
         end
-        f(k) = {prefix}force(state.s, x(k), v(k), 0.0, p);{delayed}
+        f(k) = {prefix}force(state.s, x(k), v(k), 0.0, p);{delayed}{kept}
     end
 end"""
+
+
+def _follow(tau: float) -> str:
+    """The lines that let the acting input follow the command, straight between samples: `dampyr.models.input_lag`'s step."""
+    return f"""
+        acting = u(k);
+        if ~isempty(state) && {number(tau)} > 0
+            dt = t(k) - state.t;
+            rise = (u(k) - state.command)/dt*{number(tau)};
+            acting = u(k) - rise + (state.acting - state.command + rise)*exp(-dt/{number(tau)});
+        end"""
 
 
 def _parameters(damper: Damper, prefix: str) -> str:
