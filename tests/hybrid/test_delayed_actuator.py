@@ -8,6 +8,7 @@ from tests.hybrid.chapter_5 import PRINTED, SHAKES, peak, shaken
 from tests.structures.begin_of_el_centro import short
 
 from dampyr.hybrid import Substructure, run_delayed
+from dampyr.hybrid.delayed_hybrid import delayed_result
 from dampyr.models import Damper
 from dampyr.structures import Building, control_law, respond, two_storey
 from dampyr.studies import raminelli_2020
@@ -36,6 +37,17 @@ def test_under_a_law_it_is_the_response_under_that_law(name):
     assert np.abs(run.force).max() == pytest.approx(expected.peak_force[0], rel=2e-2)
     off = run_delayed(Substructure(building, 1, ground, h, damper), damper, 0.0, 0.0)
     assert got[0] < 0.7 * np.abs(off.z[:, 0]).max()
+
+
+def test_the_result_says_which_law_and_its_model_has_the_inputs_of_the_test():
+    """The model of the result runs along the achieved path under the inputs that were decided: it is the specimen's force."""
+    law = control_law("clipped_optimal", high=3.0, lag=0.01)
+    result = delayed_result(two_storey(), short(4.0), raminelli_2020.damper(), 0.005, law)
+    assert result.law == result.input_words == "clipped_optimal 0 to 3 V, lag 0.01 s"
+    assert 0.0 < result.voltage < 3.0
+    np.testing.assert_allclose(result.modelled[:-1], result.force[:-1], atol=1e-9 * np.abs(result.force).max())
+    assert np.abs(result.differences).max() < 0.15
+    assert result.computed.laws == ("clipped_optimal 0 to 3 V, lag 0.01 s",)
 
 
 def critical_delay(m: float, c: float, k: float, spring: float) -> float:

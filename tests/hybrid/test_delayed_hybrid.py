@@ -1,9 +1,13 @@
 """A damper's model on a late actuator against the building that is all computed, with the lag known wrongly, and refusals."""
 
+import json
+
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from tests.hybrid.chapter_5 import HARDEST_QUICK, PRINTED, SHAKES, VOLTAGES, shaken, strong_part
 
+from dampyr.cli import cli
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion, el_centro
 from dampyr.hybrid import run_delayed
@@ -53,3 +57,18 @@ def test_a_short_motion_runs_to_its_end():
     motion = GroundMotion(np.zeros(5), 0.02)
     result = delayed_result(two_storey(), motion, raminelli_2020.damper(), 0.010)
     assert np.all(result.displacement == 0.0)  # nothing moved, and nothing was divided by it
+
+
+def test_a_control_law_on_the_command_line() -> None:
+    words = ["hybrid", "--structure", "two_storey", "--duration", "3", "--scale", "0.5"]
+    law = ["--control", "clipped_optimal:lag=10ms"]
+    done = CliRunner().invoke(cli, [*words, *law, "--delay", "0.005", "--json"])
+    assert done.exit_code == 0, done.output
+    assert json.loads(done.stdout)["law"] == "clipped_optimal 0 to 3.212 V, lag 0.01 s"
+    for more, message in (
+        (law, "--control is of --delay"),
+        ([*law, "--delay", "0.005", "--voltage", "1"], "--voltage and --control both set the input"),
+    ):
+        refused = CliRunner().invoke(cli, [*words, *more])
+        assert refused.exit_code == 2
+        assert message in refused.stderr

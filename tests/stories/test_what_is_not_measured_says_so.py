@@ -148,6 +148,7 @@ COMMANDS: dict[str, Callable[[Made], list[Any]]] = {
     "ensemble": lambda m: ["ensemble", m.card, *ENSEMBLE],
     "ride": lambda m: ["ride", m.card, "--voltage", "1.98", "--seeds", "1", "--length", "50"],
     "arena": lambda m: ["arena", m.card, "--voltage", "1.98", *ENSEMBLE],
+    "arena --search": lambda m: ["arena", m.card, "--search", "voltage=1,1.98", "--synthetic", "4", "--duration", "2"],
     "run": lambda m: ["run", m.folder.parent / "campaign.toml", "--out", m.folder],
     "plan": lambda m: ["plan", "--card", m.card, "--tests", "1", "--seconds", "4", "--kind", "sine", "--at", "1.98"],
     "export": lambda m: ["export", m.card, "--to", "c", "--out", m.folder.parent / "c"],
@@ -195,7 +196,7 @@ PAGES: dict[str, Callable[[Made], list[Any]]] = {
     "response_page": COMMANDS["simulate"],
     "ensemble_page": COMMANDS["ensemble"],
     "arena_page": COMMANDS["arena"],
-    "search_page": lambda m: ["arena", m.card, "--search", "voltage=1,2", "--synthetic", "4", "--duration", "2"],
+    "search_page": COMMANDS["arena --search"],
 }
 
 
@@ -250,20 +251,24 @@ class Printed:
 
     def of(self, words: Callable[[Made], list[Any]]) -> str:
         """What the command of these words prints."""
-        name = next(name for name, of_command in COMMANDS.items() if of_command is words)
+        name = self.name(words)
         if name not in self.texts:
             faces = ("--report", self.page(words), "--figures", self.figures(words)) if words in PAGES.values() else ()
             with texts_alone():
                 self.texts[name] = self.made.call(*words(self.made), *faces)
         return self.texts[name]
 
+    def name(self, words: Callable[[Made], list[Any]]) -> str:
+        """Which of the commands these words are."""
+        return next(name for name, of_command in COMMANDS.items() if of_command is words)
+
     def page(self, words: Callable[[Made], list[Any]]) -> Path:
         """The file of its page."""
-        return self.folder / f"{words(self.made)[0]}.html"
+        return self.folder / f"{self.name(words)}.html"
 
     def figures(self, words: Callable[[Made], list[Any]]) -> Path:
         """The folder of its figures."""
-        return self.folder / f"{words(self.made)[0]} figures"
+        return self.folder / f"{self.name(words)} figures"
 
 
 @pytest.fixture(scope="module")

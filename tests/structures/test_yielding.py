@@ -18,12 +18,12 @@ MASSES, STIFFNESSES, DASHPOTS = [2e4, 2e4, 1.5e4], [2e7, 1.6e7, 1.2e7], [8e4, 6e
 YIELD, HARDENING, HEIGHT = 0.004, 0.05, 3.0
 
 
-def theirs(motion, step: float, exponent: float | None, heights: float | None) -> np.ndarray:
+def theirs(motion, step: float, exponent: float | None, heights: float | None, **wear: float) -> np.ndarray:
     """Peak and last drifts (2, 3) of OpenSees at a step; skips where it cannot be loaded."""
     request = {
         "masses": MASSES, "stiffnesses": STIFFNESSES, "dashpots": DASHPOTS, "yield_drifts": [YIELD] * 3,
         "hardening": HARDENING, "exponent": exponent, "heights": heights and [heights] * 3,
-        "dt": motion.dt, "acceleration": motion.acceleration.tolist(), "step": step,
+        "dt": motion.dt, "acceleration": motion.acceleration.tolist(), "step": step, **wear,
     }  # fmt: skip
     done = subprocess.run(
         [sys.executable, MODEL], input=json.dumps(request), capture_output=True, text=True, check=False
@@ -55,6 +55,39 @@ def test_drifts_are_those_of_opensees_at_shrinking_steps(exponent: float | None,
         np.abs(fine - ours)[1] < 2e-3 * response.peak_drift.max()
     )  # what remains is a small difference of large ones
     assert np.abs(fine - ours).max() < 0.7 * np.abs(coarse - ours).max() + 2e-5 * YIELD
+
+
+@pytest.mark.parametrize(
+    "wear",
+    [
+        {"strength_loss": 0.05, "stiffness_loss": 0.03},
+        pytest.param({"strength_loss": 0.2}, marks=pytest.mark.prove),
+        pytest.param({"stiffness_loss": 0.2}, marks=pytest.mark.prove),
+    ],
+    ids=lambda wear: " ".join(wear),
+)
+def test_storeys_that_wear_are_those_of_opensees(wear: dict[str, float]) -> None:
+    motion = short(6.0).scaled(3.0)
+    building, storeys = yielding_shear_building(MASSES, STIFFNESSES, YIELD, HARDENING, 2.0, dashpots=DASHPOTS, **wear)
+    new, as_new = yielding_shear_building(MASSES, STIFFNESSES, YIELD, HARDENING, 2.0, dashpots=DASHPOTS)
+    response, unworn = respond(building, motion, storeys, accuracy=1e-5), respond(new, motion, as_new, accuracy=1e-4)
+    assert np.abs(response.peak_drift / unworn.peak_drift - 1.0).max() > 0.05  # the wear is seen
+    coarse, fine = (theirs(motion, step, 2.0, None, **wear) for step in (1e-3, 5e-4))
+    ours = np.array([response.peak_drift, response.drift[:, -1]])
+    assert np.all(
+        np.abs(2.0 * fine - coarse - ours) < 1e-3 * response.peak_drift
+    )  # its wear is of first order in the step
+    assert np.abs(fine - ours).max() < 0.6 * np.abs(coarse - ours).max()
+
+
+def test_wear_by_hand() -> None:
+    """Over half a cycle beyond yield the strength falls by nu^(-1/n) of the energy that was taken."""
+    _, storeys = yielding_shear_building([1e4], [1e6], 0.01, 0.0, 2.0, strength_loss=0.5, damping_ratio=0.02)
+    t = np.linspace(0.0, 1.0, 4001)
+    x = 0.1 * t
+    force = storeys[1].force(t, x)
+    energy = float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(x)))
+    assert force[-1] == pytest.approx(1e4 * (1.0 + 0.5 * energy / 100.0) ** -0.5, rel=0.01)
 
 
 def test_below_its_yield_drift_a_sharp_storey_is_elastic() -> None:
@@ -98,6 +131,8 @@ def test_a_damper_beside_a_storey_that_yields_leaves_less_drift() -> None:
         ({"yield_drifts": [0.1, 0.2]}, "2 yield_drifts do not match 3 storeys"),
         ({"hardening": 1.0}, "hardening = 1.0 is not allowed"),
         ({"exponent": 0.5}, "exponent = 0.5 is not allowed"),
+        ({"strength_loss": 0.1}, "strength_loss = 0.1 is of a storey with a round corner; give exponent="),
+        ({"exponent": 2.0, "stiffness_loss": -0.1}, "stiffness_loss = -0.1 is not allowed"),
         (
             {"hardening": 0.001, "heights": 3.0},
             r"storey 1 turns over once it has yielded.*the hardening must be at least 0.00899",

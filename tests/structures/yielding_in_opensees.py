@@ -26,6 +26,7 @@ def main(r):
     ops.wipe()
     ops.model("basic", "-ndm", 2, "-ndf", 2)
     heights = r["heights"] or [1.0] * n
+    alpha = r["hardening"] if isinstance(r["hardening"], list) else [r["hardening"]] * n
     for floor in range(n + 1):
         ops.node(floor, 0.0, sum(heights[:floor]))
     ops.fix(0, 1, 1)
@@ -34,21 +35,22 @@ def main(r):
         ops.mass(k + 1, r["masses"][k], 1e-6)
         fy = r["stiffnesses"][k] * r["yield_drifts"][k]
         if r["exponent"] is None:
-            ops.uniaxialMaterial("Steel01", k + 1, fy, r["stiffnesses"][k], max(r["hardening"], 1e-12))
+            ops.uniaxialMaterial("Steel01", k + 1, fy, r["stiffnesses"][k], max(alpha[k], 1e-12))
         else:
             half = 0.5 / r["yield_drifts"][k] ** r["exponent"]
+            energy = (1.0 - alpha[k]) * r["stiffnesses"][k] * r["yield_drifts"][k] ** 2
             ops.uniaxialMaterial(
                 "BoucWen",
                 k + 1,
-                r["hardening"],
+                alpha[k],
                 r["stiffnesses"][k],
                 r["exponent"],
                 half,
                 half,
                 1.0,
                 0.0,
-                0.0,
-                0.0,
+                r.get("strength_loss", 0.0) / energy,
+                r.get("stiffness_loss", 0.0) / energy,
                 1e-12,
                 200,
             )

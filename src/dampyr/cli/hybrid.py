@@ -58,6 +58,7 @@ if TYPE_CHECKING:
 @click.option(
     "--delay", type=float, metavar="S", help="Use no rig: an actuator with this delay moves the card's model."
 )
+@click.option("--control", metavar="LAW", help="With --delay: a control law sets the input, such as clipped_optimal.")
 @click.option("--lag-error", type=float, default=0.0, metavar="S", help="With --delay: the error of the assumed delay.")
 @click.option("--dry-run", is_flag=True, help="Print what would be done and what is in the way; move nothing.")
 @report_options()
@@ -76,6 +77,7 @@ def command(
     rig: Path | None,
     out: Path | None,
     delay: float | None,
+    control: str | None,
     lag_error: float,
     dry_run: bool,
     report: Path | None,
@@ -100,9 +102,11 @@ def command(
         if clock != 1.0:
             raise InputError("--delay is of the building's own time; leave --clock out")
         with findings_below():
-            result = _on_delayed_actuator(structure, motion, model, table, delay, lag_error)
+            result = _on_delayed_actuator(structure, motion, model, table, delay, lag_error, control)
         _tell(result, report, as_json)
         return None
+    if control is not None:
+        raise InputError("--control is of --delay: a rig's hybrid test has one voltage; leave it out")
     if lag_error:
         raise InputError("--lag-error is of --delay; leave it out")
     if out is None and not dry_run:
@@ -127,18 +131,24 @@ def command(
 
 
 def _on_delayed_actuator(
-    structure: str, motion: str, model: str, table: dict[str, Any], delay: float, lag_error: float
+    structure: str, motion: str, model: str, table: dict[str, Any], delay: float, lag_error: float, control: str | None
 ) -> HybridResult:
     """The test with an actuator that is computed too; without a card with the damper of Raminelli (2020)."""
     from dampyr import studies
     from dampyr.campaigns.steps.hybrid import Hybrid, building_of, motion_of
     from dampyr.hybrid.delayed_hybrid import delayed_result
+    from dampyr.structures.control_laws import law_of
 
     damper = studies.load_damper(model or studies.THESIS)
+    value: Any = table["voltage"]
+    if control is not None:
+        if value:
+            raise InputError("--voltage and --control both set the input; give one of the two")
+        value = law_of(control, damper)
     named = {"structure": structure, "motion": motion, "scale": table["scale"], "duration": table["duration"]}
     ground = motion_of(Hybrid(**named))
     return replace(
-        delayed_result(building_of(structure), ground, damper, delay, table["voltage"], table["storey"], lag_error),
+        delayed_result(building_of(structure), ground, damper, delay, value, table["storey"], lag_error),
         scale=table["scale"],
     )
 

@@ -16,6 +16,7 @@ from dampyr.input_kinds import input_arguments
 from dampyr.models import Damper
 from dampyr.origin import combined
 from dampyr.structures import Building, respond
+from dampyr.structures.control_laws import describe_law, is_control_law
 
 STEP = 0.001  # s of the computed part where the actuator is computed too
 
@@ -25,7 +26,7 @@ def delayed_result(
     motion: GroundMotion,
     damper: Damper,
     delay: float,
-    value: float = 0.0,
+    value: Any = 0.0,
     place: Any = 1,
     lag_error: float = 0.0,
     adaptive: bool = True,
@@ -42,7 +43,7 @@ def delayed_result(
     delay
         s by which the actuator is late, 0 to 0.05.
     value
-        The damper's input, V or A.
+        The damper's input, V or A, or a control law that sets it.
     place
         Where the damper stands: a storey, or two floors.
     lag_error
@@ -77,8 +78,10 @@ def delayed_result(
             raise InputError(f"{name} = {number:g} s is not allowed; it must be from 0 to {LARGEST_LAG:g} s")
     inputs = input_arguments(damper.input, value)
     computed = respond(building, motion, {place: damper}, **inputs)
-    part = replace(substructure_of(building, place, computed, h, damper, value), lag=lag, adaptive=adaptive)
-    run = run_delayed(part, damper, delay, 0.0)
+    law = value if is_control_law(value) else None
+    first = value if law is None else law.low
+    part = replace(substructure_of(building, place, computed, h, damper, first), lag=lag, adaptive=adaptive)
+    run = run_delayed(part, damper, delay, 0.0, law)
     if not run.over:
         raise InputError(
             f"the hybrid test of {computed.title} would be unstable on an actuator {1e3 * delay:g} ms late that is taken for "
@@ -86,9 +89,9 @@ def delayed_result(
             f"{run.now * h:.2f} s; identify the delay better, or take a lower voltage or a heavier building"
         )
     return HybridResult(
-        computed.title, 1.0, 1.0, value, np.asarray(np.arange(run.now + 1) * h, float),
+        computed.title, 1.0, 1.0, float(run.inputs[:-1].mean()), np.asarray(np.arange(run.now + 1) * h, float),
         np.ascontiguousarray(run.z[:, : building.n_floors].T),
         run.target, run.achieved, run.force, modelled_force(part, run), 0.0,
         delay - run.lag.lag, run.lag.gain, run.energy_error, computed,
-        origin=replace(combined([damper.origin]), kind="virtual"),
+        origin=replace(combined([damper.origin]), kind="virtual"), law="" if law is None else describe_law(law, damper.input),
     )  # fmt: skip

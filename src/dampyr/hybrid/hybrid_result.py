@@ -50,6 +50,12 @@ class HybridResult(Shown):
     computed: Response
     origin: Origin = NOT_STATED
     of_record: tuple[Finding, ...] = ()  # what is wrong or in doubt in the record of the test; none of a computed one
+    law: str = ""  # what set the input, in words, where a control law did; ``voltage`` is its mean then
+
+    @property
+    def input_words(self) -> str:
+        """The input as text."""
+        return self.law or f"{self.voltage:g} V"
 
     @property
     def tested(self) -> str:
@@ -88,9 +94,11 @@ def modelled_force(part: Substructure, run: SubstructureRun) -> Array:
     """The model's force (T,) [N] along the achieved path, the mean of the step that follows; without its static force."""
     assert part.model is not None
     follow = bind(substructure_kernel.follow_path, (part.model.composition,))
-    s, p = np.array(part.model.composition.state0, float), part.model.values(part.voltage, static=False)
-    out = np.zeros(len(run.achieved))
-    follow(run.achieved, part.h, 0, part.steps, s, np.ascontiguousarray(p), out)
+    s, out = np.array(part.model.composition.state0, float), np.zeros(len(run.achieved))
+    begins = np.flatnonzero(np.diff(run.inputs[: part.steps], prepend=np.nan))  # of stretches of one input
+    for first, last in zip(begins, [*begins[1:], part.steps], strict=True):
+        p = np.ascontiguousarray(part.model.values(run.inputs[first], static=False))
+        follow(run.achieved, part.h, int(first), int(last), s, p, out)
     out[-1] = out[-2]
     return out
 

@@ -197,7 +197,7 @@ class SubstructureRun(Shown):
 
     Arrays over the steps: ``z`` (T, 2n) states of the structure, ``target`` the displacement [m] that the specimen should have
     and ``achieved`` that it had, ``force`` [N] the mean of the step that follows, ``sent`` the set points [m], ``lags`` [s] and
-    ``gains`` as estimated; ``now`` steps of them are made.
+    ``gains`` as estimated, ``inputs`` [V or A] of the damper in the step that follows; ``now`` steps of them are made.
     """
 
     def __init__(self, about: Substructure) -> None:
@@ -209,6 +209,7 @@ class SubstructureRun(Shown):
         self.z, self.sent, self._sent_rate = np.zeros((size, 2 * n)), np.zeros(size), np.zeros(size)
         self.force, self.achieved, self.target = np.zeros(size), np.zeros(size), np.zeros(size)
         self.lags, self.gains = np.full(size, about.lag), np.ones(size)
+        self.inputs = np.full(size, float(about.voltage))
         self.now = self.given = self._fixed = 0
         self.error = self.input = self.largest_input = 0.0
         composition = compose("spring") if about.model is None else about.model.composition
@@ -225,7 +226,8 @@ class SubstructureRun(Shown):
         self.begin(about.lag)
 
     def set_input(self, value: float) -> None:
-        """From now on the model that predicts the force has this input [V or A]."""
+        """From this step on the damper has this input [V or A], and the model that predicts its force."""
+        self.inputs[self.now :] = value
         if self.about.model is not None:
             self._p[:] = self.about.model.values(value, static=False)
 

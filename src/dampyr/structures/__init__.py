@@ -25,6 +25,7 @@ from dampyr.structures.ensembles.fragility import fragility
 from dampyr.structures.ensembles.incremental import incremental
 from dampyr.structures.ensembles.job_array import collect, write_part
 from dampyr.structures.ensembles.summary import summary
+from dampyr.structures.isolation import isolated
 from dampyr.structures.law_form import ControlLaw, LawDesign
 from dampyr.structures.raminelli_2020_building import two_storey
 from dampyr.structures.ride import RideFigures, ride_figures, vertical_weighting, weighted_acceleration
@@ -40,7 +41,7 @@ from dampyr.structures.vehicle import quarter_car, road
 from dampyr.structures.yielding import yielding_shear_building
 
 __all__ = [
-    "Building", "two_storey", "shear_building", "yielding_shear_building", "single_mass", "quarter_car", "road",
+    "Building", "two_storey", "shear_building", "yielding_shear_building", "isolated", "single_mass", "quarter_car", "road",
     "random_road", "bump", "ride_figures", "RideFigures", "vertical_weighting", "weighted_acceleration", "condense",
     "load", "respond", "control_law", "arena", "Arena", "available_control_laws", "ControlLaw", "LawDesign", "Sensor",
     "search_control", "ControlSearch", "control_laws_of",

@@ -5,12 +5,20 @@ A storey of the initial stiffness k that yields at the drift :math:`u_y` and has
 .. math:: V = \alpha k\, d + (1 - \alpha)\, k u_y\, w(d) - \frac{P}{h}\, d
 
 with w of the part `bilinear`, whose corner is sharp (OpenSees' Steel01), or of `bouc_wen` with the exponent n, whose corner is
-round (OpenSees' BoucWen with :math:`\beta = \gamma`); both follow their path exactly in `respond`. The last term is the
+round (OpenSees' BoucWen with :math:`\beta = \gamma`); both follow their path exactly in `respond`. With a ``strength_loss``
+:math:`s` or a ``stiffness_loss`` :math:`c` a round storey wears with the energy E of its hysteresis (`bouc_wen_baber_noori`
+without pinching),
+
+.. math:: \dot w = \frac{1}{\eta u_y} \big(\dot d - \tfrac12 \nu (|\dot d| |w|^{n-1} w + \dot d |w|^n)\big), \quad
+          \nu = 1 + s \frac{E}{(1 - \alpha) k u_y^2}, \quad \eta = 1 + c \frac{E}{(1 - \alpha) k u_y^2}
+
+so that its strength is :math:`\nu^{-1/n}` and its stiffness :math:`1/\eta` of what they were. The last term of V is the
 turning of the weight P above about the storey's height h (P-delta), linear in the drift, which the building's stiffness takes
 up. Drifts that remain are the last ones of a response with a rest (``after=``).
 
 References: A. K. Chopra, Dynamics of Structures (2017), chapters 7 and 22; Y.-K. Wen, Method for random vibration of hysteretic
-systems, Journal of the Engineering Mechanics Division 102 (1976) 249-263.
+systems, Journal of the Engineering Mechanics Division 102 (1976) 249-263; T. T. Baber and Y.-K. Wen, Random vibration of
+hysteretic, degrading systems, Journal of the Engineering Mechanics Division 107 (1981) 1069-1087, for the wear.
 """
 
 from __future__ import annotations
@@ -35,6 +43,8 @@ def yielding_shear_building(
     yield_drifts: ArrayLike,
     hardening: float = 0.0,
     exponent: float | None = None,
+    strength_loss: float = 0.0,
+    stiffness_loss: float = 0.0,
     damping_ratio: float | Sequence[float] | None = None,
     dashpots: ArrayLike | None = None,
     heights: ArrayLike | None = None,
@@ -56,6 +66,9 @@ def yielding_shear_building(
         :math:`\alpha`, the stiffness after yield over the initial one, from 0 to below 1.
     exponent
         n of a round corner, 1 or more: 1 is a very round one, 10 nearly sharp. A sharp one unless it is given.
+    strength_loss, stiffness_loss
+        How much :math:`\nu` and :math:`\eta` grow while the hysteresis takes the energy of (1 - hardening) k u_y^2, 0 or more;
+        they need a round corner.
     damping_ratio, dashpots, method
         As in `shear_building`; of the initial stiffness, without P-delta, and constant.
     heights
@@ -85,6 +98,14 @@ def yielding_shear_building(
         raise InputError(f"hardening = {hardening!r} is not allowed; it must be from 0 to below 1")
     if exponent is not None and not 1.0 <= exponent <= 50.0:
         raise InputError(f"exponent = {exponent!r} is not allowed; it must be from 1 to 50, or None for a sharp corner")
+    wear = {"strength_loss": strength_loss, "stiffness_loss": stiffness_loss}
+    for key, value in wear.items():
+        if isinstance(value, bool) or not 0.0 <= value < np.inf:
+            raise InputError(f"{key} = {value!r} is not allowed; it must be a finite number of at least 0")
+        if value > 0.0 and exponent is None:
+            raise InputError(
+                f"{key} = {value:g} is of a storey with a round corner; give exponent=, such as 2, or leave it out"
+            )
     turning = np.zeros(len(mass))
     if heights is not None:
         turning = STANDARD_GRAVITY * np.cumsum(mass[::-1])[::-1] / _per_storey("heights", heights, len(mass))
@@ -96,14 +117,24 @@ def yielding_shear_building(
         )
     building = Building(elastic.M, elastic.C, storey_matrix(hardening * spring - turning), name)
     force = (1.0 - hardening) * spring * drift
-    elements = {k + 1: _element(float(force[k]), float(drift[k]), exponent) for k in range(len(mass))}
+    elements = {
+        k + 1: _element(float(force[k]), float(drift[k]), exponent, strength_loss, stiffness_loss)
+        for k in range(len(mass))
+    }
     return building, elements
 
 
-def _element(force: float, drift: float, exponent: float | None) -> Damper:
+def _element(force: float, drift: float, exponent: float | None, strength_loss: float, stiffness_loss: float) -> Damper:
     if exponent is None:
         return Damper("bilinear", {"bilinear.Q": force, "bilinear.uy": drift, "bilinear.k2": 0.0}, input="none")
-    values = {"c0": 0.0, "k0": 0.0, "kw": force, "rho": 1.0 / drift, "sigma": 0.5, "n": float(exponent)}
+    shape = {"k0": 0.0, "kw": force, "rho": 1.0 / drift, "sigma": 0.5, "n": float(exponent)}
+    if strength_loss or stiffness_loss:
+        plain = {"zetas": 0.0, "q": 0.0, "p": 0.0, "Shi": 1.0, "deltaShi": 0.0, "lamda": 1.0}  # no pinching
+        wear = {"deltanu": strength_loss / drift, "deltaeta": stiffness_loss / drift}
+        name = "bouc_wen_baber_noori"
+        laws = {f"{name}.{key}": Constant(value) for key, value in (shape | plain | wear).items()}
+        return Damper(name, laws, input="none")
+    values = {"c0": 0.0} | shape
     return Damper("bouc_wen", {f"bouc_wen.{key}": Constant(value) for key, value in values.items()}, input="none")
 
 

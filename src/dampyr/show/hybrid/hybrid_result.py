@@ -22,7 +22,7 @@ def describe_result(result: HybridResult) -> Description:
         f"HybridResult of {result.title}",
         [
             ("ground motion", f"scaled to {result.scale:g}, {length}"),
-            ("damper", f"{result.voltage:g} V, {np.abs(result.force).max():.4g} N at most"),
+            ("damper", f"{result.input_words}, {np.abs(result.force).max():.4g} N at most"),
             ("peaks", ", ".join(f"{1e3 * peak:.4g} mm ({100 * by:+.2g} %)" for peak, by in pairs)),
             ("tracking", f"{100 * result.tracking_error:.2g} % rms, {1e3 * result.lag:.2g} ms late"),
             ("energy error", f"{100 * result.energy_error:.2g} % of what the ground put in"),
@@ -43,7 +43,7 @@ def peaks_table(result: HybridResult) -> Table:
             result.computed.floors, result.peaks, result.computed.peak_displacement, result.differences, strict=True
         )
     ]
-    inputs = f"scaled to {result.scale:g}, {result.voltage:g} V"
+    inputs = f"scaled to {result.scale:g}, {result.input_words}"
     return Table(
         ("floor", result.tested, "computed", "difference"),
         rows,
@@ -77,6 +77,7 @@ def _numbers(result: HybridResult) -> dict[str, Any]:
         "scale": result.scale,
         "clock": result.clock,
         "voltage_V": result.voltage,
+        "law": result.law,
         "peaks_m": result.peaks.tolist(),
         "computed_peaks_m": result.computed.peak_displacement.tolist(),
         "differences": result.differences.tolist(),

@@ -43,7 +43,7 @@ def html(result: HybridResult, *, call: str = "") -> str:
                 [FigureBlock(ground_motion(computed.time, computed.ground_acceleration), "As applied, scaled.")],
             ),
         ],
-        subtitle=f"{computed.title}; record scaled to {result.scale:g}, {result.voltage:g} V at the coil",
+        subtitle=f"{computed.title}; record scaled to {result.scale:g}, {result.input_words} at the coil",
         provenance={
             "clock": "the building's own"
             if result.clock == 1.0

@@ -106,7 +106,7 @@ def candidates(found: ControlSearch) -> Table:
 
 def figure(found: ControlSearch) -> Any:
     """How much worse than the first each of the others is, where it was not chosen."""
-    return ratios(found.names[: len(found.ratio)], found.ratio, found.ratio_band, f"{found.criterion} over the first's")
+    return ratios(found.names[: len(found.ratio)], found.ratio, found.ratio_band, found.criterion)
 
 
 def _numbers(found: ControlSearch) -> dict[str, Any]:
