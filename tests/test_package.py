@@ -15,6 +15,7 @@ from packaging.version import Version
 
 import dampyr
 from dampyr.cli import cli
+from dampyr.cli.help import SECTIONS
 from tests.interpreters import run_text
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -51,7 +52,10 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_wheel_holds_every_file_of_the_package(built: Path) -> None:
     [wheel] = built.glob("*.whl")
     names = set(zipfile.ZipFile(wheel).namelist())
-    assert {f"src/{name}" for name in names if name.startswith("dampyr/")} == tracked("src/dampyr")
+    pages = {name for name in names if name.startswith("dampyr/docs/")}
+    assert {f"src/{name}" for name in names - pages if name.startswith("dampyr/")} == tracked("src/dampyr")
+    listed = {name for name in tracked("docs") if name.endswith(".md") and name.split("/")[1] in SECTIONS}
+    assert {name.removeprefix("dampyr/") for name in pages} == listed  # `dampyr help` prints them
     [about] = [name for name in names if name.endswith("METADATA")]
     text = zipfile.ZipFile(wheel).read(about).decode()
     assert re.search(r"^License-Expression: MIT$", text, re.MULTILINE)

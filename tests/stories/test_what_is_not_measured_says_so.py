@@ -158,7 +158,7 @@ ELSEWHERE = {
     "hybrid": "below", "serve": "forces over a wire; its JSON has damper_origin",
     "reproduce": "published numbers and records",
     "calibrate": "a calibration, no record", "console": "below", "datasets": "no record", "doctor": "no record",
-    "licences": "no record", "motion": "a ground motion",
+    "help": "no record", "licences": "no record", "motion": "a ground motion",
     "judge": "campaigns/test_judgement", "protocol": "campaigns/test_protocol_result",
 }  # fmt: skip
 

@@ -28,7 +28,7 @@ def write(damper: Any, path: Path) -> Path:
     """Write a :class:`~dampyr.models.damper.Damper` to ``path``, whole or not at all."""
     import tomli_w
 
-    head = f"# A damper, written by dampyr {full_version()}. SI units. Schema: docs/reference/card.md\n"
+    head = f"# A damper, written by dampyr {full_version()}. SI units. Schema: dampyr help card\n"
     if text := damper.origin.notice:
         head = f"# {text}.\n{head}"
     error = damper.prediction_error
@@ -84,7 +84,7 @@ def read(path: Path, make: Callable[..., Damper]) -> Damper:
         return make(**_from_tables(tables))
     except (InputError, KeyError, TypeError, ValueError, AttributeError) as problem:
         text = f"it lacks {problem.args[0]!r}" if isinstance(problem, KeyError) else str(problem)
-        raise FileError(path, f"{text}; see docs/reference/card.md") from None
+        raise FileError(path, f"{text}; see dampyr help card") from None
 
 
 def _from_tables(tables: dict[str, Any]) -> dict[str, Any]:

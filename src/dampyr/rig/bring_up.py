@@ -54,7 +54,7 @@ READ = 1.0  # s of a reading
 OFF_PLACE = 2e-4  # m by which the table may miss its place
 LATE = 40.0  # ms of a heartbeat and its reply: the block in which they have to fit
 LIBRARIES = ("dampyr", "numpy", "pyserial", "nidaqmx")
-FIRMWARE = "make firmware, and flash it (docs/how-to/firmware.md)"
+FIRMWARE = "make firmware, and flash it (dampyr help firmware)"
 
 
 @dataclass(frozen=True)
@@ -191,7 +191,7 @@ def _uno_alone(rig: Rig, _: Operator) -> Iterator[Reading]:
         status = rig.uno.heartbeat()
         times.append(1e3 * (time.monotonic() - begin))
     if not rig.clocked_by_reads:  # else no time passes on the line
-        late = "look at the port's latency (docs/how-to/windows.md), at its hub, and at what else this machine does"
+        late = "look at the port's latency (dampyr help windows), at its hub, and at what else this machine does"
         yield Reading("longest heartbeat of 20", max(times), "ms", 0.0, LATE, late)
     faults = status.faults & ~Fault.RESTARTED
     words = fault_in_words(faults) if faults else "another host has left it armed; switch it off and on"
@@ -207,7 +207,7 @@ def _bridge_unpowered(rig: Rig, _: Operator) -> Iterator[Reading]:
     yield Reading(
         "samples in a second", volts.shape[1], "", rig.settings.board.rate * READ, np.inf, "look at the board's clock"
     )
-    noise = "the encoder's lines pick up noise: look at its shield, its ground and its filter (docs/how-to/power.md)"
+    noise = "the encoder's lines pick up noise: look at its shield, its ground and its filter (dampyr help power)"
     yield Reading("the board's counts of a table at rest", float(np.ptp(counts)), "counts", 0, AGREE, noise)
     yield Reading("the Uno's counts of a table at rest", abs(after.position - before), "counts", 0, AGREE, noise)
     yield Reading("duty", abs(after.duty), "", 0, 0, FIRMWARE)
@@ -297,9 +297,7 @@ def _switches(rig: Rig, operator: Operator) -> Iterator[Reading]:
 
 def _coil(rig: Rig, operator: Operator) -> Iterator[Reading]:
     supply = rig.settings.supply
-    enable = (
-        "without it a dead host leaves the coil live: wire the supply through pin 8 of the Uno (docs/how-to/power.md)"
-    )
+    enable = "without it a dead host leaves the coil live: wire the supply through pin 8 of the Uno (dampyr help power)"
     yield Reading("enable line wired", supply.enable_line, "", 1, 1, enable)
     low, high = COMMAND * (1.0 - SHARE), COMMAND * (1.0 + SHARE)
     live = "the enable line does not cut the supply: look at pin 8 of the Uno, and at its resistor to ground"

@@ -62,7 +62,7 @@ def simulated(
         board and limits. None: what ``settings`` say.
     chip
         The program that runs the firmware's binary in simavr, and the binary, in place of the firmware's model
-        (docs/how-to/firmware.md).
+        (``dampyr help firmware``).
 
     Returns
     -------

@@ -133,7 +133,7 @@ def _motor(rig: RigSettings) -> Iterator[RigCheck]:
     limits = f"duty {actuator.max_duty:.0%} at most, {actuator.top_speed * 1e3:.3g} mm/s without load"
     yield RigCheck("motor", limits)
     unread = "nothing but its fuse stops a motor that draws too much; wire the bridge's R_IS and L_IS to A0 and A1 of the Uno, "
-    unread += "each with its resistor, and set wires.bridge_current (docs/how-to/power.md)"
+    unread += "each with its resistor, and set wires.bridge_current (dampyr help power)"
     read = f"read, stops above {actuator.max_current:g} A" if wired else "not read"
     yield RigCheck("motor's current", read, None if wired else unread)
 
@@ -191,17 +191,17 @@ def _uno(rig: Rig) -> Iterator[RigCheck]:
 def _program(rig: RigSettings, program: Program) -> Iterator[RigCheck]:
     """What the Uno's program was built with, and the brown-out level of its chip."""
     sources = "of this dampyr" if program.up_to_date else "not of this dampyr"
-    flash = None if program.up_to_date else "make firmware, and flash it (docs/how-to/firmware.md)"
+    flash = None if program.up_to_date else "make firmware, and flash it (dampyr help firmware)"
     yield RigCheck("Uno's program", f"{program.baud} baud, sources {program.digest}, {sources}", flash)
     differs = program.direction_pin is not rig.wires.direction_pin
     yield RigCheck("bridge", bridge_in_words(program.direction_pin), bridge_repair(rig) if differs else None)
     level = BROWN_OUT.get(program.extended_fuse & 7)
     if level is None:
-        cannot = "its program could not read it; read it with a programmer (docs/how-to/power.md)"
+        cannot = "its program could not read it; read it with a programmer (dampyr help power)"
         yield RigCheck("Uno's brown-out", f"extended fuse {program.extended_fuse:02X}", cannot)
         return
     low = "at 16 MHz the chip needs 4.5 V: below that it may do anything, with the bridge on; set the extended fuse to FC with "
-    low += "a programmer (docs/how-to/power.md)"
+    low += "a programmer (dampyr help power)"
     words = f"resets below {level} V" if level else "off"
     yield RigCheck(
         "Uno's brown-out", f"extended fuse {program.extended_fuse:02X}: {words}", None if level == 4.3 else low
@@ -242,7 +242,7 @@ def _board_type(rig: Rig) -> RigCheck:
         product, lacks = cast(NiBoard, rig.board).type_and_lacks()  # by name, where another process has it
     except DampyrError as problem:  # the board's other checks go on
         return RigCheck(what, "what it has could not be asked", str(problem))
-    unknown = "" if family_of(product) else " (not in the table of docs/reference/ni-boards.md: unknown)"
+    unknown = "" if family_of(product) else " (not in the table of dampyr help ni-boards: unknown)"
     missing = f"lacks {', '.join(lack.what for lack in lacks)}" if lacks else "lacks nothing that this rig asks for"
     repair = "; ".join(f"{lack.what}: {lack.repair}" for lack in lacks)
     return RigCheck(what, f"{product}{unknown}, {missing}", repair or None)

@@ -78,7 +78,7 @@ def load_structure(name: str | Path) -> Building:
     hint = did_you_mean(str(name), published)
     raise MissingData(
         f"{name}: there is no such file, and no published structure of this name; {hint}published are "
-        f"{', '.join(sorted(published))}; docs/how-to/your-own-structure.md says how a file is written"
+        f"{', '.join(sorted(published))}; dampyr help your-own-structure says how a file is written"
     )
 
 

@@ -79,4 +79,4 @@ def test_what_cannot_be_is_said() -> None:
     with pytest.raises(InputError, match="must be a constant"):
         Damper("bingham + lag", LAWS | {"lag.tau": Polynomial((0.01, 0.01), 0.0, 3.0)})
     with pytest.raises(InputError, match=r"without\('lag'\)"):
-        export(Damper("bingham + lag", LAWS), "c", ".")
+        export(Damper("bingham + lag", LAWS), "c", ".", inverse=True)

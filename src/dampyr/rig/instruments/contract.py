@@ -172,5 +172,5 @@ def check_offers(instrument: Any, contracts: tuple[type, ...], role: str, where:
         raise FileError(
             where,
             f"its driver has {lacks}, which is needed of {'an' if role[0] in 'aeiou' else 'a'} {role}; "
-            "docs/how-to/add-an-instrument.md lists what one has to offer",
+            "dampyr help add-an-instrument lists what one has to offer",
         )

@@ -104,7 +104,7 @@ def test_doctor_says_in_one_row_what_a_board_lacks() -> None:
 
 def test_doctor_says_that_a_board_is_unknown() -> None:
     row = doctors_row(device("USB-6000"))
-    assert row.observed.startswith("USB-6000 (not in the table of docs/reference/ni-boards.md: unknown), lacks nothing")
+    assert row.observed.startswith("USB-6000 (not in the table of dampyr help ni-boards: unknown), lacks nothing")
     assert row.repair is None
 
 

@@ -50,7 +50,7 @@ RESTARTED = (
     "the Uno started anew while it was in use (its power, its reset, its watchdog, or another program opened its port); "
     "its encoder is no longer homed: home the table again"
 )
-HOW = "make firmware; docs/how-to/firmware.md"
+HOW = "make firmware; dampyr help firmware"
 HEARD, SHOWN = 100, 8  # bytes of what a stranger answered
 
 
@@ -270,7 +270,7 @@ def bridge_repair(rig: RigSettings) -> str:
     stated, wanted = str(rig.wires.direction_pin).lower(), int(rig.wires.direction_pin)
     return (
         f"wires.direction_pin = {stated} means another bridge: correct it, or flash what `make firmware DIRECTION_PIN={wanted}`"
-        " makes (docs/how-to/firmware.md)"
+        " makes (dampyr help firmware)"
     )
 
 
