@@ -19,6 +19,7 @@ A number without a unit is SI: kg, N/m, N s/m. A list in the place of a matrix i
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -301,7 +302,9 @@ def _content(path: Path, variable: str) -> Any:
     if path.suffix.lower() == ".mat":
         from scipy.io import loadmat
 
-        content = loadmat(path)
+        with warnings.catch_warnings():  # of scipy 1.18: what kind of sparse array comes makes no difference here
+            warnings.simplefilter("ignore", DeprecationWarning)
+            content = loadmat(path)
         if variable not in content:
             raise KeyError(", ".join(sorted(name for name in content if not name.startswith("__"))) or "nothing")
         array = content[variable]

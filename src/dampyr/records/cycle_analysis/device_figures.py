@@ -23,7 +23,7 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from math import gamma, hypot, pi
+from math import gamma, hypot, inf, pi
 
 import numpy as np
 
@@ -104,8 +104,9 @@ class DeviceFigures:
 
     @property
     def loss_factor(self) -> float:
-        """The loss stiffness over the storage stiffness; means nothing for a viscous device."""
-        return self.loss_stiffness / self.storage_stiffness
+        """The loss stiffness over the storage stiffness; means nothing for a viscous device, whose storage stiffness is 0 but
+        for rounding: infinite where it is 0."""
+        return self.loss_stiffness / self.storage_stiffness if self.storage_stiffness else inf
 
     @property
     def dynamic_stiffness(self) -> float:

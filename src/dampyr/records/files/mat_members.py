@@ -60,11 +60,18 @@ def unfolded_hdf5(name: str, item: Any) -> Iterator[tuple[str, Any]]:
 def object_class(value: Any) -> str:
     """The class of a variable of version 5 or 7.3 that is an object, such as "table"; "" of any other."""
     names = getattr(getattr(value, "dtype", None), "names", None) or ()
-    if {"s0", "s1", "s2", "arr"} <= set(names):  # scipy's MatlabOpaque
-        text = np.ravel(value)[0]["s2"]
-        return text.decode("latin-1") if isinstance(text, bytes) else str(text)
+    field = next(
+        (field for field in ("s2", "_Class") if field in names), ""
+    )  # scipy's MatlabOpaque before 1.18, and since
+    if field and ({"s0", "s1", "arr"} <= set(names) or "_TypeSystem" in names):
+        return as_text(np.ravel(value)[0][field])
     kind = _class_of(value)
     return kind if kind in OBJECTS else ""
+
+
+def as_text(text: Any) -> str:
+    """A text of MATLAB's, which may come as bytes."""
+    return text.decode("latin-1") if isinstance(text, bytes) else str(text)
 
 
 def refuse_object(path: Path, name: str, kind: str) -> FileError:

@@ -28,7 +28,7 @@ from dampyr.errors import FileError, InputError, one_line
 from dampyr.input_kinds import NO_INPUT
 from dampyr.phrases import listing
 from dampyr.records.files.column_table import record_of
-from dampyr.records.files.mat_members import canonical, object_class, refuse_object, unfolded, unfolded_hdf5
+from dampyr.records.files.mat_members import as_text, canonical, object_class, refuse_object, unfolded, unfolded_hdf5
 from dampyr.records.files.read_options import ReadOptions
 from dampyr.records.files.self_contained import check_contained
 from dampyr.records.record import CHANNELS, COMMENTS, PUBLISHED, Array, Record, as_stated, stated
@@ -251,9 +251,9 @@ def _version_5(path: Path) -> _Stored:
     objects = {}
     for name, value in [*variables.items()]:
         if kind := object_class(value):
-            del variables[name]  # whatever scipy calls it: its own name is in it
-            text = np.ravel(value)[0]["s0"]
-            objects[text.decode("latin-1") if isinstance(text, bytes) else str(text)] = kind
+            del variables[name]
+            # scipy before 1.18 calls it otherwise, and has its own name in it
+            objects[as_text(np.ravel(value)[0]["s0"]) if "s0" in value.dtype.names else name] = kind
     variables = {name: _text(value) for name, value in variables.items() if not name.startswith("__")}
     if any(getattr(value, "dtype", None) is not None and value.dtype.hasobject for value in variables.values()):
         simple = loadmat(path, appendmat=False, simplify_cells=True, variable_names=list(variables))

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
+from dampyr.phrases import counted
 from dampyr.structures.building import Building
 from dampyr.structures.control_laws import lag_of, parts
 from dampyr.structures.sites import Site, connections, describe_place, laws_of
@@ -159,7 +160,7 @@ def halve_under_laws(run: Any, motion: GroundMotion, tolerance: float, m: int) -
             change = max(largest(changed), largest(last) if last else 0.0)
             reason = f"peaks of displacement and drift changed by {100 * change:.2g} % in the last two halvings"
         elif unsolved:
-            reason = f"the forces of {unsolved:.0f} steps converged to {fine.out.misfit[1]:.1g} only"
+            reason = f"the forces of {counted(int(unsolved), 'step')} converged to {fine.out.misfit[1]:.1g} only"
         elif others is not None:
             other_way = changes(run(m, imposed=others).out, fine.out)
             if (change := largest(other_way)) > tolerance:
@@ -181,7 +182,7 @@ def run_once(run: Any, m: int) -> Integration:
     """One run with m steps per sample, without an error estimate."""
     integration: Integration = run(m)
     unsolved, gap, _ = integration.out.misfit
-    reason = f"the forces of {unsolved:.0f} steps converged to {gap:.1g} only" if unsolved else ""
+    reason = f"the forces of {counted(int(unsolved), 'step')} converged to {gap:.1g} only" if unsolved else ""
     return replace(integration, reason=reason)
 
 
