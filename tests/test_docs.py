@@ -183,7 +183,7 @@ def test_what_a_block_shows_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert not first.figures
     assert saved is None
     assert drawn is not None
-    assert [words for _, words in drawn.figures][-1] == "acceleration [m/s²] over time [s]"
+    assert drawn.figures[-1][1] == "acceleration [m/s²], velocity [mm/s], displacement [mm] over time [s]"
     assert all((out / file).stat().st_size > 1000 for file, _ in drawn.figures)
     assert drawn.pages == ["02-motion.html"]
     assert typed is not None

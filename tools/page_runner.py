@@ -241,8 +241,10 @@ class Desk:
 
 def in_words(figure: Any) -> str:
     """What a figure shows, for those who cannot see it: what stands on its axes."""
-    panels = [f"{panel.get_ylabel()} over {panel.get_xlabel()}" for panel in figure.axes if panel.get_xlabel()]
-    return "; ".join(dict.fromkeys(panel.removeprefix(" over ") for panel in panels)) or "A figure"
+    across = [*(panel.get_xlabel() for panel in figure.axes), figure.get_supxlabel()]
+    up = [*(panel.get_ylabel() for panel in figure.axes), figure.get_supylabel()]
+    sides = [", ".join(dict.fromkeys(filter(None, side))) for side in (up, across)]
+    return " over ".join(filter(None, sides)) or "A figure"
 
 
 def _warning() -> type[Warning]:

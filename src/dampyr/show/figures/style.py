@@ -285,10 +285,21 @@ def line_with_peak(panel: Axes, time: ArrayLike, values: ArrayLike, axis: Axis, 
     panel.plot(t[peak], y[peak], "o", ms=4, color=colour)
 
 
+@contextmanager
+def on_white(fig: Figure) -> Iterator[None]:
+    """Within it the figure hides what is behind it, which it does not on a page."""
+    before = fig.patch.get_alpha()
+    fig.patch.set_alpha(1.0)
+    try:
+        yield
+    finally:
+        fig.patch.set_alpha(before)
+
+
 def save(fig: Figure, path: str | Path) -> Path:
     """Write a figure to a file of its own (.svg, .pdf, .png), on white."""
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with style():
+    with style(), on_white(fig):
         fig.savefig(path, facecolor="white", dpi=200, metadata=_UNDATED.get(path.suffix))
     return path
