@@ -8,6 +8,8 @@
 
 Sphinx reads a copy of the pages in OUT-source, so that no file of docs is written. In the copy
 
+- the gallery has a page for each of its scripts, with the figure that it draws (tools/gallery.py), and each part its loops
+  (tools/part_loops.py);
 - below each block of commands or of Python stands what it printed, drew and wrote when the site was built
   (tools/page_runner.py), or why it was not run;
 - the lists of links in index.md are the tables of contents;
@@ -31,7 +33,7 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from fnmatch import fnmatch
 from importlib import import_module
@@ -40,6 +42,7 @@ from types import ModuleType
 from typing import Any
 
 import citations
+import gallery
 from page_runner import FENCE, PRINTED, is_run, text_of
 from sphinx.cmd.build import main as run_sphinx
 
@@ -52,6 +55,7 @@ DOCS = CHECKOUT / "docs"
 FENCED = re.compile(r"(^```[^\n]*\n.*?^```$)", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"(?<=\]\()([^)\s]+)(?=\))")
 LISTED = re.compile(r"^- \[([^]]+)\]\(([^)\s]+)\)", re.MULTILINE)
+LOOPS = "parts"  # the folder of the loops of the parts in RAN
 RAN = "ran"  # the folder of what the blocks of the pages showed, in the source of the site
 ALONE = ("errors", "units", "registry")  # modules of the public face that are no packages
 FACE = (
@@ -99,9 +103,13 @@ def run_pages(pattern: str, folder: Path) -> dict[str, str]:
         page for page in sorted(DOCS.rglob("*")) if page.suffix in (".md", ".ipynb") and is_followed(page, pattern)
     ]
     pages.sort(key=lambda page: -len(text_of(page)))  # the long ones first, so that no process is alone at the end
+    jobs = {str(page.relative_to(DOCS)): ["page_runner.py", str(page)] for page in pages}
+    for place, tool in (("gallery/index.md", "gallery.py"), (LOOPS, "part_loops.py")):
+        if fnmatch(place, pattern):
+            jobs = {place.removesuffix("/index.md"): [tool], **jobs}
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        done = list(pool.map(lambda page: run_page(page, folder / page.relative_to(DOCS)), pages))
-    return {str(page.relative_to(CHECKOUT)): why for page, why in zip(pages, done, strict=True) if why}
+        done = list(pool.map(lambda place: run_tool([*jobs[place], str(folder / place)]), jobs))
+    return {place: why for place, why in zip(jobs, done, strict=True) if why}
 
 
 def is_followed(page: Path, pattern: str) -> bool:
@@ -113,11 +121,14 @@ def is_followed(page: Path, pattern: str) -> bool:
     return is_run(str(page.relative_to(CHECKOUT)), text_of(page))
 
 
-def run_page(page: Path, folder: Path) -> str:
-    """Follow one page; why it stops, or nothing."""
-    command = [sys.executable, str(CHECKOUT / "tools" / "page_runner.py"), str(page), str(folder)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=CHECKOUT)
-    return done.stderr[-3000:] if done.returncode else ""
+def run_tool(command: list[str]) -> str:
+    """Run one of the tools in a process of its own; why it stops, or nothing."""
+    tool, *arguments = command
+    done = subprocess.run(
+        [sys.executable, str(CHECKOUT / "tools" / tool), *arguments],
+        capture_output=True, text=True, check=False, cwd=CHECKOUT,
+    )  # fmt: skip
+    return done.stderr[-3000:] or "no reason" if done.returncode else ""
 
 
 def with_results(text: str, page: Path, source: Path) -> str:
@@ -160,9 +171,74 @@ def below(result: dict[str, Any], place: str) -> Iterator[str]:
         fence = "`" * max(4, 1 + max(map(len, re.findall("`+", result["text"])), default=0))
         yield f"\n\n{fence}{{code-block}} text\n:class: printed\n\n{result['text']}\n{fence}\n"
     for file, words in result["figures"]:
-        yield f"\n\n```{{image}} {place}/{file}\n:alt: {words}\n:class: drawn\n```\n"
+        yield "\n\n" + picture(f"{place}/{file}", words).rstrip("\n") + "\n"
     for file in result["pages"]:
         yield f"\n\nThe page that it writes: [{file.partition('-')[2]}]({place}/{file})\n"
+
+
+# The gallery and the loops of the parts
+
+
+def write_gallery(source: Path) -> None:
+    """A page for each script of the gallery, and its list as pictures."""
+    drawn = source / RAN / "gallery"
+    for entry in gallery.entries():
+        page = source / "gallery" / f"{entry.name}.md"
+        page.parent.mkdir(parents=True, exist_ok=True)
+        title, words = entry.words
+        file = drawn / f"{entry.name}.svg"
+        above = picture(os.path.relpath(file, page.parent), words) if file.is_file() else ""
+        page.write_text(f"# {title}\n\n{words}\n\n{above}```python\n{entry.code}```\n", encoding="utf-8")
+    index = source / "gallery" / "index.md"
+    text = index.read_text(encoding="utf-8").replace(".py)", ".md)")
+    listed = "\n".join(["", *map(contents, re.split(r"^(?=## )", text, flags=re.MULTILINE))])
+    if drawn.is_dir():
+
+        def pictures(rows: re.Match[str]) -> str:
+            names = [link.removesuffix(".md") for _, link in LISTED.findall(rows[0])]
+            return thumbnails("gallery", names, index, source)
+
+        text = re.sub(r"(?:^- .*\n)+", pictures, text, flags=re.MULTILINE)
+    index.write_text(text + listed, encoding="utf-8")
+
+
+def with_pictures(text: str, page: Path, source: Path) -> str:
+    """A page with the pictures that it names; without those that were not drawn.
+
+    ``<!-- loops: NAME -->`` is the picture of a part, ``<!-- loops: NAME NAME -->`` several as a row, each with its name, and
+    ``<!-- gallery: NAME NAME -->`` entries of the gallery.
+    """
+
+    def drawn(mark: re.Match[str]) -> str:
+        kind, names = mark[1], mark[2].split()
+        if not (source / RAN / (LOOPS if kind == "loops" else kind)).is_dir():
+            return ""
+        if kind == "loops" and len(names) == 1 and page.stem == "models":
+            return picture(
+                os.path.relpath(source / RAN / LOOPS / f"{names[0]}.svg", page.parent), f"Loops of {names[0]}"
+            )
+        return thumbnails(kind, names, page, source)
+
+    return re.sub(r"<!-- (loops|gallery): ([\w/ ]+) -->\n?", drawn, text)
+
+
+def thumbnails(kind: str, names: Sequence[str], page: Path, source: Path) -> str:
+    """Pictures of entries of the gallery or of parts in rows, each with its title, which leads to its page."""
+    titles = {entry.name: entry.words[0] for entry in gallery.entries()}
+    folder = source / RAN / (LOOPS if kind == "loops" else kind)
+    pieces = []
+    for name in names:
+        target = f"reference/models.html#{name.replace('_', '-')}" if kind == "loops" else f"gallery/{name}.html"
+        title = f"`{name}`" if kind == "loops" else titles[name]
+        lead = f":target: {os.path.relpath(source, page.parent)}/{target}"
+        place = os.path.relpath(folder / f"{name}.svg", page.parent)
+        pieces.append(f"```{{figure}} {place}\n{lead}\n:alt: {titles.get(name, f'Loops of {name}')}\n\n{title}\n```\n")
+    return "\n".join(["````{container} thumbnails", *pieces, "````", ""])
+
+
+def picture(place: str, words: str) -> str:
+    """A picture that was drawn for the site."""
+    return f"```{{image}} {place}\n:alt: {words}\n:class: drawn\n```\n\n"
 
 
 # Pages
@@ -174,7 +250,8 @@ def copy_pages(source: Path) -> None:
     list_folder(source / "decisions", "Decisions", "What was decided, when it could have been decided otherwise.")
     for page in pages_in(source, ".md"):
         text = rewrite(page, DOCS / page.relative_to(source), source)
-        page.write_text(with_results(text, page, source), encoding="utf-8")
+        page.write_text(with_pictures(with_results(text, page, source), page, source), encoding="utf-8")
+    write_gallery(source)
     for notebook in pages_in(source, ".ipynb"):
         page = notebook.with_suffix(".md")
         if not page.exists():

@@ -196,6 +196,7 @@ class Desk:
             text = run(block)
             _drawn()
             return BlockResult(text)
+        _drawn()  # what was left open before is of no block
         before = self._pages()
         drawn = self.out / f"drawn-{number}"
         with figure_files(drawn, (".svg",)):

@@ -54,6 +54,7 @@ CASES = (
 )
 """Of things that are compared; grey is what they are compared with."""
 WIDTH = 5.6  # inches: as wide as the text of a page
+ENTRY, CHARACTER = 0.55, 0.078  # inches of a legend: of an entry's mark and gaps, and of a letter in the middle
 POINTS = 2400  # of a line: more than a page has pixels across
 
 _RC = {
@@ -246,7 +247,12 @@ def legend(fig: Figure, *axes: Axes, columns: int = 3, min_entries: int = 2) -> 
             handles.setdefault(name, handle)
     if len(handles) >= min_entries:
         loc = "outside lower left" if fig.get_suptitle() else "outside upper left"
-        fig.legend(list(handles.values()), list(handles), loc=loc, ncols=min(len(handles), columns))
+        names = list(handles)
+        wide = fig.get_figwidth() - ENTRY * len(names) - CHARACTER * sum(map(len, names))
+        columns = len(names) if wide > 0.0 else min(len(names), columns)
+        # matplotlib fills columns; people read lines
+        names = [name for column in range(columns) for name in names[column::columns]]
+        fig.legend([handles[name] for name in names], names, loc=loc, ncols=columns)
 
 
 def thin(x: ArrayLike, y: ArrayLike, limit: int = POINTS) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
