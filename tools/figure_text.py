@@ -15,6 +15,7 @@ from matplotlib.backends.backend_agg import RendererAgg
 
 SMALLEST = 6.0  # points
 SLACK = 0.12  # of the height of a line: descenders and accents may reach so far into each other
+GAP = 0.3  # of the height of a line: closer together two texts on one line are read as one
 PALE = 0.5  # the opacity below which text is a watermark
 
 
@@ -32,11 +33,12 @@ class Line:
     clip: tuple[float, float, float, float]  # left, low, right, high
 
     def overlaps(self, other: Line) -> bool:
-        """Whether the boxes share more than the slack."""
-        slack = SLACK * min(self.height, other.height)
+        """Whether the boxes share more than the slack, or stand on one line without a gap."""
+        height = min(self.height, other.height)
         across = min(self.right, other.right) - max(self.left, other.left)
         up = min(self.high, other.high) - max(self.low, other.low)
-        return across > slack and up > slack
+        side_by_side = up > height / 2 and across > -GAP * height
+        return side_by_side or (across > SLACK * height and up > SLACK * height)
 
     @property
     def cut(self) -> bool:

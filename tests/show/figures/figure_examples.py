@@ -74,7 +74,7 @@ MAKERS: dict[str, Callable[[], Figure]] = {
     "building": lambda: building_response(T, {"no damper": X, "0 V": 0.5 * X}),
     "controlled": lambda: controlled(T, {"0 V": X, "on_off": 0.5 * X}, {"on_off": 1.5 + np.sign(V)}),
     "corner": lambda: corner(
-        {"kw": T, "ρ": np.sin(T), "kx": X}, {"kw": KW, "ρ": RHO, "kx": KW}, {"kw": 1.0, "ρ": 0.0, "kx": 0.0}
+        {"kw": T, "ρ": 1e4 * np.sin(T), "kx": X}, {"kw": KW, "ρ": RHO, "kx": KW}, {"kw": 1.0, "ρ": 0.0, "kx": 0.0}
     ),
     "motion": lambda: ground_motion(T, 3.1266 * np.cos(T)),
     "ground": lambda: ground_histories(T, 3.0 * np.cos(T), V, X),

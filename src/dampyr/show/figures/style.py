@@ -17,7 +17,6 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from itertools import cycle
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -57,7 +56,7 @@ WIDTH = 5.6  # inches: as wide as the text of a page
 ENTRY, CHARACTER = 0.55, 0.078  # inches of a legend: of an entry's mark and gaps, and of a letter in the middle
 POINTS = 2400  # of a line: more than a page has pixels across
 
-_RC = {
+_RC: dict[str, Any] = {
     "font.family": "sans-serif",
     "font.size": 10.0,
     "axes.titlesize": 10.5,
@@ -92,7 +91,6 @@ _RC = {
 
 
 _for_pyplot: ContextVar[bool] = ContextVar("_for_pyplot", default=False)
-_UNDATED = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}  # the same figure gives the same file
 
 
 @dataclass(frozen=True)
@@ -241,18 +239,37 @@ def legend(fig: Figure, *axes: Axes, columns: int = 3, min_entries: int = 2) -> 
 
     There is none when there are fewer than ``min_entries``.
     """
+    vars(fig)["dampyr_legend"] = (axes, columns, min_entries)  # for `fit_legend`
+    fit_legend(fig)
+
+
+def fit_legend(fig: Figure, scale: float = 1.0) -> None:
+    """Make the legend of a figure anew, such as after its width or its lines have changed; text ``scale`` times as large.
+
+    It is one line where there is room for it.
+    """
+    axes, columns, min_entries = vars(fig).get("dampyr_legend", ((), 1, 1))
     handles: dict[str, Any] = {}
     for panel in axes:
         for handle, name in zip(*panel.get_legend_handles_labels(), strict=True):
             handles.setdefault(name, handle)
-    if len(handles) >= min_entries:
-        loc = "outside lower left" if fig.get_suptitle() else "outside upper left"
-        names = list(handles)
-        wide = fig.get_figwidth() - ENTRY * len(names) - CHARACTER * sum(map(len, names))
-        columns = len(names) if wide > 0.0 else min(len(names), columns)
-        # matplotlib fills columns; people read lines
-        names = [name for column in range(columns) for name in names[column::columns]]
-        fig.legend([handles[name] for name in names], names, loc=loc, ncols=columns)
+    if not handles or len(handles) < min_entries:
+        return
+    for before in list(fig.legends):
+        before.remove()
+    loc = "outside lower left" if fig.get_suptitle() else "outside upper left"
+    names = list(handles)
+    width = fig.get_figwidth() / scale
+
+    def fits(columns: int) -> bool:
+        widest = [max(map(len, names[column::columns])) for column in range(columns)]
+        return ENTRY * columns + CHARACTER * sum(widest) <= width
+
+    columns = next((n for n in (len(names), *range(min(len(names), columns), 1, -1)) if fits(n)), 1)
+    # matplotlib fills columns; people read lines
+    names = [name for column in range(columns) for name in names[column::columns]]
+    size = scale * _RC["legend.fontsize"]
+    fig.legend([handles[name] for name in names], names, loc=loc, ncols=columns, fontsize=size)
 
 
 def thin(x: ArrayLike, y: ArrayLike, limit: int = POINTS) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -300,12 +317,3 @@ def on_white(fig: Figure) -> Iterator[None]:
         yield
     finally:
         fig.patch.set_alpha(before)
-
-
-def save(fig: Figure, path: str | Path) -> Path:
-    """Write a figure to a file of its own (.svg, .pdf, .png), on white."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with style(), on_white(fig):
-        fig.savefig(path, facecolor="white", dpi=200, metadata=_UNDATED.get(path.suffix))
-    return path
