@@ -128,6 +128,7 @@ class Desk:
     def __init__(self, folder: Path, data: Path | None, out: Path | None = None, strict: bool = True) -> None:
         self.folder, self.data, self.out, self.strict = folder, data, out, strict
         self.names: dict[str, object] = {}
+        self.faults: list[str] = []  # text of figures that cannot be read
         self.shown: dict[int, Any] = {}  # figures, held so that none gets the number of another
 
     def run(self, commands: str) -> str:
@@ -189,6 +190,8 @@ class Desk:
 
     def do(self, number: int, kind: str, block: str) -> BlockResult:
         """Run a block, and what it showed."""
+        from tools.figure_text import unreadable
+
         from dampyr.show import figure_files, save
 
         run = self.execute if kind == "python" else self.run
@@ -209,6 +212,7 @@ class Desk:
         shutil.rmtree(drawn, ignore_errors=True)
         for place, figure in enumerate([*_drawn(), *self._new_figures()]):
             shown.figures.append((save(figure, self.out / f"{number:02d}-{place}.svg").name, in_words(figure)))
+            self.faults += [f"block {number}, its figure: {fault}" for fault in unreadable(figure)]
         for page in sorted(path for path, when in self._pages().items() if before.get(path) != when):
             shown.pages.append(self._keep(page, f"{number:02d}-{page.name}"))
         return shown
@@ -393,9 +397,11 @@ def main(arguments: Sequence[str]) -> int:
     import matplotlib
 
     matplotlib.use("agg")
+    sys.path.append(str(ROOT))  # for the tools beside this one
     text = text_of(page)
     name = str(page.relative_to(ROOT))
     data = measured_campaign()
+    faults: list[str] = []
     if needs_data(text) and data is None:
         shown: list[BlockResult | None] = [
             BlockResult(why_not="the measured campaign is not at hand") if info.split(" ")[0] in RUN_KINDS else None
@@ -408,11 +414,14 @@ def main(arguments: Sequence[str]) -> int:
             os.chdir(folder)
             os.environ["DAMPYR_DATA"] = "data"
             sys.path.append("")
-            shown = list(follow(name, text, Desk(folder, data, out, strict=False)))
+            desk = Desk(folder, data, out, strict=False)
+            shown = list(follow(name, text, desk))
             os.chdir(ROOT)
+            faults = desk.faults
     blocks = [None if each is None else asdict(each) for each in shown]
     (out / "blocks.json").write_text(json.dumps(blocks, ensure_ascii=False, indent=1), encoding="utf-8")
-    return 0
+    print("\n".join(faults), file=sys.stderr)
+    return int(bool(faults))
 
 
 def text_of(page: Path) -> str:
