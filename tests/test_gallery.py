@@ -88,6 +88,7 @@ def test_every_part_has_numbers_for_its_picture_which_can_be_read(name: str) -> 
 
 
 def test_the_page_of_the_loops_shows_every_part_once() -> None:
+    """A part that nobody has placed among them stands at their end (`make docs`)."""
     text = (DOCS / "how-to" / "which-model.md").read_text(encoding="utf-8")
     shown = [name for names in re.findall(r"<!-- loops: ([\w ]+) -->", text) for name in names.split()]
     assert sorted(shown) == sorted(available_parts())

@@ -140,6 +140,17 @@ def part_section(name: str) -> str:
     return "\n".join([f"## `{name}`", "", picture, "", about(p.module), "", f"State: {states}.", "", parameters, ""])
 
 
+def other_parts() -> str:
+    """The parts that the page of the loops has not placed yet, with their pictures."""
+    text = (CHECKOUT / "docs" / "how-to" / "which-model.md").read_text(encoding="utf-8")
+    by_hand = MARKS.sub("", text)
+    shown = {name for names in re.findall(r"<!-- loops: ([\w ]+) -->", by_hand) for name in names.split()}
+    others = [name for name in registry.names(PARTS) if name not in shown]
+    if not others:
+        return ""
+    return f"Further parts: {listing([f'`{name}`' for name in others])}.\n\n<!-- loops: {' '.join(others)} -->"
+
+
 def set_table() -> str:
     """One row for each published set."""
     rows = []
@@ -520,6 +531,7 @@ LISTS: dict[str, Callable[[], str]] = {
     "parts": lambda: in_line(PARTS),
     "part-sections": part_sections,
     "gallery": gallery_list,
+    "other-parts": other_parts,
     "set-table": set_table,
     "set-sections": set_sections,
     "steps": lambda: in_line(STEPS),

@@ -210,8 +210,10 @@ def with_pictures(text: str, page: Path, source: Path) -> str:
     """
 
     def drawn(mark: re.Match[str]) -> str:
-        kind, names = mark[1], mark[2].split()
-        if not (source / RAN / (LOOPS if kind == "loops" else kind)).is_dir():
+        kind = mark[1]
+        folder = source / RAN / (LOOPS if kind == "loops" else kind)
+        names = [name for name in mark[2].split() if (folder / f"{name}.svg").is_file()]
+        if not names:
             return ""
         if kind == "loops" and len(names) == 1 and page.stem == "models":
             return picture(
