@@ -43,7 +43,7 @@ from typing import Any
 
 import citations
 import gallery
-from page_runner import FENCE, PRINTED, is_run, text_of
+from page_runner import FENCE, PRINTED, RUN_KINDS, text_of
 from sphinx.cmd.build import main as run_sphinx
 
 from dampyr import registry
@@ -113,12 +113,12 @@ def run_pages(pattern: str, folder: Path) -> dict[str, str]:
 
 
 def is_followed(page: Path, pattern: str) -> bool:
-    """Whether a page is run: it matches, it is not another face of a page, and it has something to run."""
+    """Whether a page is run: it matches, it is not another face of a page, and it has commands or Python."""
     if not fnmatch(str(page.relative_to(DOCS)), pattern) or (
         page.suffix == ".ipynb" and page.with_suffix(".md").exists()
     ):
         return False
-    return is_run(str(page.relative_to(CHECKOUT)), text_of(page))
+    return any(info.split(" ")[0] in RUN_KINDS for info, _ in FENCE.findall(text_of(page)))
 
 
 def run_tool(command: list[str]) -> str:
