@@ -48,6 +48,13 @@ def turn_over(figure: Figure, panel: Any) -> None:
     panel.text(0.5, 0.6, "second", rotation=90)
 
 
+def leave_no_gap(figure: Figure, panel: Any) -> None:
+    first = panel.text(0.2, 0.5, "0.000")
+    figure.draw_without_rendering()
+    box = first.get_window_extent().transformed(panel.transData.inverted())
+    panel.text(box.x1, 0.5, "0.001")
+
+
 def reach_out(figure: Figure, panel: Any) -> None:
     figure.text(0.95, 0.99, "over the edge")
 
@@ -66,6 +73,7 @@ def shrink(figure: Figure, panel: Any) -> None:
         (crowd, "'one tick' overlaps 'another'"),
         (write_over, "'first' overlaps 'second'"),
         (turn_over, "'first' overlaps 'second'"),
+        (leave_no_gap, "'0.000' overlaps '0.001'"),
         (reach_out, "'over the edge' is cut at an edge"),
         (clip, "'over the panel' is cut at an edge"),
         (shrink, "'small' has 4.0 points"),
@@ -75,6 +83,13 @@ def test_a_planted_fault_is_found(plant: Callable[[Figure, Any], None], found: s
     figure, panel = labelled()
     plant(figure, panel)
     assert unreadable(figure) == [found]
+
+
+def test_lines_of_one_text_and_a_turned_one_beside_another_are_readable() -> None:
+    figure, panel = labelled()
+    panel.text(0.2, 0.4, "two\nlines")
+    panel.text(0.4, 0.2, "two turned\nlines", rotation=90)
+    assert not unreadable(figure)
 
 
 def test_the_word_of_an_origin_may_lie_over_the_figure() -> None:

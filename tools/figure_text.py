@@ -26,6 +26,7 @@ class Line:
     text: str
     points: float
     height: float
+    turned: bool  # by a right angle
     left: float
     low: float
     right: float
@@ -37,8 +38,9 @@ class Line:
         height = min(self.height, other.height)
         across = min(self.right, other.right) - max(self.left, other.left)
         up = min(self.high, other.high) - max(self.low, other.low)
-        side_by_side = up > height / 2 and across > -GAP * height
-        return side_by_side or (across > SLACK * height and up > SLACK * height)
+        along, beside = (up, across) if self.turned else (across, up)
+        one_line = self.turned == other.turned and beside > height / 2 and along > -GAP * height
+        return one_line or (across > SLACK * height and up > SLACK * height)
 
     @property
     def cut(self) -> bool:
@@ -73,7 +75,7 @@ class _Recorder(RendererAgg):
         clip = (0.0, 0.0, float(self.width), float(self.height))
         if (box := gc.get_clip_rectangle()) is not None:
             clip = (max(clip[0], box.x0), max(clip[1], box.y0), min(clip[2], box.x1), min(clip[3], box.y1))
-        return Line(s, prop.get_size_in_points(), height, left, low, right, high, clip)
+        return Line(s, prop.get_size_in_points(), height, abs(angle % 180.0 - 90.0) < 1.0, left, low, right, high, clip)
 
 
 def lines_of_text(figure: Any) -> list[Line]:

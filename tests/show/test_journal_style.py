@@ -24,11 +24,38 @@ def four_loops() -> Any:
     return loops(X, None, None, {f"{k + 0.5} V": k * X for k in range(4)})
 
 
+@pytest.mark.prove
 @pytest.mark.parametrize("name", MAKERS)
 def test_every_kind_of_figure_can_be_read_in_a_column(name: str) -> None:
     figure = MAKERS[name]()
     with style.style(), in_style(figure, JournalStyle(**ALL)):
         assert not unreadable(figure)
+
+
+def test_a_title_is_broken_and_the_unit_of_a_short_axis_stands_below_its_name() -> None:
+    title = "a title that is much wider than a column of a journal is, in a bold font"
+    with style.panels(2.7, 1, 3, title) as (figure, axes):
+        for panel in axes[0]:
+            panel.plot(X, X)
+            panel.set_xlabel("acceleration [m/s²]")
+    with style.style(), in_style(figure, JournalStyle(width=0.088)):
+        assert not unreadable(figure)
+        assert figure.get_suptitle() != title
+        assert axes[0, 2].get_xlabel() == "acceleration\n[m/s²]"
+    assert figure.get_suptitle() == title
+    assert axes[0, 2].get_xlabel() == "acceleration [m/s²]"
+
+
+def test_hatching_has_no_colour() -> None:
+    figure = MAKERS["laws"]()
+    figure.axes[0].fill_between([0.0, 1.0], 0.0, 1.0, color=style.ORANGE, label="more")
+    with style.style(), in_style(figure, JournalStyle(grey=True)):
+        areas = [area for panel in figure.axes for area in (*panel.patches, *panel.collections) if area.get_hatch()]
+        assert areas
+        for area in areas:
+            for colour in (area.get_facecolor(), area.get_edgecolor()):
+                red, green, blue = to_rgb(np.atleast_2d(colour)[0])
+                assert red == green == blue
 
 
 def test_the_file_is_as_wide_as_was_asked_for(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from itertools import cycle
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
 INCH = 0.0254  # m
 NARROWEST, WIDEST = 0.05, 0.5  # m
 SMALLEST = 6.5  # points, below which text is not shrunk
+LETTER = 0.62  # of the size of a bold font: the mean width of its letters
 LEAST = 0.8  # of the size of text, to which it shrinks with the figure
 DASHES: tuple[Any, ...] = ("-", "--", "-.", ":", (0, (6, 1.5, 1, 1.5, 1, 1.5)), (0, (3, 1.5)))
 MARKERS = "osD^vP"
@@ -88,6 +90,7 @@ def in_style(figure: Figure, journal: JournalStyle) -> Iterator[None]:
         if journal.decimal_comma:
             _with_comma(figure, undo)
         style.fit_legend(figure, scale)
+        _break_long_lines(figure, undo)
         yield
 
 
@@ -114,13 +117,28 @@ def _resize(figure: Figure, width: float, undo: ExitStack) -> float:
     undo.callback(figure.set_size_inches, old_width, old_height)
     factor = min(1.0, max(LEAST, ratio))
     for text in _texts(figure):
-        _set(undo, text, fontsize=max(min(SMALLEST, text.get_fontsize()), factor * text.get_fontsize()))
+        _set(undo, text, fontsize=max(min(SMALLEST, float(text.get_fontsize())), factor * float(text.get_fontsize())))
     for panel in figure.axes:
         for axis in (panel.xaxis, panel.yaxis):
             size = axis.get_tick_params().get("labelsize", 9.0)
             axis.set_tick_params(labelsize=factor * size)
             undo.callback(axis.set_tick_params, labelsize=size)
     return factor
+
+
+def _break_long_lines(figure: Figure, undo: ExitStack) -> None:
+    """A title in several lines where it is wider than the figure, the unit of an axis on a line of its own where its name is
+    longer than the axis."""
+    if title := figure.get_suptitle():
+        artist = next(text for text in _texts(figure) if text.get_text() == title)
+        letters = int(72 * figure.get_figwidth() / (LETTER * float(artist.get_fontsize())))
+        _set(undo, artist, text=fill(title, letters))
+    figure.draw_without_rendering()
+    for panel in figure.axes:
+        box = panel.get_window_extent()
+        for axis, room, side in ((panel.xaxis, box.width, "width"), (panel.yaxis, box.height, "height")):
+            if getattr(axis.label.get_window_extent(), side) > room:
+                _set(undo, axis.label, text=axis.label.get_text().replace(" [", "\n["))
 
 
 def _change_font(figure: Figure, font: str, undo: ExitStack) -> None:
@@ -178,7 +196,10 @@ def _without_colour(figure: Figure, undo: ExitStack) -> None:
     several = len({greys.faded(colour) for colour in colours} - {None}) > 1  # one kind of area needs no hatching
     for area, colour in zip(areas, colours, strict=True):
         if found := greys.of(colour):
-            _set(undo, area, facecolor=greys.faded(colour), **({"hatch": found[3]} if several else {}))
+            # a hatching has the colour of the edge
+            _set(undo, area, facecolor=greys.faded(colour), edgecolor=greys.faded(colour))
+            if several:
+                _set(undo, area, hatch=found[3], edgecolor=found[0])
     for bars in (each for each in patches if isinstance(each, LineCollection) and len(each.get_edgecolor())):
         if grey := greys.faded(bars.get_edgecolor()[0]):
             _set(undo, bars, edgecolor=grey)
