@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import runpy
 import shlex
@@ -11,21 +10,30 @@ import sys
 import tomllib
 import warnings
 from collections.abc import Iterator
-from contextlib import redirect_stdout
 from importlib import import_module
-from io import StringIO
 from pathlib import Path
 
 import click
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from tools.page_runner import (
+    FENCE,
+    FOLLOWED_ELSEWHERE,
+    NOT_RUN,
+    RUN_KINDS,
+    Desk,
+    follow,
+    is_run,
+    lay_out,
+    named,
+    needs_data,
+)  # fmt: skip
 
 from dampyr import registry
 from dampyr.channel_columns import NAMES
 from dampyr.cli import cli
 from dampyr.errors import DampyrWarning
-from dampyr.models import Constant, Damper, Polynomial, available_parts
+from dampyr.models import Constant, Damper, available_parts
 from dampyr.models.part import part
 from dampyr.records.record import CHANNELS
 from dampyr.structures import available_control_laws, control_law
@@ -35,43 +43,7 @@ Array = np.ndarray
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
 PAGES = [*(ROOT / name for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")), *sorted(DOCS.rglob("*.md"))]
-FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
-RUN_KINDS = ("sh", "python")
 DATA_KINDS = ("text", "toml", "bash", "c", "matlab")  # files, and what is printed; a file of commands has a name
-# Blocks of commands and of Python that no test of a page runs, by the page and their first words, and why.
-NOT_RUN = {
-    ("README.md", "make demo"): "tests/stories/test_the_chain.py runs what it runs, and this is what make test is",
-    ("docs/how-to/power.md", "avrdude"): "reads and writes the fuses of a chip, which no test has",
-    ("docs/how-to/add-a-model.md", "r\"\"\"A dashpot"): "test_the_model_of_the_how_to_is_a_model",
-    ("docs/how-to/bench.md", "dampyr console"): "serves until it is stopped: tests/console",
-    ("docs/how-to/bring-up.md", "dampyr doctor --rig"): "asks a person at a real rig; the next block is the simulated one",
-    ("docs/how-to/bring-up.md", "dampyr doctor --simulated --bring-up --stand-in --out faulty.json"): (
-        "a step fails: tests/rig/test_bring_up.py"
-    ),
-    ("docs/how-to/protocols.md", "dampyr protocol"): "of a protocol that was run: tests/campaigns/test_protocol_result.py",
-    ("docs/how-to/laboratory.md", "dampyr specimens"): "of records of several days: tests/records/test_specimen_history.py",
-    ("docs/how-to/laboratory.md", "dampyr run"): "asks for each damper to be mounted: tests/cli/test_run.py",
-    ("docs/how-to/console.md", "pip install"): "serves until it is stopped: tests/console",
-    ("docs/how-to/console.md", "dampyr console"): "serves until it is stopped: tests/console",
-    ("docs/how-to/console.md", "curl"): "asks the server: tests/console/test_api.py",
-    ("docs/how-to/ensembles.md", "from distributed"): "needs a cluster; on this machine tests/structures/test_cluster.py",
-    ("docs/how-to/export.md", "cc "): "test_the_c_of_the_how_to_compiles_and_runs",
-    ("docs/how-to/firmware.md", "avrdude"): "needs an Uno",
-    ("docs/how-to/firmware.md", "gcc"): "tests/rig/firmware/test_uno_binary.py compiles and runs it",
-    ("docs/how-to/hybrid-test.md", "dampyr hybrid --voltage 0.8712 --dry-run"): "the run below it is planned so first",
-    ("docs/how-to/opensees.md", "import mr_damper"): "a line of a model: tests/export/kinds/test_opensees.py",
-    ("docs/how-to/opensees.md", "ops.element"): "a line of a model: tests/export/test_opensees_server.py",
-    ("docs/how-to/opensees.md", "dampyr serve"): "serves until a model ends: tests/export/test_opensees_server.py",
-    ("docs/how-to/plan-tests.md", "dampyr plan --card damper.toml --tests 3"): "tests/cli/test_examples.py runs its like",
-    ("docs/how-to/plan-tests.md", "dampyr plan --card damper.toml --goal"): "tests/cli/test_examples.py runs its like",
-    ("docs/how-to/plan-tests.md", "dampyr plan --card damper.toml --tests 6 --per"): "tests/cli/test_examples.py runs its like",
-    ("docs/how-to/protocols.md", "dampyr run"): "tests/cli/test_judge.py and tests/campaigns/test_judgement.py",
-    ("docs/how-to/rig.md", "dampyr doctor"): "needs a rig; on the simulated one tests/cli/test_doctor.py",
-    ("docs/how-to/rig.md", "dampyr calibrate"): "needs a rig; on the simulated one tests/rig/test_calibration.py",
-    ("docs/reference/commands.md", "dampyr accept"): "tests/cli/test_examples.py runs each of them",
-    ("docs/reference/cycle-figures.md", "dampyr cycles"): "tests/cli/test_examples.py runs it",
-    ("docs/tutorials/newcomer.md", ""): "tests/stories/test_newcomer.py follows the page, in an environment of its own",
-}  # fmt: skip
 # Pages whose code compiles or runs for long: proofs.
 LONG = (
     "README", "first-damper", "your-own-structure", "ensembles", "control", "rig", "another-laboratory", "ground-motions",
@@ -121,164 +93,6 @@ def test_lines_are_short_enough_to_read() -> None:
     assert not long
 
 
-# What stands for the programs of a reader's machine: the data set comes from this one, what would need a network or an hour is
-# a trial, and a batch system runs its jobs one after the other.
-SHELL = r"""
-dampyr() {
-  if [ "${1:-} ${2:-}" = "datasets fetch" ]; then set -- "$@" --from "$DATA"; fi
-  "$PYTHON" -m dampyr "$@"
-}
-make() { command make --dry-run -C "$ROOT" "$@" > /dev/null; mkdir -p .venv/bin; : > .venv/bin/activate; }
-python() { if [ "${1:-} ${2:-}" = "-m venv" ]; then mkdir -p "$3/bin"; : > "$3/bin/activate"; else "$PYTHON" "$@"; fi; }
-pip() {
-  [ "$1" = install ]
-  "$PYTHON" -m pip install --quiet --dry-run --no-index --no-deps --no-build-isolation "${2/#./$ROOT}"
-}
-expect() {
-  local code=0
-  "${@:2}" || code=$?
-  [ "$code" = "$1" ]
-}
-sbatch() {
-  local script="${*: -1}" array tasks=1 first last
-  array=$(sed -n 's/^#SBATCH --array=//p' "$script")
-  case "$*" in *--array=*) array=${*#*--array=}; array=${array%% *} ;; esac
-  case "$array" in
-    *-*) tasks=$(seq "${array%-*}" "${array#*-}") ;;
-    *,*) tasks=${array//,/ } ;;
-  esac
-  for task in $tasks; do
-    SLURM_ARRAY_TASK_ID=$task SLURM_CPUS_PER_TASK=$(sed -n 's/^#SBATCH --cpus-per-task=//p' "$script") bash "$script" >&2
-  done
-  echo 4711
-}
-export -f dampyr
-"""
-
-
-PLAIN = re.compile(r"(dampyr [^|<>;&$`()]*\n)+")  # lines that ask nothing of a shell but the names of files
-
-
-class Desk:
-    """A folder in which a reader follows a page: its commands, its Python, and what it says these print."""
-
-    def __init__(self, folder: Path, data: Path | None) -> None:
-        self.folder, self.data = folder, data
-        self.names: dict[str, object] = {}
-
-    def run(self, commands: str) -> None:
-        """Lines of a shell, as a user types them; a data set is fetched from this machine.
-
-        Lines that do nothing but call dampyr are run in this process, which has loaded it already.
-        """
-        if PLAIN.fullmatch(commands):
-            for line in commands.replace("\\\n", " ").splitlines():
-                self.call(line)
-            return
-        lines = re.sub(r"^(.*\S) +# exit code (\d+)$", r"expect \2 \1", commands, flags=re.MULTILINE)
-        places = {"PYTHON": sys.executable, "ROOT": str(ROOT), "DATA": str(self.data)}
-        done = subprocess.run(
-            ["bash", "-c", f"set -euo pipefail\n{SHELL}\n{lines}"],
-            cwd=self.folder, capture_output=True, text=True, check=False, env={**os.environ, **places},
-        )  # fmt: skip
-        assert done.returncode == 0, f"{commands}\n{done.stdout[-2000:]}\n{done.stderr[-4000:]}"
-
-    def call(self, line: str) -> None:
-        """One line that calls dampyr; files that it names with an asterisk are those of the folder."""
-        expected = re.search(r"# exit code (\d+)$", line)
-        words = shlex.split(line, comments=True)[1:]
-        words = [each for word in words for each in (sorted(map(str, self.matching(word))) if "*" in word else [word])]
-        if words[:2] == ["datasets", "fetch"]:
-            words += ["--from", str(self.data)]
-        done = CliRunner().invoke(cli, words, prog_name="dampyr", catch_exceptions=False)
-        assert done.exit_code == (int(expected[1]) if expected else 0), f"{line}\n{done.output[-4000:]}"
-
-    def matching(self, pattern: str) -> list[Path]:
-        """The files of this name, as a shell tells them."""
-        files = [path.relative_to(self.folder) for path in self.folder.glob(pattern)]
-        assert files, pattern
-        return files
-
-    def execute(self, text: str) -> None:
-        """One block of Python; each ``print(...)  # so`` must print so."""
-        expected = re.findall(r"^print\(.*\)\s+# (.*)$", text, re.MULTILINE)
-        out = StringIO()
-        with redirect_stdout(out), warnings.catch_warnings():
-            warnings.simplefilter("ignore", DampyrWarning)
-            exec(compile(text, "page", "exec"), self.names)
-        assert out.getvalue().splitlines() == expected
-
-
-def write_own_file(folder: Path, text: str) -> None:
-    """The file that "read your own files" shows, with enough of it to identify a damper from."""
-    header, first = text.splitlines()[:2]
-    t = np.arange(0.0, 6.0, 0.002)
-    x, v = 8.0 * np.sin(6.0 * t), 48.0 * np.cos(6.0 * t)
-    w = Damper("dahl", {"dahl.kx": 0.0, "dahl.kw": 1.0, "dahl.rho": 20e3}).force(t, 1e-3 * x, voltage=0.0)
-    rows = np.column_stack([t, x, v, 0.1 + 0.2 * w + 1e-3 * v, np.full(t.size, 0.45)])
-    lines = [";".join(f"{value:.5f}".replace(".", ",") for value in row) for row in rows]
-    assert first.count(";") == lines[0].count(";")
-    (folder / "test.csv").write_text("\n".join([header, *lines]), encoding="utf-8")
-
-
-def write_laboratory(folder: Path, text: str) -> None:
-    """The files that "another laboratory" shows: twelve sines at four currents, and a motion like an earthquake's."""
-    [header, first, *_] = text.splitlines()
-    folder.mkdir()
-    rng = np.random.default_rng(7)
-    t = np.arange(0.0, 6.0, 0.002)
-    for current in (0.0, 0.5, 1.0, 1.5):
-        for amplitude, frequency in ((5.0, 1.0), (10.0, 0.5), (10.0, 1.0)):
-            x = amplitude * np.sin(2.0 * np.pi * frequency * t)
-            name = f"sine_{amplitude:g}mm_{frequency:g}Hz_{current:g}A.txt"
-            write_test(folder / name, header, t, x, current, rng)
-    t = np.arange(0.0, 12.0, 0.002)
-    frequencies = np.linspace(0.2, 4.0, 40)
-    waves = np.sin(2.0 * np.pi * np.outer(t, frequencies) + rng.uniform(0.0, 2.0 * np.pi, 40)) / frequencies
-    x = waves.sum(axis=1) * np.minimum(1.0, t / 2.0) * np.exp(-np.maximum(0.0, t - 6.0) / 3.0)
-    write_test(folder / "earthquake_1A.txt", header, t, 9.0 * x / np.abs(x).max(), 1.0, rng)
-    assert first.count("\t") == header.count("\t")
-
-
-def write_test(path: Path, header: str, t: Array, x: Array, current: float, rng: np.random.Generator) -> None:
-    """One test of that laboratory, mm and N, with noise on the force and on the current."""
-    over = (0.0, 1.5)
-    laws = {"kx": (900.0, 700.0), "kw": (60.0, 420.0), "rho": (4000.0, -1200.0)}
-    dahl = Damper("dahl", {f"dahl.{key}": Polynomial(c, *over) for key, c in laws.items()}, input="A")
-    v = np.gradient(x, t)
-    force = dahl.force(t, 1e-3 * x, velocity=1e-3 * v, current=current)
-    force = force + (20.0 + 150.0 * current) * np.tanh(v / 10.0) + 35.0 + rng.normal(0.0, 2.0, t.size)
-    measured = current + rng.normal(0.0, 0.004, t.size)
-    rows = zip(t, x, v, force, measured, strict=True)
-    lines = [f"{a:.3f}\t{b:.4f}\t{c:.3f}\t{d:.2f}\t{e:.3f}" for a, b, c, d, e in rows]
-    path.write_text("\n".join([header, *lines]), encoding="utf-8")
-
-
-def named(info: str, text: str) -> str | None:
-    """The file that a block is, by ``name=`` behind its language or by its first line."""
-    if match := re.search(r"\b(?:name|part)=(\S+)", info):
-        return match[1]
-    first = re.match(r"# (\S+\.toml)\n", text)
-    return first[1] if first else None
-
-
-def steps(page: Path) -> Iterator[tuple[str, str, str | None]]:
-    """The blocks of a page that a reader runs or saves, in order: kind, text, and the file's name."""
-    for info, text in FENCE.findall(page.read_text(encoding="utf-8")):
-        if not why_not(page, text):
-            yield info.split(" ")[0], text, named(info, text)
-
-
-def why_not(page: Path, text: str) -> str | None:
-    """Why a block is not run, where it is not."""
-    return next((why for (of, words), why in NOT_RUN.items() if of == name(page) and text.startswith(words)), None)
-
-
-def is_run(page: Path) -> bool:
-    """Whether a page has anything to run."""
-    return any(kind in RUN_KINDS and not file for kind, _, file in steps(page))
-
-
 def test_every_block_of_a_page_is_run_saved_or_shown() -> None:
     """Nothing that a reader would type hides behind another language or an indentation."""
     hidden = []
@@ -319,44 +133,70 @@ def test_every_reason_not_to_run_a_block_is_of_a_block() -> None:
     for page, words in NOT_RUN:
         texts = [text for _, text in FENCE.findall((ROOT / page).read_text(encoding="utf-8"))]
         assert any(text.startswith(words) for text in texts), (page, words)
-    tests = {test for why in NOT_RUN.values() for test in re.findall(r"tests/\S+\.py|tests/\w+", why)}
+    reasons = [*NOT_RUN.values(), *FOLLOWED_ELSEWHERE.values()]
+    tests = {test for why in reasons for test in re.findall(r"tests/\S+\.py|tests/\w+", why)}
     assert not [each for each in tests if not (ROOT / each.rstrip(",")).exists()]
+
+
+def is_followed(page: Path) -> bool:
+    """Whether a page has anything to run, and no test of its own."""
+    return name(page) not in FOLLOWED_ELSEWHERE and is_run(name(page), page.read_text(encoding="utf-8"))
 
 
 @pytest.mark.parametrize(
     "page",
-    [pytest.param(page, marks=[pytest.mark.prove] * (page.stem in LONG)) for page in PAGES if is_run(page)],
+    [pytest.param(page, marks=[pytest.mark.prove] * (page.stem in LONG)) for page in PAGES if is_followed(page)],
     ids=name,
 )
 def test_what_a_page_has_its_reader_do_works(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
 ) -> None:
     text = page.read_text(encoding="utf-8")
-    needs_data = any(words in text for words in ("datasets fetch", "locate(", "labcontrol-mr-damper"))
-    folder = request.getfixturevalue("campaign_folder") if needs_data else None
-    desk = Desk(tmp_path, folder)
-    (tmp_path / "examples").symlink_to(ROOT / "examples")  # a reader of the README has them
-    if folder and "datasets fetch" not in text:
-        (tmp_path / "data").mkdir()
-        (tmp_path / "data" / "labcontrol-mr-damper").symlink_to(folder)
+    folder = request.getfixturevalue("campaign_folder") if needs_data(text) else None
+    lay_out(tmp_path, text, folder)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("DAMPYR_DATA", "data")
     monkeypatch.setattr(sys, "path", [*sys.path])
     modules = set(sys.modules)
-    for kind, block, file in steps(page):
-        if kind == "text" and "Stroke LVDT" in block:
-            write_own_file(tmp_path, block)
-        elif kind == "text" and "Displacement" in block:
-            write_laboratory(tmp_path / "tests", block)
-        elif file:
-            (tmp_path / file).parent.mkdir(exist_ok=True)
-            (tmp_path / file).write_text(block, encoding="utf-8")
-        elif kind == "python":
-            desk.execute(block)
-        elif kind == "sh":
-            desk.run(block)
+    for _ in follow(name(page), text, Desk(tmp_path, folder)):
+        pass
     for own in {each for each in set(sys.modules) - modules if (tmp_path / f"{each}.py").exists()}:
         del sys.modules[own]
+
+
+def test_what_a_block_shows_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As the site has it below the block: what it prints and its last value, the figures, and pages."""
+    monkeypatch.chdir(tmp_path)
+    page = (
+        "```python\nimport dampyr as dp\n\nmotion = dp.ground_motions.el_centro()\nprint(motion.dt)  # 0.02\nmotion\n```\n"
+        "```toml\n# x.toml\na = 1\n```\n"
+        "```python\nmotion.plot();\ndp.show.write_page(motion, 'motion.html')\n```\n"
+        "```sh\ndampyr motion --report again.html | cat\n```\n"
+        "```sh\navrdude\n```\n"
+    )
+    out = tmp_path / "out"
+    out.mkdir()
+    first, saved, drawn, typed, left = follow("docs/how-to/firmware.md", page, Desk(tmp_path, None, out))
+    assert first is not None
+    assert first.text.splitlines()[0] == "0.02"
+    assert "GroundMotion" in first.text
+    assert not first.figures
+    assert saved is None
+    assert drawn is not None
+    assert drawn.figures[-1][1] == "acceleration [m/s²], velocity [mm/s], displacement [mm] over time [s]"
+    assert all((out / file).stat().st_size > 1000 for file, _ in drawn.figures)
+    assert drawn.pages == ["02-motion.html"]
+    assert typed is not None
+    assert typed.text.startswith("El Centro 1940 NS")
+    assert typed.pages == ["03-again.html"]
+    assert left is not None
+    assert left.why_not == "needs an Uno"
+
+
+def test_what_is_printed_otherwise_than_the_page_says_is_found(tmp_path: Path) -> None:
+    with pytest.raises(AssertionError, match="prints\\n2"):
+        Desk(tmp_path, None).execute("print(1 + 1)  # 3\n")
+    assert Desk(tmp_path, None, strict=False).execute("print(1 + 1)  # 3\n") == "2\n"
 
 
 def test_python_in_the_readme_that_needs_no_data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -31,7 +31,7 @@ def refuse(*args, **options):
 
 socket.socket.connect = socket.getaddrinfo = socket.create_connection = refuse
 sys.path.insert(0, "tools")
-sys.argv = ["make_site.py", "--out", sys.argv[1]]
+sys.argv = ["make_site.py", "--out", sys.argv[1], "--run", "how-to/p[ao]*"]
 runpy.run_path("tools/make_site.py", run_name="__main__")
 """
 
@@ -84,6 +84,27 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def pages(site: Path) -> dict[Path, Page]:
     """The pages of the site."""
     return {file.resolve(): Page(file.read_text(encoding="utf-8")) for file in sorted(site.rglob("*.html"))}
+
+
+@pytest.mark.prove
+def test_what_a_block_printed_drew_and_wrote_is_below_it(site: Path, pages: dict[Path, Page]) -> None:
+    """Of the pages that this site has run; that every block of every page runs is tried in tests/test_docs.py."""
+    file = site / "how-to" / "passive-dampers.html"
+    text = file.read_text(encoding="utf-8")
+    assert "none False" in text  # of print(fit.damper.input, fit.damper.needs_input), whose comment is left out
+    assert "# none False" not in text
+    assert "value ± half of the 95 % interval" in text  # of a command
+    assert sum(load.endswith(".svg") and "-page-" in load for load in pages[file].loads) == 2
+    assert any(link.endswith("slider.html") for link in pages[file].links)
+    not_run = (site / "how-to" / "power.html").read_text(encoding="utf-8")
+    assert "Not run when this page was made: reads and writes the fuses of a chip." in not_run
+
+
+def test_an_excerpt_of_what_is_printed_is_known_and_nothing_else() -> None:
+    printed = "dahl, 12 records\n  The search   converged\n"
+    assert make_site.is_said("The search converged\ndahl, 12 records\n", printed)
+    assert not make_site.is_said("The search stopped\n", printed)
+    assert not make_site.is_said("anything\n", "")
 
 
 @pytest.mark.prove

@@ -25,6 +25,7 @@ from typing import Any, get_origin, get_type_hints
 
 import citations
 import click
+import gallery
 from page_notebook import notebook
 
 import dampyr as dp
@@ -135,7 +136,19 @@ def part_section(name: str) -> str:
         [f"`{key}`", q.unit or "1", q.range_in_words(), "yes" if q.linear else "no"] for key, q in p.parameters.items()
     ]
     parameters = table(["parameter", "unit", "allowed", "linear"], rows)
-    return "\n".join([f"## `{name}`", "", about(p.module), "", f"State: {states}.", "", parameters, ""])
+    picture = f"<!-- loops: {name} -->"  # the site has the picture here (tools/part_loops.py)
+    return "\n".join([f"## `{name}`", "", picture, "", about(p.module), "", f"State: {states}.", "", parameters, ""])
+
+
+def other_parts() -> str:
+    """The parts that the page of the loops has not placed yet, with their pictures."""
+    text = (CHECKOUT / "docs" / "how-to" / "which-model.md").read_text(encoding="utf-8")
+    by_hand = MARKS.sub("", text)
+    shown = {name for names in re.findall(r"<!-- loops: ([\w ]+) -->", by_hand) for name in names.split()}
+    others = [name for name in registry.names(PARTS) if name not in shown]
+    if not others:
+        return ""
+    return f"Further parts: {listing([f'`{name}`' for name in others])}.\n\n<!-- loops: {' '.join(others)} -->"
 
 
 def set_table() -> str:
@@ -169,6 +182,18 @@ def set_section(name: str) -> str:
     rows = [[f"`{letter}`", f"{number:.15g}", unit] for letter, (number, unit) in one.printed.items()]
     printed = table(["as printed", "number", "unit"], rows)
     return "\n".join([f"## `{name}`", "", markdown(one.description), "", *lines, "", printed, ""])
+
+
+# Gallery
+
+
+def gallery_list() -> str:
+    """The scripts of the gallery by their titles, section by section."""
+    lines = []
+    for section, title in gallery.SECTIONS.items():
+        listed = [entry for entry in gallery.entries() if entry.name.startswith(f"{section}/")]
+        lines += [f"## {title}", "", *(f"- [{entry.words[0]}]({entry.name}.py)" for entry in listed), ""]
+    return "\n".join(lines)
 
 
 # Data sets
@@ -505,6 +530,8 @@ def option_names(command: str) -> Callable[[], str]:
 LISTS: dict[str, Callable[[], str]] = {
     "parts": lambda: in_line(PARTS),
     "part-sections": part_sections,
+    "gallery": gallery_list,
+    "other-parts": other_parts,
     "set-table": set_table,
     "set-sections": set_sections,
     "steps": lambda: in_line(STEPS),

@@ -2,11 +2,16 @@
 
 ::
 
-    python tools/make_site.py            # make site: out/site/index.html
-    python tools/make_site.py --out DIR  # elsewhere
+    python tools/make_site.py                   # make site: out/site/index.html
+    python tools/make_site.py --out DIR         # elsewhere
+    python tools/make_site.py --run 'how-to/*'  # runs these pages only; '' runs none
 
 Sphinx reads a copy of the pages in OUT-source, so that no file of docs is written. In the copy
 
+- the gallery has a page for each of its scripts, with the figure that it draws (tools/gallery.py), and each part its loops
+  (tools/part_loops.py);
+- below each block of commands or of Python stands what it printed, drew and wrote when the site was built
+  (tools/page_runner.py), or why it was not run;
 - the lists of links in index.md are the tables of contents;
 - files outside of docs that a page links to come along: CHANGELOG.md and notebooks as pages, folders as lists, all others as
   downloads;
@@ -26,13 +31,19 @@ import os
 import pkgutil
 import re
 import shutil
+import subprocess
 import sys
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from fnmatch import fnmatch
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import citations
+import gallery
+from page_runner import FENCE, PRINTED, RUN_KINDS, text_of
 from sphinx.cmd.build import main as run_sphinx
 
 from dampyr import registry
@@ -44,6 +55,8 @@ DOCS = CHECKOUT / "docs"
 FENCED = re.compile(r"(^```[^\n]*\n.*?^```$)", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"(?<=\]\()([^)\s]+)(?=\))")
 LISTED = re.compile(r"^- \[([^]]+)\]\(([^)\s]+)\)", re.MULTILINE)
+LOOPS = "parts"  # the folder of the loops of the parts in RAN
+RAN = "ran"  # the folder of what the blocks of the pages showed, in the source of the site
 ALONE = ("errors", "units", "registry")  # modules of the public face that are no packages
 FACE = (
     "records", "models", "models.published", "identification", "ground_motions", "structures", "campaigns", "planning",
@@ -55,19 +68,179 @@ def main() -> int:
     """Copy the pages, add those of the packages, and run sphinx; its exit status."""
     parser = argparse.ArgumentParser(description="The documentation as one site, without a network.")
     parser.add_argument("--out", type=Path, default=CHECKOUT / "out" / "site", help="the folder of the site")
-    out = parser.parse_args().out.absolute()
+    parser.add_argument(
+        "--run", default="*", metavar="GLOB", help="the pages that are run, such as 'how-to/*'; '' for none"
+    )
+    options = parser.parse_args()
+    out = options.out.absolute()
     source = out.with_name(f"{out.name}-source")
     for folder in (source, out):
         shutil.rmtree(folder, ignore_errors=True)
+    failed = run_pages(options.run, source / RAN)
     copy_pages(source)
     write_packages(source / "reference" / "python")
     status = run_sphinx(
         ["-W", "--keep-going", "-q", "-E", "-c", str(DOCS), "-d", f"{source}-trees", str(source), str(out)]
     )
     shutil.rmtree(f"{source}-trees", ignore_errors=True)
+    if failed:
+        print("\n".join(f"{page} stops:\n{why}" for page, why in failed.items()), file=sys.stderr)
+        return 1
     if not status:
         print(f"{os.path.relpath(out)}/index.html")
     return status
+
+
+# What the blocks of the pages show
+
+
+def run_pages(pattern: str, folder: Path) -> dict[str, str]:
+    """Follow the pages whose names match, each in a process of its own, several at once; those that stop, and why.
+
+    ``folder`` then holds a folder for each page, with what its blocks showed.
+    """
+    pages = [
+        page for page in sorted(DOCS.rglob("*")) if page.suffix in (".md", ".ipynb") and is_followed(page, pattern)
+    ]
+    pages.sort(key=lambda page: -len(text_of(page)))  # the long ones first, so that no process is alone at the end
+    jobs = {str(page.relative_to(DOCS)): ["page_runner.py", str(page)] for page in pages}
+    for place, tool in (("gallery/index.md", "gallery.py"), (LOOPS, "part_loops.py")):
+        if fnmatch(place, pattern):
+            jobs = {place.removesuffix("/index.md"): [tool], **jobs}
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        done = list(pool.map(lambda place: run_tool([*jobs[place], str(folder / place)]), jobs))
+    return {place: why for place, why in zip(jobs, done, strict=True) if why}
+
+
+def is_followed(page: Path, pattern: str) -> bool:
+    """Whether a page is run: it matches, it is not another face of a page, and it has commands or Python."""
+    if not fnmatch(str(page.relative_to(DOCS)), pattern) or (
+        page.suffix == ".ipynb" and page.with_suffix(".md").exists()
+    ):
+        return False
+    return any(info.split(" ")[0] in RUN_KINDS for info, _ in FENCE.findall(text_of(page)))
+
+
+def run_tool(command: list[str]) -> str:
+    """Run one of the tools in a process of its own; why it stops, or nothing."""
+    tool, *arguments = command
+    done = subprocess.run(
+        [sys.executable, str(CHECKOUT / "tools" / tool), *arguments],
+        capture_output=True, text=True, check=False, cwd=CHECKOUT,
+    )  # fmt: skip
+    return done.stderr[-3000:] or "no reason" if done.returncode else ""
+
+
+def with_results(text: str, page: Path, source: Path) -> str:
+    """A page with what each of its blocks showed below it; as it is where the page was not run."""
+    folder = source / RAN / page.relative_to(source)
+    for suffix in (".md", ".ipynb"):
+        if (results := folder.with_suffix(suffix) / "blocks.json").is_file():
+            break
+    else:
+        return text
+    shown = json.loads(results.read_text(encoding="utf-8"))
+    place = os.path.relpath(results.parent, page.parent)
+    pieces, end, printed = [], 0, ""
+    for block, result in zip(FENCE.finditer(text), shown, strict=True):
+        code = (
+            PRINTED.sub(r"\1", block[0]) if result and result["text"] else block[0]
+        )  # what it says is printed is below it
+        between = text[end : block.start()]
+        end = block.end()
+        if block[1] == "text" and not between.strip() and is_said(block[2], printed):
+            continue  # the page's own excerpt of what is printed above
+        pieces += [between, code]
+        printed = result["text"] if result else ""
+        if result:
+            pieces += below(result, place)
+    return "".join([*pieces, text[end:]])
+
+
+def is_said(excerpt: str, printed: str) -> bool:
+    """Whether every line of an excerpt is printed."""
+    words = " ".join(printed.split())
+    return bool(words) and all(" ".join(line.split()) in words for line in excerpt.splitlines())
+
+
+def below(result: dict[str, Any], place: str) -> Iterator[str]:
+    """What stands below a block: its text, its figures, its pages, or why there is nothing."""
+    if result["why_not"]:
+        yield f"\n\n```{{container}} not-run\nNot run when this page was made: {result['why_not']}.\n```\n"
+    if result["text"]:
+        fence = "`" * max(4, 1 + max(map(len, re.findall("`+", result["text"])), default=0))
+        yield f"\n\n{fence}{{code-block}} text\n:class: printed\n\n{result['text']}\n{fence}\n"
+    for file, words in result["figures"]:
+        yield "\n\n" + picture(f"{place}/{file}", words).rstrip("\n") + "\n"
+    for file in result["pages"]:
+        yield f"\n\nThe page that it writes: [{file.partition('-')[2]}]({place}/{file})\n"
+
+
+# The gallery and the loops of the parts
+
+
+def write_gallery(source: Path) -> None:
+    """A page for each script of the gallery, and its list as pictures."""
+    drawn = source / RAN / "gallery"
+    for entry in gallery.entries():
+        page = source / "gallery" / f"{entry.name}.md"
+        page.parent.mkdir(parents=True, exist_ok=True)
+        title, words = entry.words
+        file = drawn / f"{entry.name}.svg"
+        above = picture(os.path.relpath(file, page.parent), words) if file.is_file() else ""
+        page.write_text(f"# {title}\n\n{words}\n\n{above}```python\n{entry.code}```\n", encoding="utf-8")
+    index = source / "gallery" / "index.md"
+    text = index.read_text(encoding="utf-8").replace(".py)", ".md)")
+    listed = "\n".join(["", *map(contents, re.split(r"^(?=## )", text, flags=re.MULTILINE))])
+    if drawn.is_dir():
+
+        def pictures(rows: re.Match[str]) -> str:
+            names = [link.removesuffix(".md") for _, link in LISTED.findall(rows[0])]
+            return thumbnails("gallery", names, index, source)
+
+        text = re.sub(r"(?:^- .*\n)+", pictures, text, flags=re.MULTILINE)
+    index.write_text(text + listed, encoding="utf-8")
+
+
+def with_pictures(text: str, page: Path, source: Path) -> str:
+    """A page with the pictures that it names; without those that were not drawn.
+
+    ``<!-- loops: NAME -->`` is the picture of a part, ``<!-- loops: NAME NAME -->`` several as a row, each with its name, and
+    ``<!-- gallery: NAME NAME -->`` entries of the gallery.
+    """
+
+    def drawn(mark: re.Match[str]) -> str:
+        kind = mark[1]
+        folder = source / RAN / (LOOPS if kind == "loops" else kind)
+        names = [name for name in mark[2].split() if (folder / f"{name}.svg").is_file()]
+        if not names:
+            return ""
+        if kind == "loops" and len(names) == 1 and page.stem == "models":
+            return picture(
+                os.path.relpath(source / RAN / LOOPS / f"{names[0]}.svg", page.parent), f"Loops of {names[0]}"
+            )
+        return thumbnails(kind, names, page, source)
+
+    return re.sub(r"<!-- (loops|gallery): ([\w/ ]+) -->\n?", drawn, text)
+
+
+def thumbnails(kind: str, names: Sequence[str], page: Path, source: Path) -> str:
+    """Pictures of entries of the gallery or of parts in rows, each with its title, which leads to its page."""
+    titles = {entry.name: entry.words[0] for entry in gallery.entries()}
+    folder = source / RAN / (LOOPS if kind == "loops" else kind)
+    pieces = []
+    for name in names:
+        target = f"reference/models.html#{name.replace('_', '-')}" if kind == "loops" else f"gallery/{name}.html"
+        title = f"`{name}`" if kind == "loops" else titles[name]
+        lead = f":target: {os.path.relpath(source, page.parent)}/{target}"
+        place = os.path.relpath(folder / f"{name}.svg", page.parent)
+        pieces.append(f"```{{figure}} {place}\n{lead}\n:alt: {titles.get(name, f'Loops of {name}')}\n\n{title}\n```\n")
+    return "\n".join(["````{container} thumbnails", *pieces, "````", ""])
+
+
+def picture(place: str, words: str) -> str:
+    """A picture that was drawn for the site."""
+    return f"```{{image}} {place}\n:alt: {words}\n:class: drawn\n```\n\n"
 
 
 # Pages
@@ -75,16 +248,23 @@ def main() -> int:
 
 def copy_pages(source: Path) -> None:
     """Every file of docs, with links that hold in the site, and the tables of contents."""
-    shutil.copytree(DOCS, source, ignore=shutil.ignore_patterns("*.py", "_static", "__pycache__"))
+    shutil.copytree(DOCS, source, ignore=shutil.ignore_patterns("*.py", "_static", "__pycache__"), dirs_exist_ok=True)
     list_folder(source / "decisions", "Decisions", "What was decided, when it could have been decided otherwise.")
-    for page in sorted(source.rglob("*.md")):
-        page.write_text(rewrite(page, DOCS / page.relative_to(source), source), encoding="utf-8")
-    for notebook in sorted(source.rglob("*.ipynb")):
-        if not notebook.with_suffix(".md").exists():
-            text = page_of(notebook)
-            notebook.with_suffix(".md").write_text(text, encoding="utf-8")
+    for page in pages_in(source, ".md"):
+        text = rewrite(page, DOCS / page.relative_to(source), source)
+        page.write_text(with_pictures(with_results(text, page, source), page, source), encoding="utf-8")
+    write_gallery(source)
+    for notebook in pages_in(source, ".ipynb"):
+        page = notebook.with_suffix(".md")
+        if not page.exists():
+            page.write_text(with_results(text_of(notebook), page, source), encoding="utf-8")
     index = source / "index.md"
     index.write_text(with_contents(index.read_text(encoding="utf-8")), encoding="utf-8")
+
+
+def pages_in(source: Path, suffix: str) -> list[Path]:
+    """The files of docs with this ending, in their copy."""
+    return [page for page in sorted(source.rglob(f"*{suffix}")) if page.is_file() and source / RAN not in page.parents]
 
 
 def rewrite(page: Path, original: Path, source: Path) -> str:
@@ -159,17 +339,6 @@ def contents(section: str) -> str:
     return "\n".join(
         ["```{toctree}", ":hidden:", *([f":caption: {heading[1]}"] if heading else []), "", *lines, "```", ""]
     )
-
-
-def page_of(notebook: Path) -> str:
-    """A notebook as a page: its words and its code, and where to download it."""
-    cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
-    texts = [
-        "".join(cell["source"]) if cell["cell_type"] == "markdown" else f"```python\n{''.join(cell['source'])}\n```"
-        for cell in cells
-    ]
-    first, *others = texts
-    return "\n\n".join([first, f"[Download the notebook]({notebook.name}).", *others]) + "\n"
 
 
 # Packages

@@ -34,7 +34,22 @@ def test_figures_are_left_beside_the_page(tmp_path: Path) -> None:
     assert done.exit_code == 0
     count = page.read_text("utf-8").count("<figure>")
     assert count > 0
-    assert len(list(folder.glob("*.svg"))) == len(list(folder.glob("*.pdf"))) == count
+    assert (
+        len(list(folder.glob("*.svg"))) == len(list(folder.glob("*.pdf"))) == len(list(folder.glob("*.csv"))) == count
+    )
+
+
+def test_how_figures_look_is_said_with_where_they_go(tmp_path: Path) -> None:
+    page = ["motion", "--report", str(tmp_path / "motion.html")]
+    done = CliRunner().invoke(cli, [*page, "--decimal-comma"])
+    assert done.exit_code == 2
+    assert done.stderr == "dampyr: --decimal-comma is of the figures that --figures DIR writes; give it too\n"
+    done = CliRunner().invoke(cli, [*page, "--figures", str(tmp_path), "--width", "88 V"])
+    assert done.exit_code == 2
+    assert "the unit 'V' does not measure what 'm' measures" in done.stderr
+    done = CliRunner().invoke(cli, [*page, "--figures", str(tmp_path), "--width", "8.8 m"])
+    assert done.stderr == "dampyr: width = 8800 mm is not allowed; a figure is 50 to 500 mm wide\n"
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("given", [["--figures", "x"], ["--pga", "0.3g", "--figures", "x"]])

@@ -18,20 +18,34 @@ READ = ("card", "reference", "motion", "motions", "file", "campaign", "rig", "re
 """Parameters of commands that name files which are read; records state theirs themselves."""
 
 
+LOOKS = ("width", "font", "grey", "decimal_comma")
+"""Parameters that say how the figures look in their files: the fields of `dampyr.show.journal_style.JournalStyle`."""
+
+
 def figures_option(command: Command) -> Command:
-    """``--figures DIR``: the page that is made within the command leaves its figures there, and says what was typed."""
+    """``--figures DIR`` and how they look: the page that is made within the command leaves its figures there.
+
+    The page says what was typed.
+    """
 
     @click.option(
         "--figures",
         type=click.Path(path_type=Path, file_okay=False),
         metavar="DIR",
-        help="Write the page's figures into DIR too, as SVG and PDF.",
+        help="Write the page's figures into DIR too: SVG, PDF, CSV.",
     )
+    @click.option("--width", metavar="LENGTH", help="Width of these figures, such as 88mm.")
+    @click.option("--font", metavar="NAME", help="Font of these figures, such as 'DejaVu Serif'.")
+    @click.option("--grey", is_flag=True, help="Draw these figures in greys, told apart by dashes.")
+    @click.option("--decimal-comma", is_flag=True, help="Write 0,5 for 0.5 in these figures.")
     @wraps(command)
     def wrapped(*rest: Any, figures: Path | None, **options: Any) -> Any:
+        looks = {name: options.pop(name) for name in LOOKS}
         page_is_written = options.get("report", True) is not None
         if figures is not None and not page_is_written:
             raise InputError("--figures are those of a page; give --report HTML too")
+        if figures is None and (idle := [name for name, value in looks.items() if value]):
+            raise InputError(f"--{idle[0].replace('_', '-')} is of the figures that --figures DIR writes; give it too")
         if not page_is_written:
             return command(*rest, **options)
         from dampyr.show.pages.how_made import made_by
@@ -41,7 +55,7 @@ def figures_option(command: Command) -> Command:
         with ExitStack() as stack:
             stack.enter_context(made_by(typed(context), _files_read(context)))
             if figures is not None:
-                stack.enter_context(figure_files(figures))
+                stack.enter_context(figure_files(figures, **looks))
             return command(*rest, **options)
 
     return wrapped
@@ -62,7 +76,7 @@ def _files_read(context: click.Context) -> Iterator[Path]:
 
 
 def report_options(what: str = "Write a page with figures.") -> Callable[[Command], Command]:
-    """``--report HTML``, which comes as ``report``, and ``--figures DIR``."""
+    """``--report HTML``, which comes as ``report``, and ``--figures DIR`` with what says how they look."""
 
     def add(command: Command) -> Command:
         report = click.option("--report", type=click.Path(path_type=Path), metavar="HTML", help=what)

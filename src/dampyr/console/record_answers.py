@@ -88,8 +88,8 @@ def export_record(data: Path, key: str, path: Path) -> str:
     """Write one record to ``path``, by whose suffix it is a format or a figure; its name."""
     record = record_sources.read(data, key)
     if path.suffix == f".{FIGURE}":
+        from dampyr.show.figure_file import save
         from dampyr.show.figures.loops import loops
-        from dampyr.show.figures.style import save
 
         shown = _with_velocity(record)
         drawn = loops(shown.displacement, shown.velocity, shown.force, title=record.name)

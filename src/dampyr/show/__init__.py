@@ -21,7 +21,7 @@ from importlib import import_module
 from typing import Any
 
 _MODULES = {
-    "save": "figures.style",
+    "save": "figure_file",
     "FigureBlock": "pages.blocks",
     "Section": "pages.blocks",
     "Table": "table",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dampyr.show.descriptions import Rows, description_of
+from dampyr.show.figures.style import on_white
 from dampyr.show.table import Table, Verdict
 from dampyr.show.text import title_and_rows
 
@@ -89,6 +90,6 @@ def as_svg(figure: Figure) -> str:
     import matplotlib
 
     text = io.StringIO()
-    with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "dampyr"}):
+    with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "dampyr"}), on_white(figure):
         figure.savefig(text, format="svg", facecolor="white", metadata={"Date": None})
     return re.sub(r"^.*?(?=<svg)", "", text.getvalue(), count=1, flags=re.DOTALL)

@@ -10,6 +10,7 @@ from dampyr.show.figures.autocorrelation import memory
 from dampyr.show.figures.building import building_response
 from dampyr.show.figures.calibration_range import calibrated
 from dampyr.show.figures.control_comparison import controlled
+from dampyr.show.figures.corner import corner
 from dampyr.show.figures.envelope import envelope
 from dampyr.show.figures.expected_widths import expected_widths
 from dampyr.show.figures.fragility import Fragile, fragility_curves
@@ -72,6 +73,9 @@ MAKERS: dict[str, Callable[[], Figure]] = {
     "one_law": lambda: parameters_against_input(LAWS[:1]),
     "building": lambda: building_response(T, {"no damper": X, "0 V": 0.5 * X}),
     "controlled": lambda: controlled(T, {"0 V": X, "on_off": 0.5 * X}, {"on_off": 1.5 + np.sign(V)}),
+    "corner": lambda: corner(
+        {"kw": T, "ρ": 1e4 * np.sin(T), "kx": X}, {"kw": KW, "ρ": RHO, "kx": KW}, {"kw": 1.0, "ρ": 0.0, "kx": 0.0}
+    ),
     "motion": lambda: ground_motion(T, 3.1266 * np.cos(T)),
     "ground": lambda: ground_histories(T, 3.0 * np.cos(T), V, X),
     "spectrum": lambda: response_spectrum(T[4:], {"2 %": X[4:] + 0.02, "5 %": 0.5 * X[4:] + 0.02}),

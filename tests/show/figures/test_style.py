@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from tests.show.figures.figure_examples import MAKERS, RHO
 
 from dampyr import show
+from dampyr.show.figures import style
 from dampyr.show.figures.ground_motion import ground_motion
 from dampyr.show.figures.style import ACCELERATION, thin
 
@@ -66,3 +67,39 @@ def test_an_axis_scales_from_si() -> None:
 def test_a_figure_can_be_a_file(tmp_path: Path) -> None:
     for kind in ("svg", "png", "pdf"):
         assert show.save(MAKERS["theta"](), tmp_path / "deep" / f"theta.{kind}").stat().st_size > 1000
+
+
+def test_a_saved_figure_hides_what_is_behind_it_and_one_of_a_page_does_not(tmp_path: Path) -> None:
+    from matplotlib.image import imread
+
+    figure = MAKERS["theta"]()
+    corner = imread(show.save(figure, tmp_path / "theta.png"))[0, 0]
+    np.testing.assert_array_equal(corner, 1.0)  # white, and opaque
+    assert figure.patch.get_alpha() == 0.0
+
+
+@pytest.mark.parametrize(
+    ("names", "rows"),
+    [
+        (["0 V", "0.8712 V", "1.98 V", "3.212 V"], [["0 V", "0.8712 V", "1.98 V", "3.212 V"]]),
+        ([f"a long name {k}" for k in range(5)], [["a long name 0", "a long name 1", "a long name 2"],
+                                                 ["a long name 3", "a long name 4"]]),
+    ],
+)  # fmt: skip
+def test_a_legend_is_one_line_where_there_is_room_and_else_is_read_line_by_line(
+    names: list[str], rows: list[list[str]]
+) -> None:
+    with style.single_panel(3.0) as (figure, panel):
+        for name in names:
+            panel.plot([0.0, 1.0], [0.0, 1.0], label=name)
+        style.legend(figure, panel)
+    figure.draw_without_rendering()
+    texts = figure.legends[0].get_texts()
+    boxes = {text.get_text(): text.get_window_extent() for text in texts}
+    heights = sorted({round(box.y0) for box in boxes.values()}, reverse=True)
+    found = [
+        [name for name, box in sorted(boxes.items(), key=lambda each: each[1].x0) if round(box.y0) == y]
+        for y in heights
+    ]
+    assert found == rows
+    assert max(box.x1 for box in boxes.values()) <= figure.bbox.x1

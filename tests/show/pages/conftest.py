@@ -1,8 +1,26 @@
 """Pages for tests of their texts and tables alone."""
 
+from typing import Any
+
 import pytest
+from tools.figure_text import unreadable
 
 from dampyr.show.pages import html_page
+
+
+@pytest.fixture(autouse=True)
+def figures_can_be_read(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> None:
+    """No text of a figure of a page overlaps, is cut or too small; looked for in proofs, since it doubles their time."""
+    if request.node.get_closest_marker("prove") is None:
+        return
+    keep = html_page.keep
+
+    def checked(figure: Any, number: int, section: str) -> None:
+        faults = unreadable(figure)
+        assert not faults, (section, faults)
+        keep(figure, number, section)
+
+    monkeypatch.setattr(html_page, "keep", checked)
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ def test_figures_of_a_page_are_left_as_vector_files_where_they_are_asked_for(tmp
     with figure_files(tmp_path / "drawn"):
         full_page.__wrapped__()
     full_page.__wrapped__()
-    names = [f"{number}-loops.{kind}" for number in ("01", "02") for kind in ("pdf", "svg")]
+    names = [f"{number}-loops.{kind}" for number in ("01", "02") for kind in ("csv", "pdf", "svg")]
     drawn_files = {path.name: path.read_bytes() for path in (tmp_path / "drawn").iterdir()}
     assert sorted(drawn_files) == names
     assert drawn_files["01-loops.pdf"].startswith(b"%PDF")
@@ -28,7 +28,7 @@ def test_figures_of_a_page_are_left_as_vector_files_where_they_are_asked_for(tmp
 
 def test_a_figure_is_kept_within_and_nowhere_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     written: list[Path] = []
-    monkeypatch.setattr(saved_figures, "save", lambda figure, path: written.append(path))
+    monkeypatch.setattr(saved_figures, "save", lambda figure, path, **journal: written.append(path))
     figure = ground_motion([0.0, 1.0], [0.0, 1.0])
     with figure_files(tmp_path / "outer"):
         with figure_files(tmp_path / "inner"):
@@ -36,5 +36,5 @@ def test_a_figure_is_kept_within_and_nowhere_else(tmp_path: Path, monkeypatch: p
         keep(figure, 12, "peaks")
     keep(figure, 4, "peaks")
     assert [path.relative_to(tmp_path).as_posix() for path in written] == [
-        "inner/03-over-time.svg", "inner/03-over-time.pdf", "outer/12-peaks.svg", "outer/12-peaks.pdf",
+        f"{name}.{kind}" for name in ("inner/03-over-time", "outer/12-peaks") for kind in ("svg", "pdf", "csv")
     ]  # fmt: skip

@@ -20,6 +20,8 @@ from typing import Annotated
 from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
+EXAMPLE = {"ce": 3000.0, "cc": 1200.0, "fe": 250.0, "fc": 100.0, "v0": 0.01}
+
 
 @checked
 @dataclass(frozen=True)

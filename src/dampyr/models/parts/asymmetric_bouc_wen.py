@@ -48,6 +48,18 @@ WITHIN_STROKE = ("z",)
 UNBOUNDED = "it is not bounded with these numbers (describe_limits of its file)"
 NOT_TRIED = "its five numbers of asymmetry take records that tell them apart, and may make energy"
 MOST = 4.0  # of a number beside the first one, which is 1
+EXAMPLE = {
+    "c0": 0.0,
+    "k0": 5e3,
+    "kw": 350.0,
+    "rho": 600.0,
+    "n": 1.5,
+    "b2": -0.2,
+    "b3": 0.0,
+    "b4": 0.3,
+    "b5": 0.1,
+    "b6": 0.0,
+}
 
 
 @checked

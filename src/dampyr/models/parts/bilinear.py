@@ -30,6 +30,7 @@ from dampyr.units import Quantity
 
 HOLDS = ("spring",)
 STATES = {"w": (-1.0, 1.0)}  # where it yields
+EXAMPLE = {"Q": 300.0, "uy": 0.002, "k2": 15e3}
 
 
 @checked

@@ -20,6 +20,8 @@ from typing import Annotated
 from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
+EXAMPLE = {"c0": 1500.0, "fc": 300.0, "v0": 0.001}
+
 
 @checked
 @dataclass(frozen=True)

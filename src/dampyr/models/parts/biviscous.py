@@ -19,6 +19,8 @@ from typing import Annotated
 from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
+EXAMPLE = {"c": 1500.0, "fy": 300.0, "vy": 0.02}
+
 
 @checked
 @dataclass(frozen=True)

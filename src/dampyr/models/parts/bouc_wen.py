@@ -32,6 +32,7 @@ HOLDS = ("spring",)
 MAX_SIGMA = 1000.0
 MAX_EXPONENT = 50.0  # of n: the loop is a parallelogram to the eye
 STATES = {"w": (-1.0, 1.0)}
+EXAMPLE = {"c0": 500.0, "k0": 5e3, "kw": 350.0, "rho": 600.0, "sigma": 2.0, "n": 2.0}
 
 
 @checked

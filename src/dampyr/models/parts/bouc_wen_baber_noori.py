@@ -42,6 +42,21 @@ HOLDS = ("spring",)
 RISES_IN_SERIES = True  # where a long step ends in the pinch that its middle has found
 STARTS_AT_REST = True
 STATES = {"w": (-1.0, 1.0), "e": (-inf, inf)}
+EXAMPLE = {
+    "k0": 5e3,
+    "kw": 350.0,
+    "rho": 800.0,
+    "sigma": 0.7,
+    "n": 1.5,
+    "zetas": 0.95,
+    "q": 0.1,
+    "p": 400.0,
+    "Shi": 0.3,
+    "deltaShi": 2.0,
+    "lamda": 0.3,
+    "deltanu": 1.0,
+    "deltaeta": 1.0,
+}
 
 
 @checked

@@ -34,6 +34,7 @@ NOT_FOR_BUILDINGS = (
 RISES_IN_SERIES = True  # where a fit has made it fall with the velocity
 STATES = {"w": (-1.0, 1.0)}  # the equation cannot leave it
 UNIT = 0.1  # m/s
+EXAMPLE = {"p0": 0.0, "p1": 600.0, "p2": 0.0, "p3": -250.0, "p4": 0.0, "p5": 45.0, "p6": 0.0, "vh": 0.06}
 
 
 @checked

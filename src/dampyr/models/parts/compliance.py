@@ -23,6 +23,7 @@ from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
 ADD_ON = True
+EXAMPLE = {"s": 6e-6}
 
 
 @checked

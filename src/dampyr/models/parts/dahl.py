@@ -18,6 +18,7 @@ from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
 STATES = {"w": (-1.0, 1.0)}  # the equation cannot leave it
+EXAMPLE = {"kx": 1000.0, "kw": 300.0, "rho": 1000.0}
 
 
 @checked

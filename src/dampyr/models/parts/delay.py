@@ -15,6 +15,7 @@ from dampyr.units import Quantity
 
 ADD_ON = True
 DELAY = "tau"
+EXAMPLE = {"tau": 0.03}
 
 
 @checked

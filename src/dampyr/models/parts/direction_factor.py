@@ -24,6 +24,7 @@ from dampyr.units import Quantity
 ADD_ON = True
 CONSTANT = ("v0",)
 NOT_FOR_BUILDINGS = "what is stored comes back with another factor; use asymmetric or asymmetric_bouc_wen"
+EXAMPLE = {"e": 0.3, "v0": 0.005}
 
 
 @checked

@@ -39,6 +39,26 @@ Numbers = Sequence[float] | np.ndarray
 ROWS = 6
 SEARCH_STARTS = 30  # a row that lies within a straight piece stays there
 CONSTANT = ("w1", "w2", "w3", "w4", "w5", "w6")  # the rows of a sheet are at the same speeds whatever the input
+EXAMPLE = {
+    "w1": 0.002,
+    "w2": 0.004,
+    "w3": 0.01,
+    "w4": 0.02,
+    "w5": 0.04,
+    "w6": 0.06,
+    "e1": 150.0,
+    "e2": 100.0,
+    "e3": 60.0,
+    "e4": 40.0,
+    "e5": 60.0,
+    "e6": 80.0,
+    "c1": 80.0,
+    "c2": 60.0,
+    "c3": 40.0,
+    "c4": 30.0,
+    "c5": 40.0,
+    "c6": 50.0,
+}
 
 
 @checked

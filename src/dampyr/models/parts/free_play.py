@@ -19,6 +19,7 @@ from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
 ADD_ON = True
+EXAMPLE = {"g": 0.003, "fc": 20.0}
 
 
 @checked

@@ -36,6 +36,7 @@ FIRST = 2.0 - sqrt(2.0)  # the share of a step that its trapezoidal rule takes
 HALF = 0.5 * FIRST  # what both stages multiply the rates at their ends by
 MIDDLE = 1.0 / (FIRST * (2.0 - FIRST))  # the weights of the backward difference: of the end of the first stage
 START = MIDDLE - 1.0  # and, taken off, of the start of the step
+EXAMPLE = {"fc": 200.0, "d": 0.002, "vc": 0.05, "r": 0.5, "tau": 0.05}
 
 
 @checked

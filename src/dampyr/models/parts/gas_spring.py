@@ -21,6 +21,7 @@ from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
 ADD_ON = True
+EXAMPLE = {"f0": 150.0, "L": 0.03, "gamma": 1.3}
 
 
 @checked

@@ -33,6 +33,7 @@ from dampyr.units import Quantity
 HOLDS = ("spring",)
 STATES = {"e1": (-inf, inf), "e2": (-inf, inf), "e3": (-inf, inf)}
 WITHIN_STROKE = ("e1", "e2", "e3")
+EXAMPLE = {"k0": 10e3, "k1": 20e3, "k2": 20e3, "k3": 20e3, "tau": 0.05}
 
 
 @checked

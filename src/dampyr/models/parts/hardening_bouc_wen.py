@@ -44,6 +44,7 @@ WITHIN_STROKE = ("z",)
 UNBOUNDED = "its loops harden and w is infinite after a path that is too long (longest_way of its file)"
 NOT_TRIED = "a hardening loop that fits the strokes of its records may have no limit beyond them"
 MAX_HARDENING = 1000.0  # of h: where w is 0.1 and n = 2, the slope is eleven times the first
+EXAMPLE = {"c0": 200.0, "k0": 0.0, "kw": 150.0, "rho": 150.0, "h": 0.3, "n": 1.2}
 
 
 @checked

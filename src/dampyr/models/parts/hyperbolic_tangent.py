@@ -16,6 +16,8 @@ from typing import Annotated
 from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
+EXAMPLE = {"c": 1200.0, "ft": 300.0, "v0": 0.02, "s": -1.5}
+
 
 @checked
 @dataclass(frozen=True)

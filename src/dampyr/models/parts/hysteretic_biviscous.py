@@ -32,6 +32,7 @@ NOT_FOR_BUILDINGS = (
     "use dahl, bouc_wen or modified_bouc_wen"
 )
 STATES = {"w": (-1.0, 1.0)}  # the equation cannot leave it
+EXAMPLE = {"c": 1200.0, "fy": 300.0, "vy": 0.02, "vh": 0.012}
 
 
 @checked

@@ -16,6 +16,7 @@ from dampyr.models.part import checked
 from dampyr.units import Quantity
 
 ADD_ON = True
+EXAMPLE = {"m": 300.0}
 
 
 @checked

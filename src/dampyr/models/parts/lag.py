@@ -19,6 +19,7 @@ from dampyr.units import Quantity
 
 ADD_ON = True
 LAG = "tau"
+EXAMPLE = {"tau": 0.05}
 
 
 @checked

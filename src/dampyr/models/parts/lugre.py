@@ -32,6 +32,7 @@ from dampyr.units import Quantity
 SPEED = "vs"  # friction falls within it, so that samples which step over it miss that
 STATES = {"w": (-1.0, 1.0)}  # the equation cannot leave it
 SHORT = 1e-4  # below it the series of (1 - exp(-t))/t to t^2 is right to t^3/24 < 5e-14
+EXAMPLE = {"fc": 300.0, "sigma1": 0.0, "sigma2": 800.0, "rho": 1000.0, "e": 0.6, "vs": 0.02}
 
 
 @checked

@@ -25,6 +25,7 @@ from dampyr.models.parts._slip import slip
 from dampyr.units import Quantity
 
 STATES = {"w1": (-1.0, 1.0), "w2": (-1.0, 1.0), "w3": (-1.0, 1.0), "w4": (-1.0, 1.0)}  # where each slips
+EXAMPLE = {"kx": 500.0, "kw": 350.0, "rho": 300.0}
 
 
 @checked

@@ -38,6 +38,7 @@ STATES = {"w": (-1.0, 1.0), "e": (-inf, inf)}
 # A record shows little more than the product of kappa and the elongation that it begins with. Without a limit a fit follows it
 # to an elongation of any size and no spring.
 WITHIN_STROKE = ("e",)
+EXAMPLE = {"kw": 350.0, "k1": 5e3, "vc": 0.05, "r": 0.3, "kappa": 20.0, "rho": 800.0, "sigma": 1.0, "n": 2.0}
 
 
 @checked

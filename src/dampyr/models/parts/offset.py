@@ -13,6 +13,7 @@ from dampyr.units import Quantity
 
 ADD_ON = True
 STATIC = True
+EXAMPLE = {"f0": 150.0}
 
 
 @checked

@@ -33,6 +33,7 @@ RISES_IN_SERIES = True  # its slope by the place may be negative
 STARTS_AT_REST = True
 STATES = {"z": (-1.0, 1.0)}  # the equation cannot leave it
 REACH = 0.010  # m from y0 at which the friction is g
+EXAMPLE = {"g": 200.0, "y0": 0.004, "ell": 0.008, "vf": 0.002}
 
 
 @checked

@@ -23,6 +23,7 @@ from dampyr.models.part import Scale, checked
 from dampyr.units import Quantity
 
 SMALL = 1e-5  # m/s
+EXAMPLE = {"C": 1200.0, "alpha": 0.4}
 
 
 @checked

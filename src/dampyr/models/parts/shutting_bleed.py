@@ -29,6 +29,7 @@ CONSTANT = ("b", "d")
 SCALE_TOGETHER = ("c", "fy", "b")
 STATES = {"p": (-1.0, 1.0)}  # held there
 SMALL = 1e-12  # m/s, beside which no vy is small: h/|v| has a limit at rest, where both are 0
+EXAMPLE = {"c": 1500.0, "fy": 300.0, "vy": 0.005, "b": 12e3, "d": 0.003}
 
 
 @checked

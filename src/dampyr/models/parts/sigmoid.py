@@ -37,6 +37,7 @@ NOT_FOR_BUILDINGS = (
     "use dahl, bouc_wen or modified_bouc_wen"
 )
 STATES = {"w": (-1.0, 1.0)}  # held there
+EXAMPLE = {"ft": 300.0, "c": 1200.0, "vk": 0.02, "vh": 0.012}
 
 
 @checked

@@ -13,6 +13,7 @@ from dampyr.models.part import checked
 from dampyr.units import Quantity
 
 ADD_ON = True
+EXAMPLE = {"k0": 15e3}
 
 
 @checked

@@ -43,6 +43,18 @@ SEARCH_STARTS = 10
 NOT_TRIED = "it is a bearing's, whose numbers its maker states"
 MAX_ROUNDS = 200  # halving the bracket alone needs about 60; its pieces are thirteen at most
 CLOSE = 1e-15  # of the bracket's first width
+EXAMPLE = {
+    "f1": 150.0,
+    "r2": 2.0,
+    "r3": 3.0,
+    "l1": 0.002,
+    "l2": 0.006,
+    "l3": 0.006,
+    "d1": 0.001,
+    "d2": 0.004,
+    "d3": 0.1,
+    "uy": 5e-5,
+}
 
 
 @checked

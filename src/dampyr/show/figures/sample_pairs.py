@@ -32,7 +32,7 @@ def sample_pairs(
             every = max(x.size // DOTS, 1)
             panel.plot(x[::every], y[::every], ".", ms=2, alpha=0.3, color=style.BLUE, label="sample")
             if across != up:
-                outline = _ellipse(x, y)
+                outline = ellipse(x, y)
                 panel.plot(*outline, color=style.INK, lw=0.9, label="95 % of a normal distribution")
             centre = float(axes[across].of(estimates[across])), float(axes[up].of(estimates[up]))
             panel.plot(*centre, "+", ms=9, mew=1.6, color=style.VERMILLION, ls="", label="fit")
@@ -41,7 +41,8 @@ def sample_pairs(
     return fig
 
 
-def _ellipse(x: ArrayLike, y: ArrayLike) -> tuple[ArrayLike, ArrayLike]:
+def ellipse(x: ArrayLike, y: ArrayLike) -> tuple[ArrayLike, ArrayLike]:
+    """The line ``(181,)``, ``(181,)`` inside of which 95 % of a normal distribution with the covariance of these lie."""
     table = np.stack((np.asarray(x), np.asarray(y)))
     values, vectors = np.linalg.eigh(np.cov(table))
     angle = np.linspace(0.0, 2.0 * np.pi, 181)

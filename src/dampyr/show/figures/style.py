@@ -17,7 +17,6 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from itertools import cycle
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -54,9 +53,10 @@ CASES = (
 )
 """Of things that are compared; grey is what they are compared with."""
 WIDTH = 5.6  # inches: as wide as the text of a page
+ENTRY, CHARACTER = 0.55, 0.078  # inches of a legend: of an entry's mark and gaps, and of a letter in the middle
 POINTS = 2400  # of a line: more than a page has pixels across
 
-_RC = {
+_RC: dict[str, Any] = {
     "font.family": "sans-serif",
     "font.size": 10.0,
     "axes.titlesize": 10.5,
@@ -91,7 +91,6 @@ _RC = {
 
 
 _for_pyplot: ContextVar[bool] = ContextVar("_for_pyplot", default=False)
-_UNDATED = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}  # the same figure gives the same file
 
 
 @dataclass(frozen=True)
@@ -240,13 +239,37 @@ def legend(fig: Figure, *axes: Axes, columns: int = 3, min_entries: int = 2) -> 
 
     There is none when there are fewer than ``min_entries``.
     """
+    vars(fig)["dampyr_legend"] = (axes, columns, min_entries)  # for `fit_legend`
+    fit_legend(fig)
+
+
+def fit_legend(fig: Figure, scale: float = 1.0) -> None:
+    """Make the legend of a figure anew, such as after its width or its lines have changed; text ``scale`` times as large.
+
+    It is one line where there is room for it.
+    """
+    axes, columns, min_entries = vars(fig).get("dampyr_legend", ((), 1, 1))
     handles: dict[str, Any] = {}
     for panel in axes:
         for handle, name in zip(*panel.get_legend_handles_labels(), strict=True):
             handles.setdefault(name, handle)
-    if len(handles) >= min_entries:
-        loc = "outside lower left" if fig.get_suptitle() else "outside upper left"
-        fig.legend(list(handles.values()), list(handles), loc=loc, ncols=min(len(handles), columns))
+    if not handles or len(handles) < min_entries:
+        return
+    for before in list(fig.legends):
+        before.remove()
+    loc = "outside lower left" if fig.get_suptitle() else "outside upper left"
+    names = list(handles)
+    width = fig.get_figwidth() / scale
+
+    def fits(columns: int) -> bool:
+        widest = [max(map(len, names[column::columns])) for column in range(columns)]
+        return ENTRY * columns + CHARACTER * sum(widest) <= width
+
+    columns = next((n for n in (len(names), *range(min(len(names), columns), 1, -1)) if fits(n)), 1)
+    # matplotlib fills columns; people read lines
+    names = [name for column in range(columns) for name in names[column::columns]]
+    size = scale * _RC["legend.fontsize"]
+    fig.legend([handles[name] for name in names], names, loc=loc, ncols=columns, fontsize=size)
 
 
 def thin(x: ArrayLike, y: ArrayLike, limit: int = POINTS) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -285,10 +308,12 @@ def line_with_peak(panel: Axes, time: ArrayLike, values: ArrayLike, axis: Axis, 
     panel.plot(t[peak], y[peak], "o", ms=4, color=colour)
 
 
-def save(fig: Figure, path: str | Path) -> Path:
-    """Write a figure to a file of its own (.svg, .pdf, .png), on white."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with style():
-        fig.savefig(path, facecolor="white", dpi=200, metadata=_UNDATED.get(path.suffix))
-    return path
+@contextmanager
+def on_white(fig: Figure) -> Iterator[None]:
+    """Within it the figure hides what is behind it, which it does not on a page."""
+    before = fig.patch.get_alpha()
+    fig.patch.set_alpha(1.0)
+    try:
+        yield
+    finally:
+        fig.patch.set_alpha(before)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dampyr.hybrid.virtual_test import VirtualRun
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
+from dampyr.show.figures.building import building_response
 
 
 @describe.register
@@ -18,7 +19,13 @@ def describe_run(run: VirtualRun) -> Description:
         rows += [(f"J{k + 1}", f"{true[k]:.3g} % (as measured {measured[k]:.3g} %)") for k in range(1, 5)]
         rows += [(f"J{k + 1}", f"{true[k]:.3g} %") for k in range(5, 9)]
     rows.append(("at the greatest force", f"{run.at_limit} samples"))
-    return Description(f"VirtualRun of {run.setup.structure.name!r}", rows, frame=lambda: _histories(run))
+    cases = {"whole, computed": run.reference[-1, : len(run.time)], "hybrid test": run.floors[-1]}
+    return Description(
+        f"VirtualRun of {run.setup.structure.name!r}",
+        rows,
+        figure=lambda: building_response(run.time, cases, title=f"floor {len(run.floors)}"),
+        frame=lambda: _histories(run),
+    )
 
 
 def _histories(run: VirtualRun) -> DataFrameColumns:

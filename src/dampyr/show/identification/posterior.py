@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,14 +10,17 @@ import numpy as np
 
 from dampyr.errors import InputError
 from dampyr.identification.parameter_uncertainty.posterior import Posterior
+from dampyr.phrases import listing
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
+from dampyr.show.figures.corner import corner
 from dampyr.show.figures.sample_pairs import sample_pairs
 from dampyr.show.plots import Plots, plots
 from dampyr.show.table import Cell, Table
 from dampyr.to_json import plain
 from dampyr.units import for_people
 
+CORNER = 8  # numbers of a corner plot: the panels of more are too small to read
 PRIOR = "flat in the coordinates of the search, inside the allowed values"
 
 
@@ -92,13 +96,30 @@ def _drawn(posterior: Posterior, pairs: int) -> tuple[Any, ...]:
 
 @dataclass(frozen=True)
 class PosteriorPlots(Plots):
-    """``posterior.plot()``."""
+    """``posterior.plot()`` and ``posterior.plot.corner()``."""
 
     result: Posterior
 
     def __call__(self, pairs: int = 4) -> Any:
         """The most correlated ``pairs`` of numbers as clouds with the fit's estimates, as axes ``(k,)``."""
         return style.in_pyplot(sample_pairs, *_drawn(self.result, pairs), origin=self.result.origin)
+
+    def corner(self, labels: Sequence[str] = ()) -> Any:
+        """Each number by itself and each pair of them, as axes ``(k,)``; ``labels`` are at most 8, by default the first."""
+        known = list(self.result.samples)
+        chosen = list(labels) or known[:CORNER]
+        unknown = [label for label in chosen if label not in known]
+        if unknown or len(chosen) > CORNER:
+            wrong = (
+                f"labels: {unknown[0]!r} is no number of the posterior"
+                if unknown
+                else f"{len(chosen)} labels are too many"
+            )
+            raise InputError(f"corner: {wrong}; give at most {CORNER} of {listing(known)}")
+        samples, axes, estimates, _ = _drawn(self.result, 1)
+        return style.in_pyplot(
+            corner, {label: samples[label] for label in chosen}, axes, estimates, origin=self.result.origin
+        )
 
 
 plots.register(Posterior, PosteriorPlots)
