@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from matplotlib import pyplot
 from scipy import signal
 from tests.hybrid.by_scipy import RATE, ByScipy, FilterByScipy, agree, ideal
 
@@ -55,4 +56,13 @@ def test_a_matched_inverse_follows(building: Building, motion: GroundMotion) -> 
     setup = ideal(building)
     fixed = ModelBasedCompensator(start=tuple(inverse_coefficients(setup)), gains=(0.0, 0.0, 0.0, 0.0))
     quiet = GroundMotion(np.sin(2 * np.pi * 3.6 * np.arange(400) * 0.01), 0.01)
-    assert perform_virtual(setup, fixed, quiet).criteria().J2 < 0.3
+    run = perform_virtual(setup, fixed, quiet)
+    assert run.criteria().J2 < 0.3
+    [panel] = run.plot()
+    whole, test = (line for line in panel.lines if len(line.get_xdata()) > 1)
+    drawn = {line.get_label().partition(":")[0]: np.abs(line.get_ydata()).max() for line in (whole, test)}
+    assert list(drawn) == ["whole, computed", "hybrid test"]
+    np.testing.assert_allclose(
+        [*drawn.values()], 1e3 * np.abs([run.reference[-1], run.floors[-1]]).max(axis=1), rtol=1e-12
+    )
+    pyplot.close(panel.figure)

@@ -7,6 +7,7 @@ import numpy as np
 from tests.show.figures.figure_examples import MAKERS, T, V, X
 
 from dampyr import show
+from dampyr.origin import SIMULATED
 from dampyr.show.figures.band import band
 from dampyr.show.figures.building import building_response
 
@@ -47,3 +48,11 @@ def test_error_bars_and_bars_have_both_ends_and_panels_a_number(tmp_path: Path) 
 def test_with_decimal_commas_semicolons_part_the_columns(tmp_path: Path) -> None:
     found = columns_of(show.save(MAKERS["laws"](), tmp_path / "laws.csv", decimal_comma=True), ";")
     assert found["panel 2, published: ρ [1/mm]"] == ["42,7448"]
+
+
+def test_the_first_line_says_what_was_not_measured(tmp_path: Path) -> None:
+    figure = building_response(T, {"no damper": X})
+    SIMULATED.stamp(figure)
+    first, head, *_ = show.save(figure, tmp_path / "figure.csv").read_text(encoding="utf-8").splitlines()
+    assert first == "# SIMULATED"
+    assert head.startswith("no damper")

@@ -29,7 +29,7 @@ def texts_as_svg(figure: Figure, *_: str) -> str:
 def texts_alone() -> Iterator[None]:
     """Within it, figures of pages, of notebooks and of files hold their texts alone."""
 
-    def save(figure: Figure, path: Path) -> Path:
+    def save(figure: Figure, path: Path, **journal: object) -> Path:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(texts_as_svg(figure), encoding="utf-8")
         return path

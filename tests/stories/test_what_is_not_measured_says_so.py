@@ -288,6 +288,7 @@ def _looks_right(page: Path, figures: Path | None, said: str = NOTICE) -> None:
     assert len(files) == (len(drawn) if figures else 0)
     for one in files:
         assert f"{word}</text>" in one.read_text("utf-8"), one
+        assert word in one.with_suffix(".csv").read_text("utf-8"), one
 
 
 def _objects(made: Made) -> dict[str, Any]:

@@ -89,8 +89,16 @@ def _label(artist: Any) -> str:
     return "" if label.startswith("_") or label == "None" else label
 
 
+def _across(figure: Figure) -> list[str]:
+    """The pale words across a figure: its origin (`dampyr.origin.Origin.stamp`)."""
+    return [text.get_text() for text in figure.texts if (text.get_alpha() or 1.0) < 1.0]
+
+
 def write_figure_data(figure: Figure, path: Path, decimal_comma: bool = False) -> Path:
-    """Write the columns of `figure_columns` as CSV; with a decimal comma semicolons part them, as spreadsheets expect it."""
+    """Write the columns of `figure_columns` as CSV; with a decimal comma semicolons part them, as spreadsheets expect it.
+
+    What stands across the figure, such as that it is of simulated records, is a first line behind ``#``.
+    """
     figure.draw_without_rendering()
     columns = list(figure_columns(figure))
 
@@ -101,6 +109,7 @@ def write_figure_data(figure: Figure, path: Path, decimal_comma: bool = False) -
         return text.replace(".", ",") if decimal_comma else text
 
     with path.open("w", encoding="utf-8", newline="") as file:
+        file.writelines(f"# {word}\r\n" for word in _across(figure))
         table = csv.writer(file, delimiter=";" if decimal_comma else ",")
         table.writerow([_MATH.sub(r"\1", name).replace("$", "") for name, _ in columns])
         table.writerows([cell(value) for value in row] for row in zip_longest(*(values for _, values in columns)))

@@ -191,6 +191,21 @@ def test_wrong_calls_say_what_is_wrong(linear: Fit, brief: int) -> None:
         samples.intervals(2.0)
 
 
+def test_a_corner_plot_draws_the_numbers_that_it_is_asked_for(linear: Fit, brief: int) -> None:
+    from matplotlib import pyplot
+
+    samples = sample_posterior(linear, seed=brief)
+    first, *_, last = samples.samples
+    panels = samples.plot.corner([last, first])
+    pyplot.close(panels[0].figure)
+    assert len(panels) == 4
+    assert first.split(".")[0] in panels[3].get_xlabel()
+    with pytest.raises(InputError, match=r"'dahl\.ky' is no number of the posterior; give at most 8 of"):
+        samples.plot.corner(["dahl.ky"])
+    with pytest.raises(InputError, match="9 labels are too many"):
+        samples.plot.corner([first] * 9)
+
+
 def test_r_hat_sees_walkers_that_stay_apart() -> None:
     rng = np.random.default_rng(0)
     mixed = rng.standard_normal((400, 8, 1))
