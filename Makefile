@@ -98,6 +98,7 @@ wine:
 
 demo: $(READY)
 	$(BIN)/dampyr demo --out out/demo
+	@echo "dampyr doctor --warm compiles ahead what further commands need, in about two minutes, once"
 
 test: $(READY) compiler firmware-tools octave blas chromium axe
 	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "not prove and not by_hand"

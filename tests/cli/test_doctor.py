@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from dampyr.cli import cli
+from dampyr.studies import kernel_warming
 
 
 def findings() -> dict[str, dict[str, str | None]]:
@@ -77,3 +78,22 @@ def test_options_of_a_bring_up_that_do_not_fit_are_refused(words: list[str]) -> 
     result = CliRunner().invoke(cli, ["doctor", *words])
     assert result.exit_code == 2
     assert "--bring-up" in result.stderr or "--stand-in" in result.stderr
+
+
+@pytest.mark.parametrize("words", [["--simulated"], ["--rig", "rig.toml"], ["--bring-up"], ["--fault", "encoder_jump"]])
+def test_warming_goes_alone(words: list[str]) -> None:
+    result = CliRunner().invoke(cli, ["doctor", "--warm", *words])
+    assert result.exit_code == 2
+    assert "--warm looks at no rig" in result.stderr
+
+
+def test_what_was_warmed_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    outcomes = [
+        kernel_warming.Warmed(59, 59, 97.4, Path("kernels")),
+        kernel_warming.Warmed(59, 0, 0.1, Path("kernels")),
+    ]
+    monkeypatch.setattr(kernel_warming, "warm_kernels", lambda progress: outcomes.pop(0))
+    first = CliRunner().invoke(cli, ["doctor", "--warm"], catch_exceptions=False).stdout
+    assert first == "59 kernels of the usual commands, compiled 59, 97.4 s: kernels\n"
+    again = json.loads(CliRunner().invoke(cli, ["doctor", "--warm", "--json"], catch_exceptions=False).stdout)
+    assert again == {"kernels": 59, "compiled": 0, "seconds": 0.1, "folder": "kernels"}

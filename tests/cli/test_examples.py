@@ -31,7 +31,8 @@ SERVERS = ("console", "serve")
 # More than three seconds each with kernels that are compiled already, or much more without: a proof.
 LONG = (
     "demo", "reproduce", "hybrid", "identify", "calibrate", "run campaign.toml --out", "export damper.toml --to fmu",
-    "simulate", "ensemble", "arena", "doctor --rig", "motion --pga", "accept damper.toml tests --tolerance 10%", "plan",
+    "simulate", "ensemble", "arena", "doctor --rig", "doctor --warm", "motion --pga",
+    "accept damper.toml tests --tolerance 10%", "plan",
 )  # fmt: skip
 ASKING = ("dampyr doctor --rig rig.toml --bring-up",)
 NEEDS_DATA = ("reproduce", "datasets fetch")

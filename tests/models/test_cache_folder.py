@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from dampyr import source_digest
 from dampyr.models.codegen import kernels
 
 
@@ -31,34 +30,28 @@ def test_kernels_of_old_sources_go_and_all_else_stays(tmp_path: Path, monkeypatc
     assert other.exists()
 
 
-def test_what_no_kernel_is_made_of_does_not_compile_them_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("models", "report"):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "module.py").write_text("a = 1\n")
-    monkeypatch.setattr(source_digest, "PACKAGE", tmp_path)
-    monkeypatch.setattr(kernels, "KERNEL_SOURCES", ("models", "models/module.py"))
-
-    def digests() -> tuple[str, str]:
-        source_digest.source_digest.cache_clear()
-        return source_digest.source_digest(kernels.KERNEL_SOURCES), source_digest.source_digest()
-
+def test_once_a_day_kernels_that_nobody_used_for_a_month_go(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DAMPYR_CACHE", str(tmp_path))
+    month_ago, day_ago = time.time() - 31 * 86400, time.time() - 2 * 86400
+    kernels.cache_folder.cache_clear()
     try:
-        first = digests()
-        (tmp_path / "report" / "module.py").write_text("a = 2\n")
-        page = digests()
-        (tmp_path / "models" / "module.py").write_text("a = 2\n")
-        model = digests()
+        folder = kernels.cache_folder()
+        old, read, young = (folder / f"{name}.nbc" for name in ("old", "read", "young"))
+        for file, times in (
+            (old, (month_ago, month_ago)),
+            (read, (day_ago, month_ago)),
+            (young, (month_ago, day_ago)),
+        ):
+            file.write_bytes(b"x")
+            os.utime(file, times)
+        kernels.cache_folder.cache_clear()
+        assert kernels.cache_folder() == folder
+        assert old.exists()  # it has been looked for today
+        os.utime(folder / "swept", (day_ago, day_ago))
+        kernels.cache_folder.cache_clear()
+        kernels.cache_folder()
     finally:
-        source_digest.source_digest.cache_clear()
-    assert page[0] == first[0]
-    assert page[1] != first[1]
-    assert model[0] != first[0]
-
-
-def test_a_cached_kernel_of_another_folder_is_refused() -> None:
-    def kernel(x: float) -> float:
-        return x
-
-    kernel.__module__ = "dampyr.show.somewhere"
-    with pytest.raises(ValueError, match="KERNEL_SOURCES"):
-        kernels.jit(kernel, keep=True)
+        kernels.cache_folder.cache_clear()
+    assert not old.exists()
+    assert read.exists()
+    assert young.exists()

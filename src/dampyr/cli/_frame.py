@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import re
 import sys
+import threading
+import time
 import warnings
 from collections.abc import Callable, Iterator, MutableMapping, Sequence
 from contextlib import contextmanager, suppress
@@ -13,13 +15,14 @@ from typing import Any, NoReturn, TextIO
 
 import click
 
-from dampyr import registry
+from dampyr import compiling, registry
 from dampyr.cli._output import drop_unwritten
 from dampyr.errors import DampyrError, DampyrWarning, choose_from
 from dampyr.source_digest import full_version
 
 REGISTRY = "dampyr.cli"
 WRONG, INTERRUPTED = 2, 130  # exit codes as shells and click use them: a wrong request; 128 + SIGINT
+SLOW = 1.0  # s of compiling after which a command says so
 SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
 
 
@@ -94,7 +97,7 @@ def open_streams() -> None:
 def _guarded(run: Callable[[], Any]) -> int:
     """The exit code of ``run``; what is wrong for a known reason is said in one line."""
     try:
-        with _warnings_in_one_line():
+        with _warnings_in_one_line(), said_where_compiling():
             code = run()
         return code if isinstance(code, int) else 0
     except click.exceptions.NoArgsIsHelpError as problem:
@@ -150,6 +153,43 @@ def say(message: str) -> int:
     with suppress(OSError, ValueError):
         click.echo(f"dampyr: {in_option_words(' '.join(message.split()))}", err=True)
     return WRONG
+
+
+@contextmanager
+def said_where_compiling() -> Iterator[None]:
+    """Say in one line on stderr, where that is a terminal, that kernels are compiled, once they have been for `SLOW` seconds.
+
+    It is for a person who waits: whether one does is decided here, and logs, pipes and tests see nothing. Processes that a
+    command starts compile without a word.
+    """
+    if not sys.stderr.isatty():
+        yield
+        return
+    spent, began, said, timer = 0.0, 0.0, False, threading.Timer(0.0, print)
+
+    def speak() -> None:
+        nonlocal said
+        said = True
+        say(
+            "compiling, once: later runs find the machine code on disk; `dampyr doctor --warm` compiles the usual ahead"
+        )
+
+    def note(begins: bool) -> None:
+        nonlocal spent, began, timer
+        timer.cancel()
+        if begins and not said:
+            began = time.monotonic()
+            timer = threading.Timer(max(SLOW - spent, 0.0), speak)
+            timer.daemon = True
+            timer.start()
+        elif not begins:
+            spent += time.monotonic() - began
+
+    try:
+        with compiling.watched(note):
+            yield
+    finally:
+        timer.cancel()
 
 
 @contextmanager

@@ -14,6 +14,7 @@ import click
 
 from dampyr.cli._examples import examples
 from dampyr.cli._output import as_json_option, print_json, print_table
+from dampyr.cli._progress import stages
 from dampyr.errors import InputError
 from dampyr.source_digest import full_version
 
@@ -27,6 +28,7 @@ LIBRARIES = ("numpy", "scipy", "numba", "h5py", "xarray", "pint", "matplotlib")
         "dampyr doctor --rig rig.toml",
         "dampyr doctor --rig rig.toml --bring-up",
         "dampyr doctor --simulated --bring-up --stand-in --out simulated.json",
+        "dampyr doctor --warm",
     )
 )
 @click.option("--rig", type=click.Path(path_type=Path), help="A rig.toml: look at its instruments too; nothing moves.")
@@ -47,6 +49,7 @@ LIBRARIES = ("numpy", "scipy", "numba", "h5py", "xarray", "pint", "matplotlib")
 @click.option(
     "--fault", "faults", multiple=True, help="With --bring-up: give a simulated rig a fault, as `dampyr run` does."
 )
+@click.option("--warm", is_flag=True, help="Compile what the usual commands need, so that none of them waits for it.")
 @as_json_option
 def command(
     rig: Path | None,
@@ -55,12 +58,17 @@ def command(
     out: Path,
     stand_in: bool,
     faults: tuple[str, ...],
+    warm: bool,
     as_json: bool,
 ) -> int:
     """Tell what this machine and its rig have, and what they lack.
 
     With --bring-up the exit code is 3 where a step has failed, and 130 where it was ended before the last one.
     """
+    if warm and (rig or simulated or bring_up or stand_in or faults):
+        raise InputError("--warm looks at no rig; give it alone, and ask for the rig in a second call")
+    if warm:
+        return _warm(as_json)
     if bring_up:
         return _bring_up(rig, simulated, out, stand_in, faults, as_json)
     if stand_in or faults:
@@ -84,6 +92,20 @@ def command(
         print_json([dict(zip(("what", "found", "repair"), finding, strict=True)) for finding in findings])
         return 0
     print_table(f"dampyr {full_version()}", ["what", "found", "to repair it"], findings)
+    return 0
+
+
+def _warm(as_json: bool) -> int:
+    """Compile the usual kernels ahead; the exit code."""
+    from dampyr.studies.kernel_warming import warm_kernels
+
+    with stages() as progress:
+        warmed = warm_kernels(progress)
+    if as_json:
+        print_json(warmed)
+    else:
+        done = f"compiled {warmed.compiled}" if warmed.compiled else "nothing to compile"
+        click.echo(f"{warmed.kernels} kernels of the usual commands, {done}, {warmed.seconds:.1f} s: {warmed.folder}")
     return 0
 
 

@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from dampyr.structures import Building
 
 THESIS = "raminelli_2020"
+OFFER_NOTHING = (
+    "demo",
+    "kernel_warming",
+)  # no damper and no structure: not loaded, and with the former the whole chain
 
 
 def available_studies() -> list[str]:
@@ -30,7 +34,7 @@ def available_dampers() -> list[str]:
     """The names of all published dampers: of the studies that have one, then those of `dampyr.models.published`."""
     from dampyr.models import published
 
-    own = [name for name, study in registry.members(__name__) if hasattr(study, "damper")]
+    own = [name for name, study in _offering() if hasattr(study, "damper")]
     return [*own, *published.available_sets()]
 
 
@@ -51,10 +55,8 @@ def load_damper(name: str | Path) -> Damper:
     """
     from dampyr.models import published
 
-    studies = registry.members(__name__)
-    return published.card_or_published(
-        name, others={own: study.damper for own, study in studies if hasattr(study, "damper")}
-    )
+    others = {own: study.damper for own, study in _offering() if hasattr(study, "damper")}
+    return published.card_or_published(name, others=others)
 
 
 def available_structures() -> list[str]:
@@ -83,9 +85,13 @@ def load_structure(name: str | Path) -> Building:
 
 
 def _structures() -> dict[str, Callable[[], Building]]:
-    return {
-        name: make for _, study in registry.members(__name__) for name, make in getattr(study, "STRUCTURES", {}).items()
-    }
+    return {name: make for _, study in _offering() for name, make in getattr(study, "STRUCTURES", {}).items()}
+
+
+def _offering() -> list[tuple[str, ModuleType]]:
+    """The studies that may offer a damper or structures."""
+    offering = (name for name in registry.names(__name__) if name not in OFFER_NOTHING)
+    return [(name, registry.member(__name__, name)) for name in offering]
 
 
 def __getattr__(name: str) -> ModuleType:

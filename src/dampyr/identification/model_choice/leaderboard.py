@@ -268,7 +268,7 @@ def leaderboard(
         )
     small = screening_set(listed, bandwidth)  # with its velocity, so that no trial derives it from thinned samples
     allowed, left_out = _select_add_ons(options.add_ons, listed)
-    bases = [*options.models] or [*(name for name in available_parts() if _is_tried(name)), *PAIRS]
+    bases = [*options.models] or first_models()
     screened, unfinished = screen_all(
         bases,
         small,
@@ -436,6 +436,11 @@ def enough_records(records: list[Record], settling: float) -> tuple[list[Record]
         f"{counted(len(records), 'record')} {'were' if len(records) > 1 else 'was'} cut into {len(pieces)} pieces, so that "
         "parts can be left out: the errors are of more of the same tests, not of other ones",
     )
+
+
+def first_models() -> list[str]:
+    """The models that a leaderboard begins with without being told to."""
+    return [*(name for name in available_parts() if _is_tried(name)), *PAIRS]
 
 
 def _is_tried(name: str) -> bool:

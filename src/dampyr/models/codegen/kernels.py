@@ -4,9 +4,10 @@ A *driver* is a plain function in a real file (`dampyr.models.path_integration`,
 that integrates along a path or through an earthquake. It calls the functions of a composition (`BOUND`) by name, and `bind`
 gives these names the functions of one or several compositions and compiles the whole with numba.
 
-Compiled code is cached on disk in a folder whose name holds a hash of the sources that kernels are made of
-(`KERNEL_SOURCES`), so that code of an edited model is never out of date, and an edited page compiles nothing again. The
-folder lies in the user's cache, or in that of ``DAMPYR_CACHE``.
+Compiled code is cached on disk. Every kernel has files of its own, whose names hold a hash of what its machine code depends
+on (`dampyr.models.codegen.kernel_key`), so that code of an edited model is never out of date, and what the kernel does not
+call compiles nothing again. The name of the folder holds a hash of how kernels are compiled (`KERNEL_SOURCES`). It lies in
+the user's cache, or in that of ``DAMPYR_CACHE``.
 """
 
 from __future__ import annotations
@@ -21,28 +22,26 @@ import tempfile
 import time
 import uuid
 from collections.abc import Callable, Iterable, Iterator
-from dis import get_instructions
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 from types import FunctionType
 from typing import Any
 
+from dampyr import compiling
 from dampyr.models.codegen.composition import Composition, text_of
+from dampyr.models.codegen.kernel_key import instructions, kernel_key
 from dampyr.models.codegen.layout import SIGNATURES
 from dampyr.models.numerics import fast_math
 from dampyr.source_digest import source_digest
 
 BOUND = tuple(SIGNATURES)
-KERNEL_SOURCES = (
-    "models", "structures", "rig/simulation", "rig/firmware", "hybrid", "export",
-    "ground_motions/oscillator.py",
-    "identification/search/bounded_least_squares.py", "identification/search/normal_equations.py",
-)  # fmt: skip
+KERNEL_SOURCES = ("models/codegen/kernels.py", "models/codegen/kernel_key.py")  # what every kernel depends on
 MORE = ("decide", "remember")
 QUICK = ("quick_exp", "quick_tanh")
-MAX_CACHE_AGE = 30 * 86400.0  # s: a month in which a version of the sources was not run
+MAX_CACHE_AGE = 30 * 86400.0  # s: a month in which a kernel was not used
+SWEEP = 86400.0  # s between two looks for such kernels
 FAST = {"contract", "nsz", "arcp"}
-_CACHED = tuple(f"dampyr.{source.removesuffix('.py').replace('/', '.')}." for source in KERNEL_SOURCES)
 _MATH = ("exp", "expm1", "log", "log1p", "sqrt", "tanh", "sin", "cos", "tan", "atan", "copysign")
 
 
@@ -52,20 +51,32 @@ def cache_folder() -> Path:
     base = os.environ.get("DAMPYR_CACHE") or _user_cache()
     folder = Path(base) / f"kernels-{source_digest(KERNEL_SOURCES)[:16]}"
     try:
-        if not folder.is_dir():
-            folder.mkdir(parents=True, exist_ok=True)
-            _remove_old(folder.parent)
+        folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
-            return folder
+            pass
+        _remove_old(folder)
+        return folder
     except OSError:
         return Path(tempfile.mkdtemp(prefix="dampyr-kernels-"))
 
 
-def _remove_old(base: Path) -> None:
-    """Remove the kernels of sources that have not been run for a month."""
-    for other in base.glob("kernels-*"):
+def _remove_old(folder: Path) -> None:
+    """Once a day, remove the kernels that have not been used for a month, and the folders that have not been written to.
+
+    The time of last use is that of the last reading, which most systems note once a day; where they do not, a kernel is
+    compiled anew a month after it was.
+    """
+    swept = folder / "swept"
+    if swept.exists() and time.time() - swept.stat().st_mtime < SWEEP:
+        return
+    swept.touch()
+    for other in folder.parent.glob("kernels-*"):
         if time.time() - other.stat().st_mtime > MAX_CACHE_AGE:
             shutil.rmtree(other, ignore_errors=True)
+    for file in folder.glob("*.nb?"):
+        with suppress(OSError):  # another process has removed it
+            if time.time() - max(file.stat().st_atime, file.stat().st_mtime) > MAX_CACHE_AGE:
+                file.unlink()
 
 
 def _user_cache() -> Path:
@@ -97,9 +108,6 @@ def jit(
     # always said, as numba hands the caller's own setting on to what it calls: a part's loops would be written out everywhere
     compiled = njit(error_model="numpy", fastmath=fast, nogil=True, _nrt=False, forceinline=inline, **inner)(function)
     if keep:
-        module = function.__module__
-        if module.startswith("dampyr.") and not f"{module}.".startswith(_CACHED):
-            raise ValueError(f"{module} has a kernel that is cached on disk; its file must stand in KERNEL_SOURCES")
         compiled._cache = _cache_class()(function)
     return compiled
 
@@ -144,10 +152,10 @@ def _cache_class() -> Any:
     from numba.core import caching
 
     class Locator(caching._CacheLocator):
-        """Our folder; the folder's name carries the sources' hash, so the stamp need not."""
+        """Our folder; the file's name carries the kernel's key, so the stamp need not."""
 
         def __init__(self, function: Any) -> None:
-            self.name = function.__qualname__
+            self.key = hashlib.sha256(f"{function.__qualname__} {kernel_key(function)}".encode()).hexdigest()[:24]
 
         def get_cache_path(self) -> str:
             return str(cache_folder())
@@ -156,7 +164,7 @@ def _cache_class() -> Any:
             return cache_folder().name
 
         def get_disambiguator(self) -> str:
-            return hashlib.sha256(self.name.encode()).hexdigest()[:12]
+            return self.key
 
         @classmethod
         def from_function(cls, function: Any, file: str) -> Any:
@@ -185,7 +193,26 @@ def _cache_class() -> Any:
             place, stamp = self._impl.locator.get_cache_path(), self._impl.locator.get_source_stamp()
             self._cache_file = Files(place, self._impl.filename_base, stamp)
 
+        def load_overload(self, sig: Any, target_context: Any) -> Any:
+            found = super().load_overload(sig, target_context)
+            _used.add(Path(self._cache_file._index_path).name)
+            if found is None:
+                compiling.note(begins=True)
+            return found
+
+        def save_overload(self, sig: Any, data: Any) -> None:
+            super().save_overload(sig, data)
+            compiling.note(begins=False)
+
     return Cache
+
+
+def used_kernels() -> set[str]:
+    """The files of the kernels that this process has loaded or compiled so far: of each the index, ``*.nbi``."""
+    return set(_used)
+
+
+_used: set[str] = set()
 
 
 def named(function: FunctionType, module: str, key: str) -> FunctionType:
@@ -270,9 +297,7 @@ def _reaches(function: FunctionType, bound: frozenset[str]) -> bool:
 def _called(function: FunctionType) -> Iterator[tuple[str, FunctionType]]:
     """The functions that are bound with ``function``, by the names by which it calls them."""
     modules = (function.__module__, *function.__globals__.get("BOUND_WITH", ()))
-    for name in {
-        instruction.argval for instruction in get_instructions(function) if instruction.opname == "LOAD_GLOBAL"
-    }:
+    for name in {loaded for kind, loaded in instructions(function.__code__) if kind == "LOAD_GLOBAL"}:
         called = function.__globals__.get(name)
         if isinstance(called, FunctionType) and called.__module__ in modules:
             yield name, called
