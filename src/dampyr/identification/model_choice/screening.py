@@ -178,7 +178,8 @@ def screen_all(
         else:
             going = _follow_add_ons(going, trials, ends)
             if not tally.used_up:
-                try_all({base: _free(ends[base], add_ons) for base in going}, lambda done: None)
+                freed = {base: _free(ends[base], add_ons) for base in going}
+                try_all(freed, lambda done, k=k: progress((k + 0.9 + 0.1 * done) / rounds))  # type: ignore[misc]
                 _follow_add_ons(going, trials, ends)
             chosen = _select_contenders(going, trials, ends, lead)
         progress((k + 1) / rounds)
