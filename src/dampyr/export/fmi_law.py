@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from xml.sax.saxutils import quoteattr
 
-from dampyr.export.fmi_text import CORE, FMI_2, FMI_3, Variable, described
+from dampyr.export.fmi_text import CORE, FMI_2, FMI_3, STEPS, Variable, described
 from dampyr.input_kinds import INPUTS
 from dampyr.models import Damper
 from dampyr.models.inverse import REASONS
@@ -47,7 +47,11 @@ def law_description(
 def law_wrapper(controller: Controller, name: str, fmi: int) -> str:
     """The C of the interface around ``name``.h, but for the line that defines INSTANTIATION_TOKEN."""
     asks = controller.formulas.asks_force
-    core = LAW_CORE.replace("@REASON", "law.found.reason" if asks else "0").replace("@VALUES", "2" if asks else "1")
+    core = (
+        LAW_CORE.replace("@STEPS\n", STEPS)
+        .replace("@REASON", "law.found.reason" if asks else "0")
+        .replace("@VALUES", "2" if asks else "1")
+    )
     core = core.replace("@COUNT", str(len(controller.rows))) + CORE[CORE.index("static Unit *made(") :]
     core = core.replace("@GUARD", name.upper()).replace("LAW_NAME", name)
     return core + (FMI_2 if fmi == 2 else FMI_3).replace("derivatives of the force", "derivatives of the input")
@@ -93,8 +97,7 @@ static void decide_now(Moment *m)
     m->samples++;
 }
 
-static void say(const Unit *unit, int status, const char *text);
-
+@STEPS
 static int read_values(Unit *unit, const unsigned *refs, size_t n, double *values)
 {
     Moment trial = unit->m;
@@ -118,20 +121,14 @@ static int write_values(Unit *unit, const unsigned *refs, size_t n, const double
             return 3;
         }
     }
-    for (size_t k = 0; k < n; k++) {
-        Moment *m = &unit->m;
-        m->in[refs[k]] = values[k] - m->slope[refs[k]]*(m->now - m->begun);
-    }
+    set_inputs(&unit->m, refs, n, values);
     return 0;
 }
 
 static int step(Unit *unit, double t, double h)
 {
     Moment *m = &unit->m;
-    if (!(h > 0.0) || !isfinite(t) || !isfinite(h)) {
-        say(unit, 3, "a step has to go forward in time");
-        return 3;
-    }
+    if (!goes_forward(unit, t, h)) return 3;
     if (!m->samples) m->begun = m->now = t;
     decide_now(m);
     if (t + h > next_sample(m) + HIT) {

@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from xml.sax.saxutils import quoteattr
 
-from dampyr.export.kinds.c import before_use, time_constant
+from dampyr.export.kinds.c import before_use
 from dampyr.input_kinds import INPUTS
 from dampyr.models import Damper
 from dampyr.models.inverse import REASONS
@@ -60,8 +60,9 @@ def variables(damper: Damper, drive: str, inverse: bool = False) -> list[Variabl
         )
     ]
     units = {f"{p.name}.{key}": q.unit for p in damper.composition.parts for key, q in p.parameters.items()}
-    tau = time_constant(damper)
-    where = "at the coil" if tau is None else f"command, which the coil follows with a time constant of {tau:g} s"
+    where = "at the coil"
+    if damper.input_lag:
+        where = f"command, which the coil follows with a time constant of {damper.input_lag:g} s"
     at_coil = Variable(word, damper.input, "input", f"{where}; the damper {damper.range_words}")
     about = f"parameter at the present {word}" if word else "parameter"
     found: list[Variable] = []
@@ -181,11 +182,11 @@ def wrapper(damper: Damper, name: str, fmi: int, drive: str, inverse: bool = Fal
     """The C of the interface, but for the line that defines INSTANTIATION_TOKEN."""
     low, high = damper.range
     count = len(damper.composition.parameters)
-    core = CORE
+    core = CORE.replace("@STEPS\n", STEPS)
     for text, instead in INVERSE if inverse else ():
         assert text in core, f"the wrapper has no {text!r} any more, which the inverse's replaces"
         core = core.replace(text, instead)
-    for text, instead in WITH_LAG if time_constant(damper) is not None else ():
+    for text, instead in WITH_LAG if damper.input_lag else ():
         assert text in core, f"the wrapper has no {text!r} any more, which the lag's replaces"
         core = core.replace(text, instead)
     core = (
@@ -260,6 +261,24 @@ WITHOUT_INPUT = (
 """What of the interface's text is another one where the damper has no input: nobody sets or reads the variable U."""
 
 
+STEPS = r"""static void say(const Unit *unit, int status, const char *text);
+
+/* The inputs from this time on, with the derivatives that a master has set. */
+static void set_inputs(Moment *m, const unsigned *refs, size_t n, const double *values)
+{
+    for (size_t k = 0; k < n; k++) m->in[refs[k]] = values[k] - m->slope[refs[k]]*(m->now - m->begun);
+}
+
+static int goes_forward(const Unit *unit, double t, double h)
+{
+    if (h > 0.0 && isfinite(t) && isfinite(h)) return 1;
+    say(unit, 3, "a step has to go forward in time");
+    return 0;
+}
+"""
+"""What the FMUs of a damper and of a law share, after their `Moment` and `Unit`."""
+
+
 CORE = r"""#include "DAMPER.h"
 #include <math.h>
 #include <stddef.h>
@@ -327,8 +346,7 @@ static double force_now(Moment *m, int commit, double *x, double *v)
     return f;
 }
 
-static void say(const Unit *unit, int status, const char *text);
-
+@STEPS
 static int read_values(Unit *unit, const unsigned *refs, size_t n, double *values)
 {
     double p[COUNT ? COUNT : 1], x, v, f = force_now(&unit->m, 0, &x, &v), u = unit->m.in[U];
@@ -366,10 +384,7 @@ static int write_values(Unit *unit, const unsigned *refs, size_t n, const double
             return 3;
         }
     }
-    for (size_t k = 0; k < n; k++) {
-        Moment *m = &unit->m;
-        m->in[refs[k]] = values[k] - m->slope[refs[k]]*(m->now - m->begun);
-    }
+    set_inputs(&unit->m, refs, n, values);
     return 0;
 }
 
@@ -377,10 +392,7 @@ static int step(Unit *unit, double t, double h)
 {
     Moment *m = &unit->m;
     double x, v, f;
-    if (!(h > 0.0) || !isfinite(t) || !isfinite(h)) {
-        say(unit, 3, "a step has to go forward in time");
-        return 3;
-    }
+    if (!goes_forward(unit, t, h)) return 3;
     if (!m->running) {
         m->begun = m->now = m->at = t;
         m->running = 1;

@@ -258,6 +258,12 @@ class Damper(Shown):
         return (max(law.low for law in laws), min(law.high for law in laws)) if self.needs_input else (0.0, 0.0)
 
     @property
+    def input_lag(self) -> float:
+        """The time constant [s] by which the input follows its command; 0 without the part ``lag``."""
+        k = self.composition.lag  # a constant, so any input gives it
+        return 0.0 if k is None else float(list(self.all_laws.values())[k](self.range[0]))
+
+    @property
     def range_words(self) -> str:
         """The calibrated range as a sentence on the damper says it."""
         low, high = self.range
@@ -559,9 +565,8 @@ class Damper(Shown):
         t, x, v = self.check_path(t, x, velocity)
         u = self._input_along(self.pick_input(voltage, current), t)
         self.warn_outside(x, v)
-        lag = self.composition.lag
-        if lag is not None:  # its time constant is a constant, so any input gives it
-            u = np.asarray(lagged(t, u, float(list(self.all_laws.values())[lag](float(np.mean(u))))))
+        if self.input_lag:
+            u = np.asarray(lagged(t, u, self.input_lag))
         values = self.values(u, allow_extrapolation=allow_extrapolation)
         start = self.check_states(state0)
         undelayed = along(self.composition, t, x, v, values, start)

@@ -101,8 +101,7 @@ class Inverse:
         self.low, self.high = map(float, damper.check_input(bounds, allow_extrapolation))
         if not self.low <= self.high:
             raise InputError(f"low = {self.low:g} is above high = {self.high:g} {damper.input}; exchange them")
-        k = damper.composition.lag
-        self.lag = 0.0 if k is None else float(list(damper.all_laws.values())[k](self.low))
+        self.lag = damper.input_lag
         self._nodes = nodes(damper, self.low, self.high)
         damper.values(np.append(self._nodes[:-1], self.high), allow_extrapolation=allow_extrapolation)  # all allowed
         self._table = polynomial_table(damper)

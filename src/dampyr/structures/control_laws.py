@@ -216,14 +216,12 @@ def check_decided(law: Any, where: str, low: float, high: float) -> None:
 
 def lag_of(law: Any, damper: Any) -> float:
     """The time constant [s] by which the coil follows the law: the damper's own part ``lag``, or the law's setting."""
-    k = damper.composition.lag
-    of_damper = 0.0 if k is None else float(list(damper.all_laws.values())[k](law.low))
-    if of_damper > 0 and law.lag > 0:
+    if damper.input_lag > 0 and law.lag > 0:
         raise InputError(
-            f"the damper has a lag of {of_damper:g} s and {_name(law)} one of {law.lag:g} s; "
+            f"the damper has a lag of {damper.input_lag:g} s and {_name(law)} one of {law.lag:g} s; "
             "leave one of the two out, as they are the same coil"
         )
-    lag = max(of_damper, law.lag)
+    lag = max(damper.input_lag, law.lag)
     if 0 < lag < MIN_LAG:
         raise InputError(f"a lag of {lag:g} s is below the {MIN_LAG:g} s that can be resolved; set it to 0")
     return lag

@@ -38,13 +38,8 @@ WIDTH = 116  # characters of a line of a comment
 VECTORS = 400  # samples of the path that the exported test replays
 TOLERANCE = {DOUBLE: 1e-9, SINGLE: 1e-4}  # of the largest force: what the exported test allows
 MET = {DOUBLE: inverse_model.TOLERANCE, SINGLE: 1e-5}  # of the largest force: what counts as the wanted one
-IN_PYTHON = {
-    "knots",
-    "coefficients",
-    "work",
-    "p",
-    "kind",
-}  # arguments of the inverse's kernel; in C the laws are functions
+# Arguments of the inverse's kernel; in C the laws are functions.
+IN_PYTHON = {"knots", "coefficients", "work", "p", "kind"}
 
 
 @dataclass(frozen=True)
@@ -142,18 +137,11 @@ def check_exportable(damper: Damper, takes_command: bool = True) -> None:
             raise InputError(
                 f"{p.name} needs the acceleration, which the exported code is not given; export damper.without({p.name!r})"
             )
-    tau = time_constant(damper)
-    if tau is not None and not takes_command:
+    if damper.input_lag and not takes_command:
         raise InputError(
             "the inverse in C gives the input at the coil, not its command; export damper.without('lag'), or with --without "
-            f"lag, and let what acts follow the command u_c: u' = (u_c - u)/{tau:.6g} s"
+            f"lag, and let what acts follow the command u_c: u' = (u_c - u)/{damper.input_lag:.6g} s"
         )
-
-
-def time_constant(damper: Damper) -> float | None:
-    """That of the part ``lag``, s; None without one."""
-    k = damper.composition.lag
-    return None if k is None else float(list(damper.all_laws.values())[k](damper.range[0]))
 
 
 def c_source(
@@ -188,12 +176,12 @@ def _header(damper: Damper, name: str, precision: Precision, history: int, libm:
         outside = f" Outside its range the force is NAN (see {name}_in_range)."
         in_range = f"int {name}_in_range({real} u);\n"
         and_u, u_first, u = f", {real} u", f"{real} u, ", (", u0", ", u1")
-    if (tau := time_constant(damper)) is not None:
+    if damper.input_lag:
         at_coil = f", {damper.input} (command of the {INPUTS[damper.input]})"
         lag = f"\n    {real} command, acting;"
         outside += f"""
  * u is the command, which counts as straight between two samples; what acts on the damper, `acting`, follows it with a time
- * constant of {tau:g} s, and is the command at the start."""
+ * constant of {damper.input_lag:g} s, and is the command at the start."""
     delay = (
         f"\n    {real} late_dt[{history}], late_f[{history}];\n    long late_at, late_count;\n    int late_lost;"
         if late
@@ -427,10 +415,10 @@ def _calls(damper: Damper, prefix: str, precision: Precision) -> str:
         declared, passed, first_u = f", {real} u", ", u", "u, "
         refused = f"    if (!{prefix}in_range(u)) return ({real})NAN;\n"
         outside = f"!{prefix}in_range(u) || "
-    if (tau := time_constant(damper)) is not None:
+    if damper.input_lag:
         first_u = "d->acting, "
         begun = "    d->command = u; d->acting = u;\n"
-        followed = _follow(tau, precision)
+        followed = _follow(damper.input_lag, precision)
     return f"""\
 {real} {prefix}start({prefix}state *d, {real} t, {real} x, {real} v{declared})
 {{
@@ -463,8 +451,6 @@ def _calls(damper: Damper, prefix: str, precision: Precision) -> str:
 
 def _follow(tau: float, precision: Precision) -> str:
     """The lines that let the acting input follow the command u, straight over the step: `dampyr.models.input_lag`'s step."""
-    if tau == 0.0:
-        return "    d->acting = u; d->command = u;\n"
     real, number = precision.real, precision.number(tau)
     return f"""\
     {{

@@ -7,7 +7,7 @@ from textwrap import wrap
 
 from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError
-from dampyr.export.kinds.c import ARRAYS, WIDTH, before_use, check_exportable, check_name, function_trees, time_constant
+from dampyr.export.kinds.c import ARRAYS, WIDTH, before_use, check_exportable, check_name, function_trees
 from dampyr.export.matlab_text import SUPPORT, function, number
 from dampyr.input_kinds import INPUTS
 from dampyr.models import Constant, Damper, Interpolation, Polynomial
@@ -46,12 +46,12 @@ def _main(damper: Damper, name: str, allow_extrapolation: bool) -> str:
         word, unit = INPUTS[damper.input], damper.input
         given, u_of_sample = ["t", "x", "v", "u"], "u(k)"
         about = f"; u is the {word} [{unit}] at the coil, one number or one for each sample."
-        if (tau := time_constant(damper)) is not None:
+        if damper.input_lag:
             about = (
-                f"; u is the command of the {word} [{unit}], which the coil follows with a time constant of {tau:g} s."
+                f"; u is the command of the {word} [{unit}]; the coil follows it, time constant {damper.input_lag:g} s."
             )
             u_of_sample = "acting"
-            followed, kept = _follow(tau), "\n        state.command = u(k); state.acting = acting;"
+            followed, kept = _follow(damper.input_lag), "\n        state.command = u(k); state.acting = acting;"
         numbers = "\n    if isscalar(u), u = repmat(u, size(x)); end"
         check = f"""
     bad = find({bad}, 1);
@@ -101,7 +101,7 @@ def _follow(tau: float) -> str:
     """The lines that let the acting input follow the command, straight between samples: `dampyr.models.input_lag`'s step."""
     return f"""
         acting = u(k);
-        if ~isempty(state) && {number(tau)} > 0
+        if ~isempty(state)
             dt = t(k) - state.t;
             rise = (u(k) - state.command)/dt*{number(tau)};
             acting = u(k) - rise + (state.acting - state.command + rise)*exp(-dt/{number(tau)});
