@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from dampyr import kernel_warming
 from dampyr.cli import cli
-from dampyr.studies import kernel_warming
 
 
 def findings() -> dict[str, dict[str, str | None]]:
@@ -89,8 +89,8 @@ def test_warming_goes_alone(words: list[str]) -> None:
 
 def test_what_was_warmed_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     outcomes = [
-        kernel_warming.Warmed(59, 59, 97.4, Path("kernels")),
-        kernel_warming.Warmed(59, 0, 0.1, Path("kernels")),
+        kernel_warming.WarmedKernels(59, 59, 97.4, Path("kernels")),
+        kernel_warming.WarmedKernels(59, 0, 0.1, Path("kernels")),
     ]
     monkeypatch.setattr(kernel_warming, "warm_kernels", lambda progress: outcomes.pop(0))
     first = CliRunner().invoke(cli, ["doctor", "--warm"], catch_exceptions=False).stdout

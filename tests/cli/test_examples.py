@@ -50,7 +50,7 @@ def commands() -> Iterator[tuple[str, click.Command]]:
 
 def marked(line: str) -> object:
     typed = line.removeprefix("dampyr ")
-    # tests/stories/test_the_chain.py, a page of tests/test_docs.py and tests/studies/test_kernel_warming.py run them
+    # tests/stories/test_the_chain.py, a page of tests/test_docs.py and tests/test_kernel_warming.py run them
     if typed.startswith(("demo", "reproduce", "doctor --warm")):
         return pytest.param(line, marks=pytest.mark.by_hand)
     return pytest.param(line, marks=[pytest.mark.prove] * any(typed.startswith(each) for each in LONG))

@@ -30,11 +30,11 @@ def test_it_is_said_once_where_it_takes_long(
 ) -> None:
     monkeypatch.setattr(_frame, "SLOW", 0.2)
     monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
-    with _frame.said_where_compiling():
+    with _frame.compilation_notice():
         for seconds in pieces:
             compile_for(seconds)
     assert capsys.readouterr().err.count("dampyr: compiling, once") == lines
-    with _frame.said_where_compiling():
+    with _frame.compilation_notice():
         pass
     compile_for(0.0)  # nobody listens any more
 

@@ -97,7 +97,7 @@ def open_streams() -> None:
 def _guarded(run: Callable[[], Any]) -> int:
     """The exit code of ``run``; what is wrong for a known reason is said in one line."""
     try:
-        with _warnings_in_one_line(), said_where_compiling():
+        with _warnings_in_one_line(), compilation_notice():
             code = run()
         return code if isinstance(code, int) else 0
     except click.exceptions.NoArgsIsHelpError as problem:
@@ -156,7 +156,7 @@ def say(message: str) -> int:
 
 
 @contextmanager
-def said_where_compiling() -> Iterator[None]:
+def compilation_notice() -> Iterator[None]:
     """Say in one line on stderr, where that is a terminal, that kernels are compiled, once they have been for `SLOW` seconds.
 
     It is for a person who waits: whether one does is decided here, and logs, pipes and tests see nothing. Processes that a
@@ -165,7 +165,8 @@ def said_where_compiling() -> Iterator[None]:
     if not sys.stderr.isatty():
         yield
         return
-    spent, began, said, timer = 0.0, 0.0, False, threading.Timer(0.0, print)
+    spent, began, said = 0.0, 0.0, False
+    timer: threading.Timer | None = None
 
     def speak() -> None:
         nonlocal said
@@ -176,7 +177,8 @@ def said_where_compiling() -> Iterator[None]:
 
     def note(begins: bool) -> None:
         nonlocal spent, began, timer
-        timer.cancel()
+        if timer is not None:
+            timer.cancel()
         if begins and not said:
             began = time.monotonic()
             timer = threading.Timer(max(SLOW - spent, 0.0), speak)
@@ -189,7 +191,8 @@ def said_where_compiling() -> Iterator[None]:
         with compiling.watched(note):
             yield
     finally:
-        timer.cancel()
+        if timer is not None:
+            timer.cancel()
 
 
 @contextmanager

@@ -97,7 +97,7 @@ def command(
 
 def _warm(as_json: bool) -> int:
     """Compile the usual kernels ahead; the exit code."""
-    from dampyr.studies.kernel_warming import warm_kernels
+    from dampyr.kernel_warming import warm_kernels
 
     with stages() as progress:
         warmed = warm_kernels(progress)

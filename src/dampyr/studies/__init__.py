@@ -19,10 +19,7 @@ if TYPE_CHECKING:
     from dampyr.structures import Building
 
 THESIS = "raminelli_2020"
-OFFER_NOTHING = (
-    "demo",
-    "kernel_warming",
-)  # no damper and no structure: not loaded, and with the former the whole chain
+OFFERS_NOTHING = "demo"  # no damper and no structure: it is not loaded for them, nor the whole chain with it
 
 
 def available_studies() -> list[str]:
@@ -90,7 +87,7 @@ def _structures() -> dict[str, Callable[[], Building]]:
 
 def _offering() -> list[tuple[str, ModuleType]]:
     """The studies that may offer a damper or structures."""
-    offering = (name for name in registry.names(__name__) if name not in OFFER_NOTHING)
+    offering = (name for name in registry.names(__name__) if name != OFFERS_NOTHING)
     return [(name, registry.member(__name__, name)) for name in offering]
 
 

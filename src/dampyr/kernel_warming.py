@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from dampyr.atomic_write import write_whole
 from dampyr.errors import DampyrError
+from dampyr.input_kinds import input_arguments
 from dampyr.source_digest import source_digest
 
 if TYPE_CHECKING:
@@ -27,11 +28,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[str, float], None]
 
-INPUTS = (
-    0.0,
-    0.9,
-    1.98,
-)  # V, of the records that are fitted: three values, so that every law of a parameter has its numbers
+INPUTS = (0.0, 0.9, 1.98)  # V, of the records that are fitted: three, so that every law of a parameter has its numbers
 AMPLITUDE, FREQUENCY = 0.008, 1.0  # m, Hz
 SAMPLES, RATE = 400, 100.0  # 1/s: four cycles, of which a fit sees the first
 DURATION = 1.0  # s of the motion under the buildings
@@ -42,7 +39,7 @@ DONE = "warm.json"
 
 
 @dataclass(frozen=True)
-class Warmed:
+class WarmedKernels:
     """What `warm_kernels` found and did: the ``kernels`` that the usual work needs, those that were ``compiled`` just now,
     the ``seconds`` that it took, and the ``folder`` that holds them."""
 
@@ -52,7 +49,7 @@ class Warmed:
     folder: Path
 
 
-def warm_kernels(progress: Progress | None = None) -> Warmed:
+def warm_kernels(progress: Progress | None = None) -> WarmedKernels:
     """Compile what the usual commands need into the cache of kernels, and say what that was.
 
     The usual work is: the force of every published damper along a path; a building of two storeys with each of them at a
@@ -68,12 +65,12 @@ def warm_kernels(progress: Progress | None = None) -> Warmed:
 
     Returns
     -------
-    Warmed
+    WarmedKernels
         how many kernels the usual work needs, and how many were compiled in how many seconds.
 
     Examples
     --------
-    >>> from dampyr.studies.kernel_warming import warm_kernels
+    >>> from dampyr.kernel_warming import warm_kernels
     >>> warm_kernels().compiled  # doctest: +SKIP
     57
     """
@@ -84,7 +81,7 @@ def warm_kernels(progress: Progress | None = None) -> Warmed:
     done = folder / DONE
     needed = _read_done(done)
     if needed and needed <= before:
-        return Warmed(len(needed), 0, time.perf_counter() - start, folder)
+        return WarmedKernels(len(needed), 0, time.perf_counter() - start, folder)
     for name, run in _usual_work():
         if progress:
             progress(name, 0.0)
@@ -96,7 +93,7 @@ def warm_kernels(progress: Progress | None = None) -> Warmed:
             progress(name, 1.0)
     needed = used_kernels()
     write_whole(done, json.dumps({"sources": _sources(), "kernels": sorted(needed)}))
-    return Warmed(len(needed), len(needed - before), time.perf_counter() - start, folder)
+    return WarmedKernels(len(needed), len(needed - before), time.perf_counter() - start, folder)
 
 
 def _sources() -> str:
@@ -122,25 +119,20 @@ def _usual_work() -> list[tuple[str, Callable[[], Any]]]:
 
     records = _records()
     dampers = {name: studies.published_damper(name) for name in studies.available_dampers()}
-    own = dampers[studies.THESIS]
+    thesis = dampers[studies.THESIS]
     return [
         *((f"force of {name}", partial(_force, damper)) for name, damper in dampers.items()),
         *((f"building with {name}", partial(_respond, damper, _middle(damper))) for name, damper in dampers.items()),
-        *((f"building under {law}", partial(_respond_under, own, law)) for law in LAWS),
+        *((f"building under {law}", partial(_respond_under, thesis, law)) for law in LAWS),
         *((f"ensemble with {name}", partial(_ensemble, damper)) for name, damper in dampers.items()),
         (f"fit of {MODEL}", partial(_fit, records)),
         *((f"search with {model}", partial(_search, records, model)) for model in first_models()),
     ]
 
 
-def _middle(damper: Damper) -> float | None:
+def _middle(damper: Damper) -> float:
     """The middle of the inputs that a damper was calibrated over."""
-    return sum(damper.range) / 2 if damper.has_input else None
-
-
-def _given(damper: Damper, value: Any) -> dict[str, Any]:
-    """An input by the name of its kind."""
-    return {} if value is None else {"current" if damper.input == "A" else "voltage": value}
+    return sum(damper.range) / 2
 
 
 def _path() -> tuple[Any, Any, Any]:
@@ -165,13 +157,13 @@ def _records() -> list[Record]:
 
 def _force(damper: Damper) -> None:
     t, x, v = _path()
-    damper.force(t, x, velocity=v, **_given(damper, _middle(damper)))
+    damper.force(t, x, velocity=v, **input_arguments(damper.input, _middle(damper)))
 
 
 def _respond(damper: Damper, value: Any) -> None:
     from dampyr import structures
 
-    structures.respond(structures.two_storey(), _motion(), damper, **_given(damper, value))
+    structures.respond(structures.two_storey(), _motion(), damper, **input_arguments(damper.input, value))
 
 
 def _respond_under(damper: Damper, law: str) -> None:
@@ -183,7 +175,7 @@ def _respond_under(damper: Damper, law: str) -> None:
 def _ensemble(damper: Damper) -> None:
     from dampyr import structures
 
-    structures.ensemble(structures.two_storey(), _motion(), damper, **_given(damper, _middle(damper)))
+    structures.ensemble(structures.two_storey(), _motion(), damper, **input_arguments(damper.input, _middle(damper)))
 
 
 def _motion() -> Any:

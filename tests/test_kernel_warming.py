@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from dampyr import kernel_warming
 from dampyr.errors import InputError
 from dampyr.models.codegen import kernels
-from dampyr.studies import kernel_warming
 
 COMMANDS = (
     "simulate raminelli_2020 --voltage 1.98",
