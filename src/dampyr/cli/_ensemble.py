@@ -145,28 +145,30 @@ def refuse_cases(context: click.Context, what: str) -> None:
 
 def scales(texts: tuple[str, ...]) -> list[float]:
     """``("0.5,1", "2:3:0.5")`` as 0.5, 1, 2, 2.5, 3; the end of a range belongs to it."""
-    values = [value for text in texts for part in text.split(",") for value in _span(part)]
+    values = [value for text in texts for part in text.split(",") for value in read_range(part, "--scale", MAX_SCALES)]
     doubled = sorted({value for value in values if values.count(value) > 1}) if len(values) < MAX_SCALES else []
     if doubled:
         raise InputError(f"--scale: {doubled[0]:g} is given twice; give every scale once")
     return values or [1.0]
 
 
-def _span(text: str) -> list[float]:
+def read_range(text: str, option: str, most: int) -> list[float]:
+    """``2`` as 2 and ``0.5:1.5:0.5`` as 0.5, 1, 1.5; the end of a range belongs to it. ``option`` is named where it is neither,
+    or has more than ``most`` numbers."""
     try:
         numbers = [float(part) for part in text.split(":")]
     except ValueError:
         numbers = []
     if len(numbers) == 1:
         return numbers
-    if len(numbers) != 3 or numbers[2] <= 0 or numbers[1] < numbers[0]:
+    if len(numbers) != 3 or not numbers[2] > 0.0 or numbers[1] < numbers[0]:
         raise InputError(
-            f"--scale {text!r} is neither a number nor a range; write it as in 0.5,1,2 or 0.1:3:0.1 (from:to:step)"
+            f"{option} {text!r} is neither a number nor a range; write it as in 0.5,1,2 or 0.1:3:0.1 (from:to:step)"
         )
     first, last, step = numbers
     count = int((last - first) / step * (1 + 1e-12) + 1e-9) + 1
-    if count > MAX_SCALES:
-        raise InputError(f"--scale {text!r} has {count} scales; at most {MAX_SCALES} are allowed")
+    if count > most:
+        raise InputError(f"{option} {text!r} has {count} numbers; at most {most} are allowed")
     return [float(f"{first + k * step:.12g}") for k in range(count)]
 
 

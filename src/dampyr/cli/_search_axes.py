@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from dampyr.cli._ensemble import read_range
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
@@ -14,25 +15,7 @@ MAX_VALUES = 10_000  # of an axis: more is a mistyped step
 
 def values_of(name: str, text: str) -> list[float]:
     """``0.5,1:2:0.5`` as 0.5, 1, 1.5, 2."""
-    values: list[float] = []
-    for part in text.split(","):
-        try:
-            numbers = [float(number) for number in part.split(":")]
-        except ValueError:
-            numbers = []
-        if len(numbers) == 1:
-            values += numbers
-            continue
-        if len(numbers) != 3 or not numbers[2] > 0.0 or numbers[1] < numbers[0]:
-            raise InputError(
-                f"--search {name}={text}: {part!r} is neither a number nor a range; write it as in 0.5,1 or 0:3:0.5"
-            )
-        first, last, step = numbers
-        count = int((last - first) / step * (1 + 1e-12) + 1e-9) + 1
-        if count > MAX_VALUES:
-            raise InputError(f"--search {name}={text} has {count} values; at most {MAX_VALUES} are allowed")
-        values += [float(f"{first + k * step:.12g}") for k in range(count)]
-    return values
+    return [value for part in text.split(",") for value in read_range(part, f"--search {name}:", MAX_VALUES)]
 
 
 def places_of(text: str) -> list[Any]:
@@ -86,7 +69,7 @@ def searched(
             )
     bases = list(controls)
     bases += [law for law in laws if law not in [text.partition(":")[0] for text in controls]]
-    made: list[str] = []
+    controls_to_try: list[str] = []
     for base in bases:
         variants = [base]
         for setting, values in laws.get(base.partition(":")[0], []):
@@ -95,5 +78,5 @@ def searched(
                 for variant in variants
                 for value in values
             ]
-        made += variants
-    return [*constant, *(law_of(text, damper) for text in made)], places
+        controls_to_try += variants
+    return [*constant, *(law_of(text, damper) for text in controls_to_try)], places

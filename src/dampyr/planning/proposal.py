@@ -343,8 +343,8 @@ def _propose(
     candidates_of = envelope(
         rig, bare, levels, kinds, options.seconds, lambda p: progress("finding what the rig can do", p)
     )
-    apart = _separate(evidence, rig, bare, levels, kinds, options, notes)
-    candidates = (*apart, *candidates_of.candidates)
+    separating = _list_separating_tests(evidence, rig, bare, levels, kinds, options, notes)
+    candidates = (*separating, *candidates_of.candidates)
     records = []
     for k, candidate in enumerate(candidates):
         records.append(expected_record(candidate.step.drive(rig), bare, rig, f"candidate {k + 1}"))
@@ -364,7 +364,7 @@ def _propose(
         np.inf if options.duration is None else options.duration,
         enough=enough - float(np.log(pool.peak_factor)),
         progress=lambda p: progress("choosing tests", p),
-        first=range(len(apart)),
+        first=range(len(separating)),
     )
     if not places:
         shortest = min(candidate.duration for candidate in candidates)
@@ -378,7 +378,7 @@ def _propose(
     else:  # without a lag, or at fewer voltages, there are fewer coefficients
         last = study.of(chosen)
     after = expected(last.plan, [*last.present, *last.candidates], last.spread, factors=last.factors)
-    reasons = [apart.get(candidates[k], "") for k in places]
+    reasons = [separating.get(candidates[k], "") for k in places]
     tests = tuple(
         ProposedTest(candidates[k], last.improved_by(place, after), reason)
         for place, (k, reason) in enumerate(zip(places, reasons, strict=True))
@@ -414,7 +414,7 @@ def _propose(
     )
 
 
-def _separate(
+def _list_separating_tests(
     evidence: Fit | None,
     rig: RigSettings,
     damper: Damper,

@@ -53,7 +53,9 @@ def separate_level_from_stroke(
     """The sines for the records of a fit, at one of ``inputs`` [V]; None where the records tell strokes from frequencies."""
     motions = list(_list_motions(evidence.records))
     correlation = rank_correlation(motions)
-    if abs(correlation) < TOGETHER or any(_tells(one, other) for one in motions for other in motions):
+    if abs(correlation) < TOGETHER or any(
+        _differ_in_stroke(larger, smaller) for larger in motions for smaller in motions
+    ):
         return None
     slow = "the larger the stroke the slower" if correlation < 0.0 else "the larger the stroke the faster"
     words = (
@@ -66,7 +68,7 @@ def separate_level_from_stroke(
         u = min(inputs, key=lambda value: abs(value - motion.input))
         if abs(u - motion.input) > SAME * (max(inputs) - min(inputs)) + 1e-6:
             continue
-        tests = _three(motion, motions, u, rig, damper, seconds)
+        tests = _three_sines(motion, motions, u, rig, damper, seconds)
         if tests:
             reasons = (
                 f"as {motion.record}: against it, the level of this session",
@@ -100,16 +102,16 @@ def _list_motions(records: Sequence[Record]) -> Iterator[_Motion]:
             yield _Motion(0.5 * measured.peak_to_peak_m, measured.frequency_hz, record.input_value, record.name)
 
 
-def _tells(one: _Motion, other: _Motion) -> bool:
+def _differ_in_stroke(larger: _Motion, smaller: _Motion) -> bool:
     """Whether two motions differ in their stroke alone."""
     return (
-        one.input == other.input
-        and abs(math.log(one.frequency / other.frequency)) <= SAME
-        and one.amplitude >= APART * other.amplitude
+        larger.input == smaller.input
+        and abs(math.log(larger.frequency / smaller.frequency)) <= SAME
+        and larger.amplitude >= APART * smaller.amplitude
     )
 
 
-def _three(
+def _three_sines(
     motion: _Motion, motions: Sequence[_Motion], u: float, rig: RigSettings, damper: Damper, seconds: float
 ) -> tuple[Candidate, ...]:
     """The motion, another stroke, another frequency; nothing where the rig cannot do one of them. Strokes and frequencies
@@ -118,19 +120,18 @@ def _three(
     smallest, largest = (choose(m.amplitude for m in motions) for choose in (min, max))
     a, f = round_down(motion.amplitude), round(motion.frequency, 3)
 
-    def first(wanted: list[tuple[float, float, bool]]) -> Candidate | None:
-        for frequency, amplitude, _ in sorted(wanted, key=lambda each: not each[2]):
+    def first_possible(wanted: list[tuple[float, float, bool]]) -> Candidate | None:
+        for frequency, amplitude, _ in sorted(wanted, key=lambda place: not place[2]):
             sine = make_sine(round(frequency, 3), round_down(amplitude), u, seconds)
-            done = replace(sine, has_input=damper.has_input)
             if sine.amplitude >= smallest_amplitude(rig) and not any(
                 violations_of(sine.step, rig, checked) for checked in list_dampers(rig, damper)
             ):
-                return done
+                return replace(sine, has_input=damper.has_input)
         return None
 
     found = (
-        first([(f, a, True)]),
-        first([(f, a * k, smallest <= a * k <= largest) for k in FACTORS]),
-        first([(f * k, a, low <= f * k <= high) for k in FACTORS]),
+        first_possible([(f, a, True)]),
+        first_possible([(f, a * k, smallest <= a * k <= largest) for k in FACTORS]),
+        first_possible([(f * k, a, low <= f * k <= high) for k in FACTORS]),
     )
-    return tuple(each for each in found if each is not None) if all(found) else ()
+    return tuple(sine for sine in found if sine is not None) if all(found) else ()

@@ -8,7 +8,7 @@ from dampyr.identification import FitOptions, fit
 from dampyr.identification.model_choice import screening
 from dampyr.identification.model_choice.leaderboard import leaderboard
 from dampyr.identification.model_choice.parameter_laws import list_shapes, may_follow_input, with_constant
-from dampyr.identification.model_choice.screening import Composed, Screened, Trial, screen_all, simplify
+from dampyr.identification.model_choice.screening import Screened, Trial, TrialModel, screen_all, simplify
 from dampyr.models import Constant, Damper, Interpolation
 from dampyr.records import Record
 from dampyr.show.identification.leaderboard import choice_in_words
@@ -32,14 +32,14 @@ def screened_with_spring(records: list[Record], laws: str | None = None) -> Scre
 
 def test_an_add_on_has_one_value_where_that_predicts_as_well() -> None:
     found = screened_with_spring(springs((5000.0, 5000.0, 5000.0)))
-    assert found.best.composed == Composed("dahl + spring", ("spring.k0",))
+    assert found.best.trial_model == TrialModel("dahl + spring", ("spring.k0",))
     assert found.best.error < 0.2 * found.bare.error
     assert [trial.constant for trial in found.trials] == [(), ("spring.k0",), ()]  # freed too, and no better
 
 
 def test_an_add_on_follows_the_input_where_that_lowers_the_error() -> None:
     found = screened_with_spring(springs((2000.0, 5000.0, 9000.0)))
-    assert found.best.composed == Composed("dahl + spring")
+    assert found.best.trial_model == TrialModel("dahl + spring")
     assert found.best.error < 0.5 * next(trial.error for trial in found.trials if trial.constant)
 
 
@@ -56,7 +56,7 @@ def test_what_shapes_the_force_has_one_value_where_that_predicts_as_well(
     rho: tuple[float, float, float], constant: tuple[str, ...]
 ) -> None:
     records = springs((0.0, 0.0, 0.0), rho)
-    best, trials = simplify(Composed("dahl").try_on(records, FitOptions()), records, FitOptions())
+    best, trials = simplify(TrialModel("dahl").try_on(records, FitOptions()), records, FitOptions())
     assert best.constant == constant
     assert [trial.constant for trial in trials] == [("dahl.rho",)]  # kx and kw are what the force is proportional to
 

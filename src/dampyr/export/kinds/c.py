@@ -74,9 +74,9 @@ def write(
     law that asks for a force calls the inverse.
     """
     check_name(name)
-    made = controlled(damper, control, structure, place)
+    designed = design_exported(damper, control, structure, place)
     precision = SINGLE if single else DOUBLE
-    follows = made is not None and made[0].formulas.asks_force
+    follows = designed is not None and designed[0].formulas.asks_force
     c = c_source(damper, name, allow_extrapolation, precision, history, inverse or follows)
     texts = {
         f"{name}.h": c.header,
@@ -84,16 +84,18 @@ def write(
         f"{name}_vectors.h": _vectors(damper, name),
         f"{name}_test.c": _test_program(name, precision, damper.has_input, inverse or follows),
     }
-    law_texts = {} if made is None else law_files(*made, damper, name, describe_law(control, damper.input), precision)
+    law_texts = {}
+    if designed is not None:
+        law_texts = law_files(*designed, damper, name, describe_law(control, damper.input), precision)
     libm = {name: bool(c.libm)} | ({f"{name}_law": libm_of(law_texts.values(), precision)} if law_texts else {})
-    texts |= law_texts | {"Makefile": _makefile(libm, f"{name}.c {name}.h" if follows else "")}
+    texts |= law_texts | {"Makefile": _makefile(libm, {f"{name}_law": name} if follows else {})}
     folder.mkdir(parents=True, exist_ok=True)
     for file, text in texts.items():
         (folder / file).write_text(text, encoding="utf-8")
     return [folder / file for file in texts]
 
 
-def controlled(
+def design_exported(
     damper: Damper, control: Any, structure: Building | None, place: Any
 ) -> tuple[Controller, Building] | None:
     """The controller that is written, with its building; None where there is no law."""
@@ -596,18 +598,18 @@ int main(void)
 """
 
 
-def _makefile(libm: Mapping[str, bool], for_the_law: str = "") -> str:
-    """``libm``: what has a test, such as ``damper``, and whether it needs the mathematics library; ``for_the_law``: the files
-    of the damper where the law calls it."""
+def _makefile(libm: Mapping[str, bool], calls: Mapping[str, str]) -> str:
+    """``libm``: what has a test, such as ``damper``, and whether it needs the mathematics library; ``calls``: which of them
+    calls which other."""
     tests = [f"{name}_test" for name in libm]
-    last = list(libm)[-1]
-    more = {name: f" {for_the_law}" if for_the_law and name == last else "" for name in libm}
-    rules = [
-        f"{name}_test: {name}_test.c {name}.c {name}.h {name}_vectors.h{more[name]}\n"
-        f"\t$(CC) $(CFLAGS) {name}_test.c {name}.c{more[name].rpartition(' ')[0]} -o $@"
-        f"{' -lm' if needed or (more[name] and any(libm.values())) else ''}\n\n"
-        for name, needed in libm.items()
-    ]
+    rules = []
+    for name, needed in libm.items():
+        called = calls.get(name)
+        headers, sources = f"{name}.h {name}_vectors.h", f"{name}_test.c {name}.c"
+        if called:
+            headers, sources = f"{headers} {called}.h", f"{sources} {called}.c"
+        link = " -lm" if needed or (called and libm[called]) else ""
+        rules.append(f"{name}_test: {sources} {headers}\n\t$(CC) $(CFLAGS) {sources} -o $@{link}\n\n")
     runs = "".join(f"\t./{test}\n" for test in tests)
     return f"""\
 CC ?= cc

@@ -17,7 +17,7 @@ from dampyr.export.c_law import law_files
 from dampyr.export.c_text import DOUBLE
 from dampyr.export.fmi_law import law_description, law_wrapper
 from dampyr.export.fmu_libraries import check_platforms, compile_libraries
-from dampyr.export.kinds.c import c_source, check_name, controlled
+from dampyr.export.kinds.c import c_source, check_name, design_exported
 from dampyr.models import Damper
 from dampyr.source_digest import full_version
 from dampyr.structures.building import Building
@@ -61,8 +61,8 @@ def write(
     if isinstance(platforms, str):
         raise InputError(f"platforms = {platforms!r} is one name; give a list of names, such as ['{platforms}']")
     compile_for = partial(compile_libraries, fmi=fmi, platforms=check_platforms(platforms, fmi))
-    made = controlled(damper, control, structure, place)
-    if made is not None and not made[0].sizes:
+    designed = design_exported(damper, control, structure, place)
+    if designed is not None and not designed[0].sizes:
         raise InputError(
             f"{describe_law(control)} measures nothing, so that its FMU would have no inputs; hold the damper's input instead"
         )
@@ -71,8 +71,8 @@ def write(
     paths = [
         _archive(folder, name, fmi, {f"{name}.h": c.header, f"{name}.c": c.source}, wrapper, description, compile_for)
     ]
-    if made is not None:
-        paths.append(_law(folder, name, fmi, damper, *made, compile_for, allow_extrapolation))
+    if designed is not None:
+        paths.append(_law(folder, name, fmi, damper, *designed, compile_for, allow_extrapolation))
     return paths
 
 

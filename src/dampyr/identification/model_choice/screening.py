@@ -46,7 +46,7 @@ SAMPLES_PER_BANDWIDTH = 4.0  # twice the rate below which the motion would alias
 
 
 @dataclass(frozen=True)
-class Composed:
+class TrialModel:
     """A model, and those of its parameters that have one value at all inputs."""
 
     model: str
@@ -73,9 +73,9 @@ class Trial:
     constant: tuple[str, ...] = ()
 
     @property
-    def composed(self) -> Composed:
+    def trial_model(self) -> TrialModel:
         """What was tried."""
-        return Composed(self.model, self.constant)
+        return TrialModel(self.model, self.constant)
 
     @property
     def rank(self) -> float:
@@ -150,23 +150,23 @@ def screen_all(
     reason `CUT`. ``lead`` is the lowest error of models that were tried before.
     """
     trials: dict[str, list[Trial]] = {base: [] for base in bases}
-    ends, add_ons = {base: Composed(base) for base in bases}, options.add_ons
+    ends, add_ons = {base: TrialModel(base) for base in bases}, options.add_ons
     going, rounds, tally = list(bases), len(add_ons) + 1, _Tally(limit, len(bases))
     follows = may_follow_input(options, small)
 
-    def try_all(plan: dict[str, list[Composed]], told: Callable[[float], None]) -> None:
+    def try_all(plan: dict[str, list[TrialModel]], report: Callable[[float], None]) -> None:
         # Each add-on with all models before the next one, so that a lack of work is the same for all.
         places = range(max(map(len, plan.values()), default=0))
-        tried = [each for n in places for planned in plan.values() for each in planned[n : n + 1]]
-        tasks = [partial(each.try_on, small, options) for each in tried]
-        results = parallel.run_all(tasks, executor, told, tally.add, deadline) if tasks else []
+        models = [model for n in places for planned in plan.values() for model in planned[n : n + 1]]
+        tasks = [partial(model.try_on, small, options) for model in models]
+        results = parallel.run_all(tasks, executor, report, tally.add, deadline) if tasks else []
         why = NOT_BEGUN if tally.used_up else CUT
         done = {
-            each: result or Trial(each.model, math.inf, 0.0, why, constant=each.constant)
-            for each, result in zip(tried, results, strict=True)
+            model: result or Trial(model.model, math.inf, 0.0, why, constant=model.constant)
+            for model, result in zip(models, results, strict=True)
         }
         for base, planned in plan.items():
-            trials[base] += [done[each] for each in planned]
+            trials[base] += [done[model] for model in planned]
 
     for k in range(rounds):
         if not going or tally.used_up:
@@ -178,8 +178,8 @@ def screen_all(
         else:
             going = _follow_add_ons(going, trials, ends)
             if not tally.used_up:
-                freed = {base: _free(ends[base], add_ons) for base in going}
-                try_all(freed, lambda done, k=k: progress((k + 0.9 + 0.1 * done) / rounds))  # type: ignore[misc]
+                following = {base: _let_follow(ends[base], add_ons) for base in going}
+                try_all(following, lambda done, k=k: progress((k + 0.9 + 0.1 * done) / rounds))  # type: ignore[misc]
                 _follow_add_ons(going, trials, ends)
             chosen = _select_contenders(going, trials, ends, lead)
         progress((k + 1) / rounds)
@@ -211,7 +211,7 @@ class _Tally:
         return self.sure <= 0 and self.spent > self.limit
 
 
-def _extend(before: Composed, add_ons: Sequence[str], follows: bool) -> list[Composed]:
+def _extend(before: TrialModel, add_ons: Sequence[str], follows: bool) -> list[TrialModel]:
     """The model with one add-on more, whichever it does not hold yet; where parameters may follow the input (``follows``) those
     of the add-on are constant."""
     parts = compose(before.model).parts
@@ -220,16 +220,16 @@ def _extend(before: Composed, add_ons: Sequence[str], follows: bool) -> list[Com
     for name in add_ons:
         if name not in held:
             model = f"{before.model} + {name}"
-            own = [shape for shape in list_shapes(model) if shape.startswith(f"{name}.")] if follows else []
-            extended.append(Composed(model, (*before.constant, *own)))
+            added = [shape for shape in list_shapes(model) if shape.startswith(f"{name}.")] if follows else []
+            extended.append(TrialModel(model, (*before.constant, *added)))
     return extended
 
 
-def _free(end: Composed, add_ons: Sequence[str]) -> list[Composed]:
+def _let_follow(end: TrialModel, add_ons: Sequence[str]) -> list[TrialModel]:
     """The model with the parameters of its last add-on following the input, where they were constant."""
     last = end.model.rpartition(" + ")[2]
     kept = tuple(name for name in end.constant if not name.startswith(f"{last}."))
-    return [Composed(end.model, kept)] if last in add_ons and kept != end.constant else []
+    return [TrialModel(end.model, kept)] if last in add_ons and kept != end.constant else []
 
 
 def _select_comparable(bases: Sequence[str], trials: dict[str, list[Trial]], lead: float) -> list[str]:
@@ -243,25 +243,25 @@ def _select_comparable(bases: Sequence[str], trials: dict[str, list[Trial]], lea
     return [base for base in bases if base in simple or trials[base][0].error <= COMPARABLE * lead]
 
 
-def _follow_add_ons(going: Sequence[str], trials: dict[str, list[Trial]], ends: dict[str, Composed]) -> list[str]:
+def _follow_add_ons(going: Sequence[str], trials: dict[str, list[Trial]], ends: dict[str, TrialModel]) -> list[str]:
     """The models that the last trials were worth it for; ``ends`` follows them."""
     remaining = []
     for base in going:
-        before = min((t.error for t in trials[base] if t.composed == ends[base]), default=math.inf)
+        before = min((t.error for t in trials[base] if t.trial_model == ends[base]), default=math.inf)
         best = min(trials[base], key=lambda trial: trial.rank)
-        if best.composed != ends[base] and best.error < (1.0 - WORTH) * before:
-            ends[base] = best.composed
+        if best.trial_model != ends[base] and best.error < (1.0 - WORTH) * before:
+            ends[base] = best.trial_model
             remaining.append(base)
     return remaining
 
 
 def _select_contenders(
-    going: Sequence[str], trials: dict[str, list[Trial]], ends: dict[str, Composed], lead: float
+    going: Sequence[str], trials: dict[str, list[Trial]], ends: dict[str, TrialModel], lead: float
 ) -> list[str]:
     """The models that are not far behind the best."""
     lead = min(lead, *(trial.error for tried in trials.values() for trial in tried))
     return [
-        base for base in going if min(t.error for t in trials[base] if t.composed == ends[base]) <= CONTENDING * lead
+        base for base in going if min(t.error for t in trials[base] if t.trial_model == ends[base]) <= CONTENDING * lead
     ]
 
 
@@ -272,7 +272,7 @@ def simplify(found: Trial, small: list[Record], options: FitOptions) -> tuple[Tr
     best, lowest, trials = found, found.rank, []
     for name in list_shapes(found.model):
         if name not in best.constant:
-            done = Composed(found.model, (*best.constant, name)).try_on(small, options)
+            done = TrialModel(found.model, (*best.constant, name)).try_on(small, options)
             trials.append(done)
             if done.rank <= (1.0 + ALIKE) * lowest:
                 best, lowest = done, min(lowest, done.rank)
