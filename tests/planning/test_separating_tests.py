@@ -96,6 +96,17 @@ def test_records_that_tell_need_no_such_tests(amplitude: Callable[[float], float
     assert separate(records(amplitude, count)) is None
 
 
+def test_a_damper_without_an_input_has_its_three_too() -> None:
+    listed = [
+        record.replace(note="no input", voltage=None, no_input=True, name=f"{record.name} passive")
+        for record in records(same_speed)
+        if record.voltage == 0.0
+    ]
+    planned = propose(listed, RIG, model="dahl", tests=4, seconds=4.0, kinds=("sine",))
+    assert [bool(test.reason) for test in planned.tests] == [True, True, True, False]
+    assert not any(" V" in test.candidate.words for test in planned.tests)
+
+
 def test_another_stroke_at_a_frequency_of_the_records_is_enough() -> None:
     more = [*records(same_speed), sine(DAHL, 1.98, "other", 0.5 * same_speed(1.0), 1.0, seconds=6.0, noise=2.0)]
     assert separate(more) is None

@@ -12,6 +12,8 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from dampyr.campaigns.check import violations_of
 from dampyr.identification import Fit
 from dampyr.models import Damper
@@ -95,11 +97,11 @@ def rank_correlation(motions: Sequence[_Motion]) -> float:
 
 
 def _list_motions(records: Sequence[Record]) -> Iterator[_Motion]:
-    """The records that repeat one cycle, at a constant input."""
+    """The records that repeat one cycle, at a constant input or without one."""
     for record in records:
-        if record.input_value is not None and overview(record).repeats:
-            measured = measure(record)
-            yield _Motion(0.5 * measured.peak_to_peak_m, measured.frequency_hz, record.input_value, record.name)
+        if not isinstance(record.input_channel, np.ndarray) and overview(record).repeats:
+            measured, u = measure(record), float(record.input_value or 0.0)
+            yield _Motion(0.5 * measured.peak_to_peak_m, measured.frequency_hz, u, record.name)
 
 
 def _differ_in_stroke(larger: _Motion, smaller: _Motion) -> bool:
