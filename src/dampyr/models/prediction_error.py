@@ -396,15 +396,18 @@ def phase_basis(t: Array, x: Array, v: Array) -> Array:
     since = t - np.mean(t)  # the line in closed form: a tenth of the time of a general fit
     away = x - np.mean(x)
     away -= float(since @ away) / max(float(since @ since), 1e-300) * since
-    scaled = [trace / max(float(np.quantile(np.abs(trace), AMPLITUDE_QUANTILE)), 1e-300) for trace in (away, v)]
-    point = scaled[0] + 1j * scaled[1]
-    radius = np.abs(point)
-    turn = np.divide(point, radius, out=np.ones_like(point), where=radius > 0.0)  # exp(i phase)
-    basis = np.empty((t.size, 2 * HARMONICS))
-    for k in range(HARMONICS):  # radius times cosine and sine of k + 1 times the phase
-        basis[:, 2 * k], basis[:, 2 * k + 1] = point.real, point.imag
-        point = point * turn
-    return basis
+    basis = np.empty((2 * HARMONICS, t.size))  # the samples of each function lie side by side in memory
+    for row, trace in zip(basis, (away, v), strict=False):
+        np.divide(trace, max(float(np.quantile(np.abs(trace), AMPLITUDE_QUANTILE)), 1e-300), out=row)
+    radius = np.hypot(basis[0], basis[1])
+    still = radius == 0.0
+    radius[still] = 1.0
+    cosine, sine = basis[:2] / radius  # of the phase
+    cosine[still] = 1.0
+    for k in range(2, 2 * HARMONICS, 2):  # radius times cosine and sine of k/2 + 1 times the phase
+        np.subtract(basis[k - 2] * cosine, basis[k - 1] * sine, out=basis[k])
+        np.add(basis[k - 2] * sine, basis[k - 1] * cosine, out=basis[k + 1])
+    return basis.T
 
 
 def residual_draw(basis: Array, dt: float, shape: ShapeError, rng: np.random.Generator) -> tuple[Array, Array]:

@@ -196,29 +196,40 @@ class _Level:
             model.append(forces[k][seen] - np.mean(forces[k][seen]))
             power.append(measured[-1] * piece.v[seen])
             bases.append(phase_basis(piece.t[seen], piece.x[seen], piece.v[seen]))
-        F, M, basis = np.concatenate(measured), np.concatenate(model), np.concatenate(bases)
-        true = np.ones(F.size, dtype=bool)
-        for _ in range(2):  # of all samples, then without the false ones
-            square = float(M[true] @ M[true])
-            level = float(F[true] @ M[true]) / square if square > 0.0 else 1.0
+        F, M, basis, dissipated = (_join(arrays) for arrays in (measured, model, bases, power))
+        true, chosen = np.ones(F.size, dtype=bool), (F, M, basis)
+        for turn in range(2):  # of all samples, then without the false ones
+            if turn:
+                chosen = F[true], M[true], basis[true]
+            count, square = chosen[1].size, float(chosen[1] @ chosen[1])
+            level = float(chosen[0] @ chosen[1]) / square if square > 0.0 else 1.0
             if level <= 0.0:  # a record that the fit describes upside down: its level is no factor
                 level = 1.0
             # A fit may give nothing where its records contradict one another: its error is then that of the measured force.
-            least = NOTHING * math.sqrt(float(F[true] @ F[true]) / int(true.sum()))
-            scale = max(math.sqrt(square / int(true.sum())), least, 1e-300)
+            least = NOTHING * math.sqrt(float(chosen[0] @ chosen[0]) / count)
+            scale = max(math.sqrt(square / count), least, 1e-300)
             residual = (F - level * M) / (level * scale)
-            shape = _least_squares(basis[true], residual[true])
+            shape = _least_squares(chosen[2], residual[true] if turn else residual)
             rest = residual - basis @ shape
             away = np.abs(rest - _median_of_five(rest))
             true = away <= max(FALSE * float(np.median(away)), STANDS_OUT * float(np.median(np.abs(rest))))
             if np.all(true):
                 break
-        pairs = [(true[k:] & true[: rest.size - k], rest[k:] * rest[: rest.size - k]) for k in range(3)]
-        lags = np.array([float(np.sum(products[both])) / max(int(both.sum()), 1) for both, products in pairs])
+        lags = np.array([_covariance(rest, true, lag) for lag in range(3)])
         first_piece = problem.pieces[pieces[0]]
         u = float(np.mean([np.mean(problem.pieces[k].u) for k in pieces]))
         dt = float(np.median(np.diff(first_piece.t)))
-        return cls(u, math.log(level), shape, lags, RecordRest(F, M, basis, np.concatenate(power), true, dt))
+        return cls(u, math.log(level), shape, lags, RecordRest(F, M, basis, dissipated, true, dt))
+
+
+def _join(arrays: Sequence[Array]) -> Array:
+    return arrays[0] if len(arrays) == 1 else np.concatenate(arrays)
+
+
+def _covariance(rest: Array, true: NDArray[np.bool_], lag: int) -> float:
+    """The mean product of the rest (n,) with itself ``lag`` samples later, of the pairs that have no false sample."""
+    both = true[lag:] & true[: rest.size - lag]
+    return float(np.where(both, rest[lag:], 0.0) @ rest[: rest.size - lag]) / max(int(np.count_nonzero(both)), 1)
 
 
 def _least_squares(basis: Array, values: Array) -> Array:
