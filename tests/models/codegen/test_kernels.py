@@ -1,5 +1,6 @@
 """Compiled kernels: cached on disk, never out of date."""
 
+import gc
 import os
 import shutil
 import subprocess
@@ -9,6 +10,8 @@ from pathlib import Path
 
 import pytest
 from numba import float64, njit
+from numba.core.errors import TypingError
+from numba.extending import overload
 
 import dampyr
 from dampyr.models import path_integration
@@ -48,6 +51,40 @@ def test_a_kernel_is_cached_and_an_edited_model_is_compiled_anew(tmp_path: Path)
     edited, hits, misses = run(package, cache)
     assert edited == 2 * first
     assert (hits, misses) == (0, 1)
+
+
+def test_the_garbage_collector_rests_while_a_kernel_is_compiled_and_works_again_after_it() -> None:
+    resting: list[bool] = []
+
+    @overload(_doubled)
+    def text_of_doubled(x):  # type: ignore[no-untyped-def]
+        resting.append(not gc.isenabled())  # numba asks for this text while it compiles
+        return lambda x: 2.0 * x
+
+    def kernel(x: float) -> float:
+        return _doubled(x)
+
+    def wrong(x: float) -> float:
+        return _unknown(x)  # type: ignore[name-defined, no-any-return]  # noqa: F821
+
+    assert gc.isenabled()
+    assert kernels.jit(kernels.named(kernel, __name__, "looked at"), keep=True)(1.5) == 3.0
+    assert resting
+    assert all(resting)
+    assert gc.isenabled()
+    with pytest.raises(TypingError):
+        kernels.jit(kernels.named(wrong, __name__, "wrong"), keep=True)(1.5)
+    assert gc.isenabled()
+    gc.disable()  # where the caller has switched it off it stays off
+    try:
+        kernels.jit(kernels.named(kernel, __name__, "looked at again"), keep=True)(2)
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
+
+
+def _doubled(x):  # type: ignore[no-untyped-def]
+    return 2.0 * x
 
 
 def test_inner_functions_are_written_into_their_callers_and_have_no_machine_code_of_their_own() -> None:
