@@ -25,7 +25,7 @@ from dampyr.source_digest import full_version
 REGISTRY = "dampyr.cli"
 WRONG, INTERRUPTED = 2, 130  # exit codes as shells and click use them: a wrong request; 128 + SIGINT
 SLOW = 1.0  # s of compiling after which a command says so
-# Containers after which Python looks for garbage: the modules of a command are none, and its 700, 10, 10 go through them ten times.
+# Containers after which Python looks for garbage: by its own 700, 10, 10 it would look through a command's modules ten times.
 COLLECTED_AFTER = (700, 100, 10)
 SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
 

@@ -59,7 +59,11 @@ def verdict(arena: Arena) -> str:
     needed = [
         arena.needed[first, j] for j in open_ if math.isfinite(arena.needed[first, j]) and arena.needed[first, j] > 0
     ]
-    more = f" About {max(needed):.0f} motions would tell them apart, where there are {arena.motions}." if needed else ""
+    more = (
+        f" About {max(needed):.0f} motions would tell them apart with a probability of 95 %, where there are {arena.motions}."
+        if needed
+        else ""
+    )
     return (
         f"No input wins: {arena.names[first]} is the best most often, and is not told apart from, or loses to, "
         f"{', '.join(arena.names[j] for j in open_)}.{more}"
@@ -90,7 +94,7 @@ def standings(arena: Arena) -> Table:
 
 
 def against_each_other(arena: Arena) -> Table:
-    """Each pair: the share of the cases that the first wins, and how many motions would tell the two apart."""
+    """Each pair: the share of the cases that the first wins, and how many motions would tell the two apart with 95 %."""
     places = order(arena)
     rows = []
     for a, i in enumerate(places):
@@ -102,7 +106,10 @@ def against_each_other(arena: Arena) -> Table:
         ("input", "against", "wins", "motions needed"),
         rows,
         caption="How often the first has the smaller criterion in the same case.",
-        notes=("Equal criteria count one half. A band that holds 50 % tells nobody apart.",),
+        notes=(
+            "Equal criteria count one half. A band that holds 50 % tells nobody apart; so many motions would, with a "
+            "probability of 95 %, were the share the one that is found.",
+        ),
     )
 
 

@@ -9,8 +9,9 @@ is the share of cases in which the criterion x, the largest peak of a quantity, 
 of one drawn damper are no independent ones. The 90 % band is therefore that of a bootstrap that draws motions and dampers
 anew, each by themselves and with replacement, which for two-way data is on the wide side ([Owen2007]_); and it reaches at
 least as far as the 5 % bound :math:`0.05^{1/N}` of N motions (or dampers, where these are more) without an exception, as
-a bootstrap cannot draw what did not happen. Where it holds 1/2, the laws are not told apart, and about
-:math:`N (h/(P - 1/2))^2` motions would do, h being half the band.
+a bootstrap cannot draw what did not happen. Where it holds 1/2, the laws are not told apart. Were P what it is found to be, a
+band of half width h :math:`\sqrt{N/n}` would with n motions lie apart from 1/2 in 95 of 100 ensembles where P is two such
+half widths from it, the 5 % points of the band and of P being alike: about :math:`n = N (2h/(P - 1/2))^2` are needed.
 
 References
 ----------
@@ -58,8 +59,8 @@ class Arena(Shown):
         (k, k) share of the cases in which the input of the row has the smaller criterion than that of the column, 1/2 for equal
         ones, and its 90 % band (2, k, k).
     needed
-        (k, k) about how many motions would tell the two apart, the dampers growing with them: 0 where they are told apart, NaN
-        where nothing says so.
+        (k, k) about how many motions would tell the two apart with a probability of 95 %, were their difference the one that
+        is found and did the dampers grow with them: 0 where they are told apart, NaN where nothing says so.
     reason
         Why there is no band, or "".
     result
@@ -219,10 +220,10 @@ def _share(of_cases: Array, weights: tuple[Array, Array]) -> tuple[Array, Array]
 
 
 def _needed(wins: Array, band: Array, motions: int) -> Array:
-    """About how many motions would tell two inputs apart; 0 where they are, NaN where they cannot be."""
+    """About how many motions would tell two inputs apart 95 times of 100; 0 where they are, NaN where they cannot be."""
     half, off = 0.5 * (band[1] - band[0]), np.abs(wins - 0.5)
     with np.errstate(divide="ignore", invalid="ignore"):
-        needed = np.ceil(motions * (half / off) ** 2)
+        needed = np.ceil(motions * (2.0 * half / off) ** 2)
     told = (band[0] > 0.5) | (band[1] < 0.5)
     needed = np.where(told, 0.0, np.where(np.isfinite(needed), np.maximum(needed, motions + 1), math.nan))
     np.fill_diagonal(needed, math.nan)
