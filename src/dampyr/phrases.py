@@ -25,6 +25,18 @@ def rounded(value: float, digits: int) -> str:
     return f"{float(text):.15g}" if math.isfinite(value) and 1e-3 <= abs(value) < 1e6 else text
 
 
+def with_reach(value: float, reach: float) -> str:
+    """A value and half of its interval, of which two digits are said, and of the value no more: ``15 ± 15``, ``12.7 ± 2.2``."""
+    if not (math.isfinite(value) and math.isfinite(reach) and reach > 0.0):
+        return f"{rounded(value, 4)} ± {rounded(reach, 2)}"
+    last = math.floor(math.log10(float(f"{reach:.2g}"))) - 1  # the power of ten of the second digit
+    if last > 4 or max(abs(value), reach) < 1e-3:
+        leading = math.floor(math.log10(max(abs(value), reach)))
+        return f"{rounded(value, max(leading - last + 1, 1))} ± {rounded(reach, 2)}"
+    places = max(-last, 0)
+    return f"{round(value, -last):.{places}f} ± {round(reach, -last):.{places}f}"
+
+
 def listing(items: Sequence[str], limit: int = 4) -> str:
     """Items separated by commas, those beyond the first few counted."""
     more = len(items) - limit

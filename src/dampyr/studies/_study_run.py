@@ -15,7 +15,8 @@ from typing import Any
 from dampyr.origin import VIRTUAL, Origin
 from dampyr.phrases import sentence
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
-from dampyr.show.pages.blocks import Section, Text
+from dampyr.show.figures.published_beside_ours import published_beside_ours
+from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text
 from dampyr.show.pages.html_page import number, page, write_html
 from dampyr.show.table import Cell, Table, Verdict
 from dampyr.shown import Shown
@@ -86,7 +87,9 @@ def write(study: StudyRun, out: Path | None) -> StudyRun:
 
 def html(study: StudyRun) -> str:
     """The whole page."""
-    sections = [Section("Published beside ours", [compared_table(study.compared, digits=5)])]
+    figure = comparison_figure(study.compared)
+    blocks: list[Block] = [] if figure is None else [figure]
+    sections = [Section("Published beside ours", [*blocks, compared_table(study.compared, digits=5)])]
     if study.left_out:
         sections.append(Section("What was left out", [Text("\n\n".join(map(sentence, study.left_out)))]))
     lead = "Every published number beside ours, with a verdict."
@@ -103,6 +106,22 @@ def _numbers(study: StudyRun) -> dict[str, Any]:
         "compared": [asdict(value) for value in study.compared],
         "page": None if study.page is None else str(study.page),
     }
+
+
+def comparison_figure(judged: Sequence[ComparedValue]) -> FigureBlock | None:
+    """How far each number is from the published one, by artefact; None where none is a number."""
+    deviations: dict[str, list[tuple[float, str]]] = {}
+    for value in judged:
+        if isinstance(value.published, float) and isinstance(value.ours, float) and value.published:
+            off = (value.ours - value.published) / abs(value.published)
+            deviations.setdefault(value.artefact, []).append((off, value.verdict))
+    if not deviations:
+        return None
+    caption = (
+        "Each number beside the published one. What is allowed differs from number to number; the tables below say it. "
+        "Numbers that cannot be checked, and statements without a number, are not drawn."
+    )
+    return FigureBlock(published_beside_ours(deviations), caption)
 
 
 def compared_table(judged: Sequence[ComparedValue], caption: str = "", digits: int = 6) -> Table:

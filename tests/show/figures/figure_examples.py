@@ -13,6 +13,7 @@ from dampyr.show.figures.control_comparison import controlled
 from dampyr.show.figures.corner import corner
 from dampyr.show.figures.envelope import envelope
 from dampyr.show.figures.expected_widths import expected_widths
+from dampyr.show.figures.failed_loops import FailedLoop, failed_loops
 from dampyr.show.figures.fragility import Fragile, fragility_curves
 from dampyr.show.figures.ground_histories import ground_histories
 from dampyr.show.figures.ground_motion import ground_motion
@@ -20,9 +21,12 @@ from dampyr.show.figures.history import history
 from dampyr.show.figures.incremental import incremental_curves
 from dampyr.show.figures.laws import LawPanel, parameters_against_input
 from dampyr.show.figures.loops import loops
+from dampyr.show.figures.loops_and_history import loops_and_history
+from dampyr.show.figures.loops_by_case import loops_by_case
 from dampyr.show.figures.phase_portrait import phase_portrait
 from dampyr.show.figures.planned_drive import planned_drive
 from dampyr.show.figures.planned_tests import planned_tests
+from dampyr.show.figures.published_beside_ours import published_beside_ours
 from dampyr.show.figures.residual_sizes import residual_sizes
 from dampyr.show.figures.residual_velocity import residual_velocity
 from dampyr.show.figures.response_spectrum import response_spectrum
@@ -95,6 +99,18 @@ MAKERS: dict[str, Callable[[], Figure]] = {
         [BAND, []], {True: ([0.05], [110.0]), False: ([0.06], [90.0]), None: ([0.09], [160.0])}
     ),
     "used": lambda: band_used({"a": {"extension": [0.2, 1.4], "energy": [-1.2]}, "b": {"compression": [0.1]}}),
+    "failed": lambda: failed_loops(
+        {"a": FailedLoop(V, F, [(0.03, 250.0, 100.0, 200.0)]), "b": FailedLoop(V, 0.5 * F, [])}
+    ),
+    "by_case": lambda: loops_by_case({"0 V": (X, F), "on_off 0 to 3.2 V, lag 0.01 s": (0.5 * X, 2.0 * F)}),
+    "loops_and_history": lambda: loops_and_history(T, X, V, F, 0.9 * F, 2.0, "Dahl"),
+    "published": lambda: published_beside_ours(
+        {
+            "Table 1": [(0.0002, "agrees"), (-0.12, "differs")],
+            "(2)": [(0.0, "agrees")],
+            "Figure 3": [(900.0, "differs")],
+        }
+    ),
     "scores": lambda: scores({"0 V": [0.05, 0.1], "1.98 V": [0.12]}, {"published": {"0 V": 0.109}}),
 }
 

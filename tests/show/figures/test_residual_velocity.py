@@ -19,5 +19,5 @@ def test_the_median_is_a_line_between_the_quartiles_over_mm_per_s() -> None:
             drawn = {tuple(corner) for corner in np.round(filled.get_paths()[0].vertices, 6)}
             for x, *heights in zip(1e3 * v, low, high, strict=True):
                 assert {(round(x, 6), round(height, 6)) for height in heights} <= drawn
-    assert [panel.get_ylabel() for panel in shown] == ["residual [N]", "", "residual [N]"]
+    assert [panel.get_ylabel() for panel in shown] == ["residual [N]", "", ""]
     assert [panel.get_xlabel() for panel in shown][-1] == "velocity [mm/s]"

@@ -13,6 +13,8 @@ from dampyr.identification import accept
 from dampyr.identification.acceptance_tests.accept import Accepted
 from dampyr.identification.acceptance_tests.acceptance import Acceptance
 from dampyr.models import Damper, Interpolation
+from dampyr.show.pages import acceptance_page
+from dampyr.show.pages.blocks import FigureBlock
 from dampyr.show.pages.result_page import write_page
 
 CARD = Damper("dahl", {"dahl.kx": Interpolation((0.0, 2.0), (800.0, 1800.0)), "dahl.kw": 200.0, "dahl.rho": 3000.0})
@@ -43,6 +45,28 @@ def test_a_page_says_who_passed_and_what_is_outside(tmp_path: Path) -> None:
     outside = acceptances[1].outside
     assert len(outside) == len(acceptances[1].points)
     assert reader.inside("td").count("weak") == 3 + len(outside)  # in short twice, its level, and the points
+
+
+def test_the_loops_of_what_failed_stand_beside_their_bands(tmp_path: Path) -> None:
+    """Worst first, each force that lies outside at its own peak velocity, without the offset that was judged without."""
+    slightly = replace(WEAK, name="slightly", force=0.8 / 0.7 * WEAK.force)
+    result = accept([GOOD, slightly, WEAK], CARD, tolerance=0.15)
+    [block] = acceptance_page._failed(result)
+    assert isinstance(block, FigureBlock)
+    first, second = [panel for panel in block.figure.axes if panel.axison]
+    assert [panel.get_title(loc="left") for panel in (first, second)] == ["weak", "slightly"]
+    forces = [p for p in result.results[2].outside if p.quantity != "energy"]
+    [marks] = [line for line in first.lines if line.get_label() == "outside"]
+    assert list(marks.get_ydata()) == pytest.approx([p.measured for p in forces])
+    assert np.max(np.abs(first.lines[0].get_ydata())) == pytest.approx(max(abs(p.measured) for p in forces), rel=0.1)
+    [bands] = first.collections
+    ends = np.array([segment[:, 1] for segment in bands.get_segments()])
+    assert ends == pytest.approx(np.array([(p.low, p.high) for p in forces]))
+    words = acceptance_page._verdict(result)
+    worst = result.results[2].worst
+    assert words.kind == "failed"
+    assert f"{worst.low:.4g} to {worst.high:.4g}" in words.text
+    assert acceptance_page._failed(Accepted("card", result.results)) == [], "records that are not at hand are not drawn"
 
 
 @pytest.mark.usefixtures("figures_not_rendered")

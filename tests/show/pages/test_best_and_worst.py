@@ -33,19 +33,20 @@ def test_the_history_is_of_the_first_six_seconds() -> None:
     t = np.arange(2.0, 12.0, 0.01)
     x, force = np.sin(t), np.cos(t)
     section = record_section("The record", "a", (t, x, force, force, 0.5 * force), "fit", Origin("measured"))
-    loop, history = section.blocks
-    assert isinstance(loop, FigureBlock)
-    assert isinstance(history, FigureBlock)
-    drawn = history.figure.axes[0].lines[0].get_xdata()
+    [block] = section.blocks
+    assert isinstance(block, FigureBlock)
+    loop, _, history, residual = block.figure.axes
+    drawn = history.lines[0].get_xdata()
     assert (drawn[0], drawn[-1]) == pytest.approx((2.0, 8.0), abs=0.011)
-    assert history.caption == "a: the first 6 s that were scored, and the residual (measured minus fit)."
-    assert len(loop.figure.axes[0].lines[0].get_xdata()) == len(t)
+    np.testing.assert_allclose(residual.lines[0].get_ydata(), 0.5 * force[: len(drawn)], atol=1e-12)
+    assert block.caption == "a: loops, and the first 6 s that were scored with the residual (measured minus fit)."
+    assert len(loop.lines[0].get_xdata()) == len(t)
 
 
 def test_of_a_fit_only_scored_samples_are_drawn(joint: Fit) -> None:
     first, last = best_and_worst_sections(joint)
     ranked = sorted(joint.scores, key=lambda name: joint.scores[name].l1)
     assert (first.title, last.title) == (f"The best record: {ranked[0]}", f"The worst record: {ranked[-1]}")
-    block = first.blocks[1]
+    [block] = first.blocks
     assert isinstance(block, FigureBlock)
-    assert block.figure.axes[0].lines[0].get_xdata()[0] >= joint.scores[ranked[0]].window.start - 1e-9
+    assert block.figure.axes[2].lines[0].get_xdata()[0] >= joint.scores[ranked[0]].window.start - 1e-9

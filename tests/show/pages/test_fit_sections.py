@@ -8,6 +8,7 @@ import pytest
 from tests.show.fit_examples import records
 
 from dampyr.identification import Fit, fit
+from dampyr.phrases import with_reach
 from dampyr.show.pages.blocks import Text
 from dampyr.show.pages.fit_sections import correlation_blocks, parameter_tables
 from dampyr.show.pages.result_page import write_page
@@ -38,7 +39,7 @@ def test_intervals_are_those_of_the_fit_in_the_units_of_people() -> None:
     label = "dahl.kx @ 1 V"
     low, high = fit_result.intervals()[label]
     shown = row[values.columns.index("1 V")]
-    assert shown == f"{1e-3 * fit_result.parameters[label]:.4g} ± {0.5e-3 * (high - low):.2g}"
+    assert shown == with_reach(1e-3 * fit_result.parameters[label], 0.5e-3 * (high - low))
     assert row[1] == "N s/mm"
     error = next(row for row in errors.rows if row[0] == "dahl.kx")[errors.columns.index("1 V")]
     assert error == f"{1e-3 * fit_result.stderr[label]:.2g} ({1e-3 * fit_result.naive_stderr[label]:.2g})"

@@ -46,7 +46,7 @@ def test_predictions_say_what_they_were_not_fitted_on_and_sections_come_first(jo
     path = write_page(predicted, tmp_path / "page.html", sections=extra)
     html = path.read_text("utf-8")
     titles = Reader(html).inside("h2")
-    assert titles[:4] == ["In short", "Which model", "Another", "Findings and search"]
+    assert titles[:4] == ["In short", "Which model", "Another", "Findings"]
     first = titles.index("Goodness of fit")
     assert titles[first + 1] == "Prediction of unseen records"
     assert "L1 30 % on average, 2 records, split by record" in html

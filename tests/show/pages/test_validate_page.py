@@ -96,7 +96,7 @@ def test_the_prediction_is_drawn_with_the_offset_of_its_score(tmp_path: Path) ->
 
     scores = scored(RECORDS)
     section = validate_page._record(CARD, RECORDS, scores, "The record", "a")
-    history = section.blocks[1].figure.axes[1].lines[0]
+    history = section.blocks[0].figure.axes[3].lines[0]
     assert np.std(history.get_ydata()) < 2.0
     assert abs(np.mean(history.get_ydata())) < 1.0
 

@@ -10,7 +10,8 @@ from dampyr.studies.raminelli_2020.study_page import errata, html, summary, writ
 
 
 def test_the_summary_has_a_line_for_each_artefact_with_the_reason_of_its_verdict() -> None:
-    _, table, left_out = summary(study())
+    _, figure, table, left_out = summary(study())
+    assert [label.get_text() for label in figure.figure.axes[0].get_yticklabels()] == ["Table 1", "(2)"]
     rows = {row[0]: row for row in table.rows}
     assert list(rows) == ["Table 1", "(2)", "Figure 3"]
     assert [row[-1].kind for row in rows.values()] == ["differs", "agrees", "cannot be checked"]

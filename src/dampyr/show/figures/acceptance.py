@@ -28,13 +28,17 @@ MARKS = {"extension": "^", "compression": "v", "energy": "o"}
 
 
 def peak_velocity_band(
-    bands: Sequence[ArrayLike], points: Mapping[bool | None, tuple[ArrayLike, ArrayLike]], title: str = ""
+    bands: Sequence[ArrayLike],
+    points: Mapping[bool | None, tuple[ArrayLike, ArrayLike]],
+    title: str = "",
+    share: float = 1.0,
 ) -> Figure:
     """``bands`` rows of (speed m/s, expected N, low N, high N) along the speed, one table for each direction.
 
     ``points`` whether inside (True, False, or None where not judged) -> peak speeds m/s and forces N.
+    ``share``: of the page's width.
     """
-    with style.single_panel(3.1, title) as (fig, panel):
+    with style.single_panel(3.1 if share == 1.0 else 2.5, title, share) as (fig, panel):
         tables = [np.asarray(rows, dtype=float).reshape(-1, 4) for rows in bands]
         widest = max([float(np.max(x, initial=0.0)) for x, _ in points.values()] + [1e-3])
         for rows in tables:

@@ -50,7 +50,7 @@ def building_response(
     first = next(iter(cases))
     colours = colours or style.case_colours(cases, first)
     groups = [list(cases)] if len(cases) <= TOGETHER else [[first, name] for name in list(cases)[1:]]
-    height = 3.0 if len(groups) == 1 else 0.95 + 0.68 * len(groups)
+    height = 2.7 if len(groups) == 1 else 0.85 + 0.52 * len(groups)
     t = TIME.of(time)
     with style.panels(height, len(groups), 1, title, sharex=True, sharey=True) as (fig, axes):
         for panel, names in zip(axes[:, 0], groups, strict=True):

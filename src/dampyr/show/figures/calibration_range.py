@@ -31,7 +31,7 @@ def calibrated(
     ``ranges`` are those of a damper: ``frequency`` (Hz) and ``displacement`` (m) make the box, ``velocity`` (m/s) the line
     on which a sine reaches the greatest speed. A record without frequency is not drawn.
     """
-    with style.single_panel(3.0, title) as (fig, panel):
+    with style.single_panel(2.5, title) as (fig, panel):
         if ranges:
             _box(panel, ranges)
         for look, (name, (frequencies, amplitudes)) in zip(looks(groups, colours), groups.items(), strict=True):

@@ -18,18 +18,24 @@ if TYPE_CHECKING:
 FEW = 10  # parameters: with more, the numbers in the cells would be too small to read
 MARKED = 0.9  # of a pair with it, 81 % of the variance of one error is explained by the other
 NARROWEST = 2.3  # inches that the matrix keeps beside long names
+APART = 0.1  # correlations below it between the numbers of different inputs: each input has a matrix of its own
+MOST_INPUTS, MOST_OF_INPUT = 4, 5  # inputs, and parameters of each, that fit beside one another with numbers to read
 
 
 def correlation(matrix: ArrayLike, names: Sequence[str], title: str = "") -> Figure:
     """``matrix`` (m, m) of correlations, m at least 2, NaN where one is not known (a dash); ``names`` the m parameters.
 
     Up to `FEW` parameters, every cell bears its number; with more, a ring marks the pairs beyond `MARKED`. The columns are
-    numbered as the rows are.
+    numbered as the rows are. Numbers of different inputs that have nothing to do with one another (`APART`) stand in a matrix
+    for each input.
     """
     r = np.asarray(matrix, dtype=float)
     m = len(names)
     if r.shape != (m, m) or m < 2:
         raise InputError(f"the correlations have shape {r.shape} for {m} names; give a square matrix of two or more")
+    by_input = _separate_inputs(r, names)
+    if by_input:
+        return _correlation_by_input(r, names, by_input, title)
     size, cell = _sizes(names)
     with style.single_panel(cell * m + 0.75, title) as (fig, panel):
         for row in range(1, m):
@@ -37,6 +43,36 @@ def correlation(matrix: ArrayLike, names: Sequence[str], title: str = "") -> Fig
                 _cell(panel, row, column, r[row, column], min(27 * cell, 8.5) if m <= FEW else None)
         _dress(panel, names, size, cell)
         _legend(fig, panel, m <= FEW, bool(np.any(np.isnan(r))))
+    return fig
+
+
+def _separate_inputs(r: NDArray[np.float64], names: Sequence[str]) -> dict[str, list[int]]:
+    """The places of the numbers of each input, such as "1.98 V"; none where one matrix has to show them all."""
+    groups: dict[str, list[int]] = {}
+    for place, name in enumerate(names):
+        groups.setdefault(name.partition(" @ ")[2], []).append(place)
+    sizes = [len(places) for places in groups.values()]
+    if "" in groups or not 2 <= len(groups) <= MOST_INPUTS or min(sizes) < 2 or max(sizes) > MOST_OF_INPUT:
+        return {}
+    apart = np.ones_like(r, dtype=bool)
+    for places in groups.values():
+        apart[np.ix_(places, places)] = False
+    return groups if bool(np.all(np.abs(r[apart]) < APART)) else {}
+
+
+def _correlation_by_input(
+    r: NDArray[np.float64], names: Sequence[str], by_input: dict[str, list[int]], title: str
+) -> Figure:
+    """A matrix for each input, side by side."""
+    most = max(len(places) for places in by_input.values())
+    with style.panels(0.2 * most + 1.05, 1, len(by_input), title) as (fig, axes):
+        for panel, (at, places) in zip(axes[0], by_input.items(), strict=True):
+            for row in range(1, len(places)):
+                for column in range(row):
+                    _cell(panel, row, column, r[places[row], places[column]], 6.5)
+            _dress(panel, [names[place].partition(" @ ")[0] for place in places], 7.5, 0.2)
+            panel.set_title(at)
+        _legend(fig, axes[0, 0], True, bool(np.any(np.isnan(r))))
     return fig
 
 

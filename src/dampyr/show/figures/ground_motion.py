@@ -19,7 +19,7 @@ def ground_motion(time: ArrayLike, acceleration: ArrayLike, title: str = "") -> 
     """``time`` s and ``acceleration`` m/s², both ``(n,)``."""
     t, a = TIME.of(time), ACCELERATION.of(acceleration)
     peak = int(np.argmax(np.abs(a)))
-    with style.single_panel(2.5, title) as (fig, panel):
+    with style.single_panel(1.9, title) as (fig, panel):
         style.line(panel, t, a, color=style.BLUE, lw=0.8)
         in_g = abs(a[peak]) / STANDARD_GRAVITY
         label = f"peak {abs(a[peak]):.4g} m/s² = {in_g:.4g} g at {t[peak]:.4g} s"

@@ -23,6 +23,7 @@ def history(
     name: str = "model",
     title: str = "",
     record_origin: Origin = NOT_STATED,
+    share: float = 1.0,
 ) -> Figure:
     """A quantity over time; with a model also the residual, measured - model, on the same scale.
 
@@ -40,6 +41,8 @@ def history(
         Above the figure.
     record_origin
         Origin of what is taken for ``measured``, which says what its line is called.
+    share
+        How much of the width of a page the figure has.
 
     Examples
     --------
@@ -51,9 +54,9 @@ def history(
     ['force [N]', 'residual [N]']
     """
     drawing = (
-        style.panels(2.6, title=title)
+        style.panels(2.6 if share == 1.0 else 2.1, title=title, share=share)
         if model is None
-        else style.panels(3.4, 2, 1, title, sharex=True, height_ratios=(2.4, 1))
+        else style.panels(3.2 if share == 1.0 else 2.4, 2, 1, title, share, sharex=True, height_ratios=(2.4, 1))
     )
     with drawing as (fig, axes):
         top = axes[0, 0]

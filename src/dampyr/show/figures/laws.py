@@ -51,7 +51,7 @@ def parameters_against_input(
     title: str = "",
 ) -> Figure:
     """One panel per parameter; ``calibrated`` is the range of the input that the laws were fitted on."""
-    with style.panel_grid(len(laws), 0.5, 1.6, title, sharex=True) as (fig, panels, columns):
+    with style.panel_grid(len(laws), 0.5, 1.6, title, most=3, sharex=True) as (fig, panels, columns):
         for panel, law in zip(panels, laws, strict=True):
             if calibrated:
                 low, high = axis.of(calibrated)

@@ -25,6 +25,7 @@ def loops(
     colours: Mapping[str, str] | None = None,
     points: int = style.POINTS,
     record_origin: Origin = NOT_STATED,
+    share: float = 1.0,
 ) -> Figure:
     """Force-displacement and, with a velocity, force-velocity loops.
 
@@ -46,6 +47,8 @@ def loops(
         How many points a line of a model has at most.
     record_origin
         Origin of what is taken for ``measured``, which says what its line is called.
+    share
+        How much of the width of a page the figure has.
 
     Examples
     --------
@@ -57,7 +60,7 @@ def loops(
     ['displacement [mm]', 'velocity [mm/s]']
     """
     panels = [(displacement, DISPLACEMENT)] + ([(velocity, VELOCITY)] if velocity is not None else [])
-    with style.panels(2.7, 1, len(panels), title, sharey=True) as (fig, axes):
+    with style.panels(2.6 if share == 1.0 else 2.4, 1, len(panels), title, share, sharey=True) as (fig, axes):
         for panel, (values, axis) in zip(axes[0], panels, strict=True):
             x = axis.of(values)
             if measured is not None:

@@ -22,9 +22,13 @@ def phase_portrait(
     curves: Mapping[str, tuple[ArrayLike, ArrayLike]],
     limits: Mapping[str, float] | None = None,
     title: str = "",
+    share: float = 1.0,
 ) -> Figure:
-    """``curves`` name -> (values on x, values on y); ``limits`` name -> a level of y, drawn on both sides."""
-    with style.single_panel(3.2, title) as (fig, panel):
+    """``curves`` name -> (values on x, values on y); ``limits`` name -> a level of y, drawn on both sides.
+
+    ``share``: of the page's width.
+    """
+    with style.single_panel(2.6 if share == 1.0 else 2.1, title, share) as (fig, panel):
         for colour, (name, (across, up)) in zip(cycle(style.SERIES[1:]), curves.items(), strict=False):
             style.line(panel, x.of(across), y.of(up), color=colour, label=name)
         for name, level in (limits or {}).items():

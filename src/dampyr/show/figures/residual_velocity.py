@@ -19,7 +19,7 @@ Bands = Mapping[str, tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike]]
 
 def residual_velocity(panels: Mapping[str, Bands], title: str = "") -> Figure:
     """``panels`` name -> branch -> (velocity m/s, lower quartile, median, upper quartile in N), NaN where too few samples."""
-    with style.panel_grid(len(panels), 0.7, 1.75, title) as (fig, axes, columns):
+    with style.panel_grid(len(panels), 0.6, 1.5, title, most=4, sharey=len(panels) > 2) as (fig, axes, columns):
         for panel, (name, bands) in zip(axes, panels.items(), strict=True):
             _panel(panel, bands)
             panel.set_title(name)

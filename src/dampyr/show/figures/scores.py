@@ -25,7 +25,7 @@ def scores(
     title: str = "",
 ) -> Figure:
     """``groups`` name -> the scores of its records; ``references`` name -> group -> value."""
-    with style.single_panel(0.95 + 0.3 * len(groups), title) as (fig, panel):
+    with style.single_panel(0.85 + 0.24 * len(groups), title) as (fig, panel):
         for row, values in enumerate(groups.values()):
             dots = axis.of(values)
             panel.barh(row, float(np.mean(dots)), 0.55, color=style.SKY, alpha=0.35, label="mean")

@@ -52,7 +52,8 @@ CASES = (
     SKY,
 )
 """Of things that are compared; grey is what they are compared with."""
-WIDTH = 5.6  # inches: as wide as the text of a page
+WIDTH = 6.9  # inches: as wide as the text of a printed page
+THIRD, HALF, TWO_THIRDS = 1 / 3, 1 / 2, 2 / 3  # of it: of figures that stand beside one another on a page
 ENTRY, CHARACTER = 0.55, 0.078  # inches of a legend: of an entry's mark and gaps, and of a letter in the middle
 POINTS = 2400  # of a line: more than a page has pixels across
 
@@ -144,12 +145,12 @@ def style() -> Iterator[None]:
 
 @contextmanager
 def panels(
-    height: float, rows: int = 1, columns: int = 1, title: str = "", **subplots: Any
+    height: float, rows: int = 1, columns: int = 1, title: str = "", share: float = 1.0, **subplots: Any
 ) -> Iterator[tuple[Figure, NDArray[Any]]]:
-    """A figure of the page's width, ``height`` in inches, and its axes ``(rows, columns)``; drawn within, they have dampyr's
-    style."""
+    """A figure, a ``share`` of the page wide and ``height`` inches high, and its axes ``(rows, columns)``; drawn within, they
+    have dampyr's style."""
     with style():
-        fig = _empty((WIDTH, height))
+        fig = _empty((share * WIDTH, height))
         fig.patch.set_alpha(0.0)
         axes = fig.subplots(rows, columns, squeeze=False, **subplots)
         for panel in axes.flat:
@@ -160,23 +161,35 @@ def panels(
 
 
 @contextmanager
-def single_panel(height: float, title: str = "") -> Iterator[tuple[Figure, Any]]:
+def single_panel(height: float, title: str = "", share: float = 1.0) -> Iterator[tuple[Figure, Any]]:
     """A figure of one panel, and its axes."""
-    with panels(height, title=title) as (fig, axes):
+    with panels(height, title=title, share=share) as (fig, axes):
         yield fig, axes[0, 0]
 
 
 @contextmanager
 def panel_grid(
-    count: int, margin: float, row_height: float, title: str = "", **subplots: Any
+    count: int, margin: float, row_height: float, title: str = "", most: int = 2, **subplots: Any
 ) -> Iterator[tuple[Figure, list[Any], int]]:
-    """A figure of ``count`` panels, two in a row, their axes, and how many are in a row; heights in inches."""
-    columns = min(2, count)
+    """A figure of ``count`` panels, ``most`` in a row, their axes, and how many are in a row; heights in inches."""
+    columns = min(most, count)
     rows = math.ceil(count / columns)
     with panels(margin + rows * row_height, rows, columns, title, **subplots) as (fig, axes):
         for empty in axes.flat[count:]:
             empty.set_axis_off()
         yield fig, list(axes.flat[:count]), columns
+
+
+@contextmanager
+def panel_mosaic(height: float, layout: list[list[str]], **ratios: Any) -> Iterator[tuple[Figure, dict[str, Any]]]:
+    """A figure of the page's width whose axes, by name, fill the cells of ``layout`` that hold their name."""
+    with style():
+        fig = _empty((WIDTH, height))
+        fig.patch.set_alpha(0.0)
+        axes: dict[str, Any] = fig.subplot_mosaic(layout, **ratios)
+        for panel in axes.values():
+            panel.patch.set_alpha(0.0)
+        yield fig, axes
 
 
 def _empty(size: tuple[float, float]) -> Figure:

@@ -21,13 +21,14 @@ def theta(
     marks: Mapping[str, tuple[float, float]] | None = None,
     exact: tuple[ArrayLike, ArrayLike] | None = None,
     title: str = "",
+    share: float = 1.0,
 ) -> Figure:
     """``displacement`` m and theta N on the rising branch ``(n,)``.
 
     ``marks`` name -> (m, N) are the points chosen on it (where theta is zero, and the second one); ``exact``
-    (m, N) is a closed form to compare with.
+    (m, N) is a closed form to compare with. ``share``: of the page's width.
     """
-    with style.single_panel(2.8, title) as (fig, panel):
+    with style.single_panel(2.6 if share == 1.0 else 2.1, title, share) as (fig, panel):
         style.line(panel, DISPLACEMENT.of(displacement), FORCE.of(values), color=style.BLUE, label="θ")
         if exact is not None:
             x, y = DISPLACEMENT.of(exact[0]), FORCE.of(exact[1])

@@ -14,7 +14,7 @@ from dampyr.errors import InputError
 from dampyr.findings import as_dicts
 from dampyr.identification.fits.result import Fit
 from dampyr.input_kinds import INPUTS, NO_INPUT, unit_of
-from dampyr.phrases import counted, extent, listing, percent, rounded
+from dampyr.phrases import counted, extent, listing, percent, rounded, with_reach
 from dampyr.records import Record
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures import style
@@ -154,7 +154,7 @@ def _value(fit: Fit, label: str, spans: Mapping[str, tuple[float, float]]) -> st
         return f"{rounded(value, 4)} (at its limit)"
     if not math.isfinite(reach):
         return f"{rounded(value, 4)} (not determined)"
-    return f"{rounded(value, 4)} ± {rounded(reach, 2)}"
+    return with_reach(value, reach)
 
 
 def _error(fit: Fit, label: str) -> str:

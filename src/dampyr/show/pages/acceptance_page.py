@@ -13,7 +13,10 @@ from dampyr.errors import InputError
 from dampyr.identification.acceptance_tests.accept import Accepted
 from dampyr.identification.acceptance_tests.acceptance import UNITS, Acceptance
 from dampyr.phrases import counted
+from dampyr.records import Record, cut_cycles, with_velocity
+from dampyr.show.figures import style
 from dampyr.show.figures.acceptance import band_used, peak_velocity_band
+from dampyr.show.figures.failed_loops import FailedLoop, failed_loops
 from dampyr.show.identification.accept import (
     judgement_table,
     level_table,
@@ -27,14 +30,14 @@ from dampyr.show.pages.html_page import page
 from dampyr.show.table import Cell, Table, Verdict
 
 Array = NDArray[np.float64]
-MAX_ROWS, MAX_FIGURES, MAX_POINTS = 40, 8, 60  # what a page can show and a person reads
+MAX_ROWS, MAX_FIGURES, MAX_POINTS, MAX_LOOPS = 40, 8, 60, 4  # what a page can show and a person reads
 
 
 def html(result: Accepted, *, call: str = "") -> str:
     """The page of the result of `dampyr.identification.accept`.
 
-    It shows verdicts, the band with the points, the points outside, and what was not judged. Raises
-    :class:`~dampyr.errors.InputError` without any judgement.
+    Its first screen holds the verdict and the loops of what failed; then come the points outside, the band, and every record.
+    Raises :class:`~dampyr.errors.InputError` without any judgement.
     """
     results, reference = result.results, result.reference
     if not results:
@@ -46,11 +49,12 @@ def html(result: Accepted, *, call: str = "") -> str:
         else f"{offset:g} N, taken from every measured force"
     )
     sections = [
-        Section("In short", [*_short(results), *to_look_at(result.findings)]),
-        Section("The levels", _levels(results)),
-        Section("The forces at peak velocity", _forces(results)),
-        Section("How much of the band is used", _used(results)),
+        Section("In short", [*_short(result), *to_look_at(result.findings)]),
         Section("The points outside", _outside(results)),
+        Section("How much of the band is used", _used(results)),
+        Section("The records", _records(results)),
+        Section("The forces at peak velocity", _forces(results)),
+        Section("The levels", _levels(results)),
     ]
     if result.relevelled:
         sections.append(Section("With the level of the first cycles taken out", _relevelled(result.relevelled)))
@@ -89,14 +93,74 @@ def _with_marks(table: Table) -> Table:
     return replace(table, rows=[[*row[:k], Verdict(row[k]), *row[k + 1 :]] for row in table.rows])  # type: ignore[arg-type]
 
 
-def _short(results: Sequence[Acceptance]) -> list[Block]:
+def _short(result: Accepted) -> list[Block]:
+    """The verdict, and the loops of the records that failed worst."""
+    results = result.results
     what = ", ".join(results[0].quantities)
     return [
+        _verdict(result),
         Text(
-            f"{in_short(results).capitalize()}. Judged in every whole cycle, and in the mean over each level: {what}. One "
+            f"Judged in every whole cycle, and in the mean over each level: {what}. One "
             "point or one mean outside fails a record; a record of which a level could not be judged in half of its cycles in "
             "one of these has neither passed nor failed."
         ),
+        *_failed(result),
+    ]
+
+
+def _verdict(result: Accepted) -> Verdict:
+    """The verdict of all, with the worst point of the record that is farthest off and its limits."""
+    worst = max(
+        (acceptance for acceptance in result.results if acceptance.worst is not None),
+        key=lambda acceptance: abs(acceptance.worst.used or 0.0),  # type: ignore[union-attr]
+        default=None,
+    )
+    if worst is None or worst.worst is None:
+        return Verdict(result.verdict, f"{in_short(result.results)}.")
+    p, unit = worst.worst, UNITS[worst.worst.quantity]
+    limits = "" if p.low is None or p.high is None else f", where {p.low:.4g} to {p.high:.4g} {unit} are allowed"
+    at = "" if p.quantity == "energy" else f" at {1e3 * p.speed:.3g} mm/s"
+    return Verdict(
+        result.verdict,
+        f"{in_short(result.results)}; the worst point is the {p.quantity} of cycle {p.cycle} of {worst.record}: "
+        f"{p.measured:.4g} {unit}{at}{limits}.",
+    )
+
+
+def _failed(result: Accepted) -> list[Block]:
+    """The loops of the records whose points lie farthest outside; nothing where none does, or the records are not at hand."""
+    records = {record.name: record for record in result.records}
+    failed = [a for a in result.results if any(p.quantity != "energy" for p in a.outside) and a.record in records]
+    failed.sort(key=lambda acceptance: -max(abs(p.used or 0.0) for p in acceptance.outside))
+    loops = {acceptance.record: _loop(records[acceptance.record], acceptance) for acceptance in failed[:MAX_LOOPS]}
+    if not loops:
+        return []
+    several = f" The {MAX_LOOPS} worst of {len(failed)} records." if len(failed) > MAX_LOOPS else ""
+    caption = (
+        f"What failed: force over velocity, and each force outside at its peak velocity, beside its band.{several}"
+    )
+    return [FigureBlock(failed_loops(loops, result.origin), caption)]
+
+
+def _loop(record: Record, acceptance: Acceptance) -> FailedLoop:
+    """The whole cycles of a record without the offset that was judged without, and its forces outside."""
+    cycles = cut_cycles(record).cycles
+    whole = slice(cycles[0].first, cycles[-1].last + 1)
+    velocity = with_velocity(record).velocity
+    assert velocity is not None
+    force = record.force[whole]
+    offset = float(np.mean(force)) if acceptance.offset is None else acceptance.offset
+    way = {"extension": 1.0, "compression": -1.0}
+    outside = [
+        (way[p.quantity] * p.speed, p.measured, float(p.low or 0.0), float(p.high or 0.0))
+        for p in acceptance.outside
+        if p.quantity in way
+    ]
+    return FailedLoop(velocity[whole], (force - offset) / acceptance.level, outside)
+
+
+def _records(results: Sequence[Acceptance]) -> list[Block]:
+    return [
         _with_marks(replace(judgement_table(results), caption="The records.")),
         worst_table(results),
     ]
@@ -119,7 +183,7 @@ def _forces(results: Sequence[Acceptance]) -> list[Block]:
             groups.setdefault(input_words(acceptance), []).append(acceptance)
     blocks: list[Block] = [
         FigureBlock(
-            peak_velocity_band(*forces_and_band(group)),
+            peak_velocity_band(*forces_and_band(group), share=style.HALF if len(groups) > 1 else 1.0),
             f"{name}: forces at the peak velocities of every cycle, extension above and compression below. The band is drawn "
             "through the mean of points of one speed; each point is judged by its own.",
         )

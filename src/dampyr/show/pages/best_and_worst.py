@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from dampyr.identification import Fit, Score
 from dampyr.origin import NOT_STATED, Origin
-from dampyr.show.figures.history import history
-from dampyr.show.figures.loops import loops
+from dampyr.show.figures.loops_and_history import loops_and_history
 from dampyr.show.pages.blocks import FigureBlock, Section
 
 Array = NDArray[np.float64]
@@ -36,18 +35,11 @@ def record_section(
     """One record: ``channels`` are time s, displacement m, velocity m/s, measured and modelled force N, each (n,),
     ``origin`` that of the record."""
     t, x, v, measured, force = channels
-    few = t <= t[0] + SECONDS
+    figure = loops_and_history(t, x, v, measured, force, SECONDS, model, origin)
+    over_time = f"the first {SECONDS:g} s that were scored" if t[-1] > t[0] + SECONDS else "over time"
     return Section(
         f"{title}: {name}",
-        [
-            FigureBlock(loops(x, v, measured, {model: force}, record_origin=origin), f"{name}: loops."),
-            FigureBlock(
-                history(t[few], measured[few], force[few], name=model, record_origin=origin),
-                f"{name}: the first {SECONDS:g} s that were scored, and the residual ({origin.series} minus {model})."
-                if not np.all(few)
-                else f"{name}: {origin.series}, {model}, and the residual ({origin.series} minus {model}).",
-            ),
-        ],
+        [FigureBlock(figure, f"{name}: loops, and {over_time} with the residual ({origin.series} minus {model}).")],
     )
 
 

@@ -11,13 +11,13 @@ from dampyr.identification import Fit, identifiability
 from dampyr.identification.fits.diagnostics import findings
 from dampyr.identification.scoring.validation import Validation
 from dampyr.input_kinds import INPUTS
-from dampyr.phrases import counted, rounded, sentence
+from dampyr.phrases import counted, sentence
 from dampyr.show.figures.loops import loops
 from dampyr.show.figures.loops_by_input import RecordLoop, loops_by_input
 from dampyr.show.identification.fit_predictions import mean_l1, prediction_in_words
 from dampyr.show.identification.result import measured_and_fitted, parameter_table
 from dampyr.show.identification.score import input_words
-from dampyr.show.pages.best_and_worst import best_and_worst_sections, extremes
+from dampyr.show.pages.best_and_worst import best_and_worst_sections
 from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text
 from dampyr.show.pages.fit_sections import correlation_blocks, error_tables, law_blocks, score_blocks
 from dampyr.show.pages.html_page import page
@@ -45,7 +45,6 @@ def html(fit: Fit, sections: Sequence[Section] = (), *, call: str = "") -> str:
     sections = [*([leaderboard_section(fit.leaderboard)] if fit.leaderboard else []), *sections]
     number = len(fit.records)
     records = "One record, fitted" if number == 1 else f"{number} records, fitted together"
-    names = ", ".join(record.name for record in fit.records)
     others = besides(fit.findings, [fit.verdict.words])
     return page(
         f"Identified: {fit.problem.composition}",
@@ -65,10 +64,17 @@ def html(fit: Fit, sections: Sequence[Section] = (), *, call: str = "") -> str:
             *best_and_worst_sections(fit),
         ],
         subtitle=f"{records} by least squares over the whole motion.",
-        provenance={"records": names} if fit.damper is None else dict(fit.damper.provenance),
+        provenance=_provenance(fit),
         call=call,
         origin=fit.origin,
     )
+
+
+def _provenance(fit: Fit) -> dict[str, str]:
+    """What the card says of itself, or the names of the records; these not where the page lists their files."""
+    names = {"records": ", ".join(record.name for record in fit.records)}
+    stated = names if fit.damper is None else dict(fit.damper.provenance)
+    return {name: value for name, value in stated.items() if name != "records" or not fit.origin.sources}
 
 
 def _answer(fit: Fit, checks: Sequence[Validation], others: Sequence[Finding]) -> Section:
@@ -108,30 +114,18 @@ def _loops(fit: Fit) -> FigureBlock:
 
 
 def _search_and_findings(fit: Fit, checks: Sequence[Validation], others: Sequence[Finding]) -> Section:
-    """What else is to be looked at, and how the search ended."""
-    inputs, precision = _inputs(fit), _precision(fit)
-    l1 = {name: score.l1 for name, score in fit.scores.items()}
-    mean, worst = 100 * float(np.mean(list(l1.values()))), extremes(fit.scores)[-1][1]
-    rows: list[list[Cell]] = [
-        ["model", str(fit.problem.composition)],
-        ["the search", fit.reason],
-        [
-            "fits its records",
-            f"L1 {rounded(mean, 2)} % on average, {rounded(100 * l1[worst], 2)} % in {worst}",
-        ],
-    ]
-    if fit.residuals.unit in INPUTS:
-        rows.insert(2, ["input", inputs])
+    """What else is to be looked at, and what was fitted."""
+    rows: list[list[Cell]] = [["input", _inputs(fit)]] if fit.residuals.unit in INPUTS else []
     for validation in checks:
         predicted = f"{len(validation.scores)} records, split by {validation.split}"
         summary = f"L1 {100 * mean_l1(validation):.2g} % on average, {predicted}"
         rows.append(["predicts unseen records", summary])
     if not checks:
         rows.append(["predicts unseen records", "not tested (dampyr identify --predict)"])
-    rows.append(["errors", f"by {fit.clusters}; {precision}"])
+    rows.append(["errors", f"by {fit.clusters}; {_precision(fit)}"])
     more = [Text("\n\n".join(finding.sentence for finding in others[1:]))] if len(others) > 1 else []
     residual = [] if others else [Text(sentence(findings(fit.residuals)[0]))]
-    return Section("Findings and search", [*more, *residual, Table(("quantity", "result"), rows)])
+    return Section("Findings", [*more, *residual, Table(("quantity", "result"), rows)])
 
 
 def _inputs(fit: Fit) -> str:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from dampyr.show.identification.result import error_table, parameter_table, sess
 from dampyr.show.identification.score import group_by_input
 from dampyr.show.identification.validation import score_table
 from dampyr.show.pages.blocks import Block, FigureBlock, Text
+from dampyr.show.pages.residual_section import size_table
 from dampyr.show.table import Table
 
 PANELS = 6  # of laws in one figure: three rows of two, half of a printed page
@@ -104,8 +106,11 @@ def law_figures(fit: Fit, damper: Damper) -> list[Figure]:
 
 
 def score_blocks(fit: Fit) -> list[Block]:
-    """How well a fit describes the records that it was fitted to."""
-    table = score_table(fit.scores, f"From {fit.settling:g} s after the motion starts, each record's own offset taken.")
+    """How well a fit describes the records that it was fitted to, and what it leaves of each."""
+    table = _with_motions(
+        score_table(fit.scores, f"From {fit.settling:g} s after the motion starts, each record's own offset taken."),
+        size_table(fit.residuals),
+    )
     groups = group_by_input(fit.records, {name: score.l1 for name, score in fit.scores.items()})
     if len(fit.records) == 1:
         return [Text("This record was fitted: the score describes the fit and is no prediction."), table]
@@ -116,6 +121,23 @@ def score_blocks(fit: Fit) -> list[Block]:
         ),
         table,
     ]
+
+
+def _with_motions(scores: Table, sizes: Table) -> Table:
+    """The scores of the records between what each record is and what the fit leaves of it: rows of both in the same order."""
+    motion = sum(name in ("input", "stroke", "freq.") for name in sizes.columns)
+
+    def row(of_scores: Sequence[Any], of_sizes: Sequence[Any]) -> list[Any]:
+        return [of_scores[0], *of_sizes[1 : motion + 1], *of_scores[1:], *of_sizes[motion + 1 :]]
+
+    return replace(
+        scores,
+        columns=row(scores.columns, sizes.columns),
+        rows=[row(*both) for both in zip(scores.rows, sizes.rows, strict=True)],
+        units=row(scores.units, sizes.units),
+        align=["left", *["right"] * (len(scores.columns) + len(sizes.columns) - 3), "left"],
+        caption=f"{scores.caption} {sizes.caption}",
+    )
 
 
 def law_blocks(fit: Fit) -> list[Block]:

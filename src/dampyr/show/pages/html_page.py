@@ -18,6 +18,7 @@ import numpy as np
 from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError
 from dampyr.origin import NOT_STATED, Origin
+from dampyr.show.figures import style
 from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text
 from dampyr.show.pages.how_made import how_made, moment
 from dampyr.show.pages.saved_figures import keep
@@ -30,8 +31,12 @@ from dampyr.source_file import SHOWN_DIGITS
 DASH = "–"
 STYLES = ("look.css", "page.css")
 FEW_ROWS = 16  # of the tables in a section that fits a screen
+LONG, ENDLESS = 8, 45  # rows of a table, beyond which its print is smaller, and of one that no page holds
+WIDE, CROWDED = 8, 12  # columns, beyond which they stand closer, and closer still
+PROSE = 60  # letters of a cell that is read as a sentence
 MAX_PLACES = 6  # decimals of a column; smaller numbers have powers of ten
 MARGIN = 64  # letters of the title at the foot of a printed page
+_SHARES = {style.THIRD: "third", style.HALF: "half", style.TWO_THIRDS: "two-thirds", 1.0: ""}
 _MARKS = {
     "agrees": "✓", "differs": "≠", "cannot be checked": "?",
     "passed": "✓", "failed": "✗", "not judged": "?",
@@ -211,10 +216,17 @@ def _block(block: Block, prefix: str, labels: Iterator[str]) -> dict[str, Any]:
             return {"kind": "verdict", "verdict": block}
         case FigureBlock():
             svg = inline_svg(block.figure, with_powers(block.alt or block.caption), prefix)
-            return {"kind": "figure", "svg": Markup(svg), "caption": block.caption}
+            return {"kind": "figure", "svg": Markup(svg), "caption": block.caption, "share": _share(block)}
         case Table():
             return _table(block) | {"label": next(labels)}
     raise InputError(f"{type(block).__name__} is not a block; use Text, Table, FigureBlock or Verdict")
+
+
+def _share(block: FigureBlock) -> str:
+    """The class of a figure that is narrower than the page, so that its neighbour may stand beside it; "" of one as wide."""
+    share = float(block.figure.get_figwidth()) / style.WIDTH
+    nearest = min(_SHARES, key=lambda known: abs(known - share))
+    return _SHARES[nearest]
 
 
 def _table(table: Table) -> dict[str, Any]:
@@ -226,12 +238,30 @@ def _table(table: Table) -> dict[str, Any]:
     ]
     return {
         "kind": "table",
+        "kinds": " ".join(_kinds(table)),
         "caption": " ".join(filter(None, (table.caption, *table.notes))),
         "columns": [{"name": n, "unit": u, "side": s} for n, u, s in zip(table.columns, units, sides, strict=True)],
         "rows": [
             [_shown(cell, table.digits, place) for cell, place in zip(row, places, strict=True)] for row in table.rows
         ],
     }
+
+
+def _kinds(table: Table) -> Iterator[str]:
+    """What the style of a table depends on: its columns, its rows, and whether its cells hold sentences."""
+    texts = (cell.text if isinstance(cell, Verdict) else cell for row in table.rows for cell in row)
+    prose = any(isinstance(text, str) and len(text) > PROSE for text in texts)
+    rows = len(table.rows)
+    if len(table.columns) > WIDE:
+        yield "wide"
+    if len(table.columns) > CROWDED:
+        yield "crowded"
+    if rows > LONG:
+        yield "long"
+    if rows > ENDLESS or (prose and rows > 2):
+        yield "endless"
+    if prose and rows > 2:
+        yield "prose"
 
 
 def _side(cells: Sequence[Cell]) -> str:

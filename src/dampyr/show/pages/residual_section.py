@@ -53,7 +53,6 @@ def residual_section(residuals: Residuals) -> Section:
                 ),
                 "The residual's rms over the standard deviation of the force, one point per record; stroke is peak to peak.",
             ),
-            _size_table(residuals),
         ],
     )
 
@@ -75,18 +74,19 @@ def _direction_table(residuals: Residuals) -> Table:
     )
 
 
-def _size_table(residuals: Residuals) -> Table:
+def size_table(residuals: Residuals) -> Table:
+    """What each record is, and what the fit leaves of it: a row a record."""
     rows: list[list[Cell]] = [
-        [r.name, f"{r.input_value:.5g}", 1e3 * r.stroke, r.frequency, r.rms, 100 * r.relative, r.noise, r.correlation_time,
+        [r.name, f"{r.input_value:.5g}", 1e3 * r.stroke, r.frequency, r.rms, r.noise, r.correlation_time,
          round(r.effective), 100 * r.repeats, r.misfit]
         for r in residuals.records
     ]  # fmt: skip
     table = Table(
-        ("record", "input", "stroke", "freq.", "rms", "rel.", "noise", "τ", "n eff.", "repeats", "misfit"),
+        ("record", "input", "stroke", "freq.", "rms", "noise", "τ", "n eff.", "repeats", "misfit"),
         rows,
-        ("", unit_of(residuals.unit), "mm", "Hz", "N", "%", "N", "s", "", "%", ""),
-        caption="The residual of each record. Rel.: rms over the force's spread. τ: correlation time. n eff.: effective "
-        "sample size. Repeats: the share of its variance that repeats after one cycle.",
+        ("", unit_of(residuals.unit), "mm", "Hz", "N", "N", "s", "", "%", ""),
+        caption="Rms and noise: of the residual. τ: its correlation time. n eff.: effective sample size. Repeats: the share of "
+        "its variance that repeats after one cycle.",
         digits=3,
     )
     return table if residuals.unit in INPUTS else table.without("input")

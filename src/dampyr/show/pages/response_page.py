@@ -11,9 +11,9 @@ from dampyr.phrases import sentence
 from dampyr.show.figures.building import building_response
 from dampyr.show.figures.control_comparison import controlled
 from dampyr.show.figures.ground_motion import ground_motion
-from dampyr.show.figures.loops import loops
+from dampyr.show.figures.loops_by_case import loops_by_case
 from dampyr.show.figures.style import Axis, case_colours, input_axis
-from dampyr.show.pages.blocks import FigureBlock, Section, Text, to_look_at
+from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text, to_look_at
 from dampyr.show.pages.html_page import page
 from dampyr.show.structures.response import errors_in_words
 from dampyr.show.structures.responses import (
@@ -25,6 +25,7 @@ from dampyr.show.structures.responses import (
     interval_table,
     outcome,
 )
+from dampyr.show.table import Cell, Table
 from dampyr.structures import Response
 from dampyr.structures.ensembles.store import BARE
 from dampyr.structures.time_history.respond import case_name
@@ -38,38 +39,44 @@ FINE = 6  # points of a loop for each sample: some hundred in a turn of a stiff 
 def html(result: Response | Responses, *, call: str = "") -> str:
     """The page of a response of `dampyr.structures.respond`, or of those at several inputs.
 
-    It shows peaks, energies, the displacement of each floor and the damper's loops. All cases share one ground motion.
+    It shows peaks and the damper's loops, energies, and the displacement of each floor. All cases share one ground motion.
     """
     responses = result if isinstance(result, Responses) else Responses("", "", "", {case_name(result): result})
     cases = responses.cases
     first = next(iter(cases.values()))
     colours = case_colours(cases, BARE if BARE in cases else None)
     intervals = [interval_table(responses)] if responses.intervals else []
-    peaks = [case_table(responses), *intervals, floor_table(responses), energy_table(responses)]
+    with_loops: list[Block] = [case_table(responses), *_loops(cases, colours)]
     return page(
         f"Response: {first.title}",
         [
-            Section("Peaks", [*to_look_at(responses.findings), *peaks, Text("\n\n".join(outcome(responses)))]),
+            Section("Peaks", [*to_look_at(responses.findings), *with_loops, Text("\n\n".join(outcome(responses)))]),
+            Section(
+                "Floors and energies", [*intervals, floor_table(responses), energy_table(responses), _steps(cases)]
+            ),
             Section(
                 "The ground motion",
                 [FigureBlock(ground_motion(first.time, first.ground_acceleration), "As applied.")],
             ),
             Section("Displacements", _displacements(cases, colours)),
             *([Section("Control", _control(cases, colours))] if any(any(r.laws) for r in cases.values()) else []),
-            Section("The dampers' loops", _loops(cases, colours)),
         ],
         subtitle="; ".join(cases),
-        provenance={name: _accuracy(r) for name, r in cases.items()},
         call=call,
         origin=responses.origin,
     )
 
 
-def _accuracy(r: Response) -> str:
-    """The scheme, its step, and what the peaks changed by when it was halved."""
-    text = f"{r.scheme}, step {1e3 * r.step:.4g} ms"
-    error = errors_in_words([r])
-    return f"{text}; error {error}" if error else text
+def _steps(cases: Mapping[str, Response]) -> Table:
+    """The scheme of each case, its step, and what the peaks changed by when it was halved."""
+    rows: list[list[Cell]] = [[name, r.scheme, 1e3 * r.step, errors_in_words([r]) or None] for name, r in cases.items()]
+    return Table(
+        ("case", "scheme", "step", "error"),
+        rows,
+        ("", "", "ms", ""),
+        caption="The steps in time, and what the peaks changed by when they were halved.",
+        digits=4,
+    )
 
 
 def _displacements(cases: Mapping[str, Response], colours: Mapping[str, str]) -> list[FigureBlock]:
@@ -98,25 +105,34 @@ def _control(cases: Mapping[str, Response], colours: Mapping[str, str]) -> list[
             axis = input_axis(first.input_units[first.sites.index(site)])
             strokes = {name: r.stroke[r.sites.index(site)] for name, r in with_damper.items()}
             inputs = {name: r.input[r.sites.index(site)] for name, r in controlled_cases.items()}
+            means = {name: float(r.mean_input[r.sites.index(site)]) for name, r in controlled_cases.items()}
             blocks.append(
                 FigureBlock(
-                    controlled(first.time, strokes, inputs, STROKE, axis, colours=colours),
-                    sentence(f"{site}: stroke of the damper, and the input at the coil"),
+                    controlled(first.time, strokes, inputs, STROKE, axis, colours=colours, means=means),
+                    sentence(
+                        f"{site}: stroke of the damper, and the input at the coil in the two seconds that are shaded"
+                    ),
                 )
             )
     return blocks
 
 
-def _loops(cases: Mapping[str, Response], colours: Mapping[str, str]) -> list[FigureBlock | Text]:
-    blocks: list[FigureBlock | Text] = []
+def _loops(cases: Mapping[str, Response], colours: Mapping[str, str]) -> list[FigureBlock]:
+    """The loops of each damper of each case, on the same axes; nothing where no case has a damper."""
+    loops, colour = {}, {}
     for name, r in cases.items():
         for d, site in enumerate(r.sites):
-            stroke, force = between_samples(r.time, r.stroke[d], r.force[d])
-            interval = f"{1e3 * (r.time[1] - r.time[0]):.3g} ms"
-            caption = f"{name}: damper, {site}; samples every {interval}, and between them a smooth curve through them"
-            figure = loops(stroke, None, None, {name: force}, colours=colours, points=len(stroke))
-            blocks.append(FigureBlock(figure, sentence(caption)))
-    return blocks or [Text("No case has a damper.")]
+            panel = name if len(r.sites) == 1 else f"{name}, {site}"
+            loops[panel], colour[panel] = between_samples(r.time, r.stroke[d], r.force[d]), colours[name]
+    if not loops:
+        return []
+    first, sites = next(iter(cases.values())), {site for r in cases.values() for site in r.sites}
+    which = f"the damper, {next(iter(sites))}" if len(sites) == 1 else "each damper"
+    caption = (
+        f"Force over stroke of {which}; samples every {1e3 * (first.time[1] - first.time[0]):.3g} ms, and between them a "
+        "smooth curve through them."
+    )
+    return [FigureBlock(loops_by_case(loops, colour), caption)]
 
 
 def between_samples(time: Array, stroke: Array, force: Array) -> tuple[Array, Array]:

@@ -13,7 +13,7 @@ from dampyr.models import Damper
 from dampyr.models.parts.bouc_wen import from_printed
 from dampyr.show.figures.history import history
 from dampyr.show.figures.phase_portrait import phase_portrait
-from dampyr.show.figures.style import DISPLACEMENT, Axis
+from dampyr.show.figures.style import DISPLACEMENT, HALF, Axis
 from dampyr.show.figures.theta import theta
 from dampyr.show.pages.blocks import FigureBlock, Text
 from dampyr.studies._compared_value import (
@@ -88,7 +88,7 @@ def figure_2_2(letters: BoucWenLetters, loop: BoucWenLoop) -> tuple[list[Compare
     )
     z = Axis("hysteretic state z", "unit of x")
     figure = phase_portrait(
-        Axis("displacement x", "unit of x"), z, {"(2.2)": (loop.x, loop.z)}, {"(A/(β+γ))^(1/n)": limit}
+        Axis("displacement x", "unit of x"), z, {"(2.2)": (loop.x, loop.z)}, {"(A/(β+γ))^(1/n)": limit}, share=HALF
     )
     letters_text = ", ".join(f"{name} = {getattr(letters, key).text}" for key, name in GREEK.items())
     return [value], erratum, FigureBlock(figure, f"Figure 2.2 again: {letters_text}.")
@@ -227,9 +227,11 @@ def _example_figures(example: Example, branch: Branch, exact: LimitCycle) -> lis
     x, v = -amplitude * np.cos(omega * t), amplitude * omega * np.sin(omega * t)
     force = example_damper(example).force(t, x, voltage=0.0, velocity=v)
     return [
-        FigureBlock(history(t, x, axis=DISPLACEMENT), "Figure 2.3 again: the displacement (input)."),
-        FigureBlock(history(t, force), "Figure 2.3 again: the force (output) of (2.3) and (2.4)."),
-        FigureBlock(theta(exact.x, exact.theta, marks), "Figure 2.4 again: θ on the rising branch, with x* and x*1."),
+        FigureBlock(history(t, x, axis=DISPLACEMENT, share=HALF), "Figure 2.3 again: the displacement (input)."),
+        FigureBlock(history(t, force, share=HALF), "Figure 2.3 again: the force (output) of (2.3) and (2.4)."),
+        FigureBlock(
+            theta(exact.x, exact.theta, marks, share=HALF), "Figure 2.4 again: θ on the rising branch, x* and x*1."
+        ),
     ]
 
 

@@ -8,6 +8,7 @@ from dampyr.identification.scoring.score import compare, prediction
 from dampyr.records import cycle_bounds
 from dampyr.show.figures.history import history as history_figure
 from dampyr.show.figures.loops import loops as loops_figure
+from dampyr.show.figures.style import HALF
 from dampyr.show.pages.blocks import Block, FigureBlock, Text
 from dampyr.studies._compared_value import (
     ComparedValue,
@@ -136,7 +137,7 @@ def _loops(published: Published, title: str, test: PublishedTest) -> FigureBlock
     offset = next(iter(scored.values())).offset
     velocity = None if record.velocity is None else record.velocity[shown]
     drawn = {name: force[shown] for name, force in models.items()}
-    figure = loops_figure(record.displacement[shown], velocity, record.force[shown] - offset, drawn)
+    figure = loops_figure(record.displacement[shown], velocity, record.force[shown] - offset, drawn, share=HALF)
     scores = "; ".join(
         f"{name}: L1 {100 * s.l1:.3g} %, energy per cycle {100 * s.energy:+.2g} %" for name, s in scored.items()
     )
@@ -148,7 +149,7 @@ def _history(published: Published, test: PublishedTest) -> FigureBlock:
     force = prediction(published_damper(published), record)
     scored = compare(record, force, centre="midrange")
     figure = history_figure(
-        record.time[shown], record.force[shown] - scored.offset, force[shown], name="cubics (4.6)-(4.8)"
+        record.time[shown], record.force[shown] - scored.offset, force[shown], name="cubics (4.6)-(4.8)", share=HALF
     )
     caption = f"Figure 4.3 again: {record.name}, {test.row.voltage:g} V, offset of {scored.offset:.4g} N removed."
     return FigureBlock(figure, f"{caption} L1 {100 * scored.l1:.3g} %.")

@@ -30,6 +30,11 @@ COEFFICIENT = ComparisonTolerance(relative=0.10)
 LETTER = {"kx": "kx", "kw": "kw", "rho": "ρ"}
 FETCH = "`dampyr datasets fetch labcontrol`"
 NO_FILES = f"the campaign's files are not on this machine; get them with {FETCH}"
+METHOD = (
+    "“Modified” is the method (4.1)-(4.2), on samples faster than half the peak speed and past the turning points; “least "
+    "squares”, “fitted” in the table, is one fit of (2.3)-(2.4) over the whole record. Allowed: "
+    f"{100 * MOTION.relative:g} % for the motion, {100 * COEFFICIENT.relative:g} % for the coefficients of the modified method."
+)
 
 
 def table_4_1(published: Published) -> StudyPart:
@@ -102,8 +107,7 @@ def _table_part(published: Published, table: str, campaign: PublishedCampaign | 
         return StudyPart(title, judged, [text, Verdict("cannot be checked", NO_FILES)], errata)
     blocks: list[Block] = [
         text,
-        _motion_table(by_row),
-        _parameter_table(by_row),
+        _rows_table(by_row),
         _reasons(by_row),
         compared_table(means, "Means over the rows with a file."),
     ]
@@ -113,16 +117,12 @@ def _table_part(published: Published, table: str, campaign: PublishedCampaign | 
 def _introduce(rows: Sequence[PublishedRow], published: Published, table: str) -> str:
     strokes, frequencies = ([getattr(row, name) for row in rows] for name in ("displacement", "frequency"))
     r = float(np.corrcoef(strokes, frequencies)[0, 1])
-    return (
+    text = (
         f"Printed for {published.printed_voltages[table].text} V; {published.voltage(table):g} V was applied. "
-        "Displacement is peak to "
-        f"peak. Displacement and frequency of the printed rows correlate with {r:.2f}, so their effects cannot "
-        "be told apart.\n\n"
-        "“Modified” is the method (4.1)-(4.2), on samples faster than half the peak speed and past the turning points; “least "
-        "squares”, “fitted” in the table, is one fit of (2.3)-(2.4) over the whole record. Allowed: "
-        f"{100 * MOTION.relative:g} % for the motion, "
-        f"{100 * COEFFICIENT.relative:g} % for the coefficients of the modified method."
+        f"Displacement is peak to peak. Displacement and frequency of the printed rows correlate with {r:.2f}, so their "
+        "effects cannot be told apart."
     )
+    return f"{text}\n\n{METHOD}" if table == TABLES[0] else f"{text} The rest is as under table {TABLES[0]}."
 
 
 def _compare_row(
@@ -215,39 +215,37 @@ def group_means(table: str, pairs: Sequence[tuple[PublishedRow, PublishedTest]])
     return judged
 
 
-def _motion_table(by_row: Sequence[tuple[PublishedRow, PublishedTest | None, list[ComparedValue]]]) -> Table:
+def _rows_table(by_row: Sequence[tuple[PublishedRow, PublishedTest | None, list[ComparedValue]]]) -> Table:
+    """The motion and the coefficients of each row: printed, and ours."""
     rows: list[list[Cell]] = []
     for row, test, row_values in by_row:
         measured = (1e3 * test.measured.peak_to_peak_m, test.measured.frequency_hz) if test else (None, None)
-        name = test.record.name if test else None
-        rows.append(
-            [row.row, name, row.displacement, measured[0], row.frequency, measured[1], _verdict(row_values[:2])]
-        )
-    columns = ("row", "file", "displacement", "measured", "frequency", "measured ", "verdict")
-    units = ("", "", "mm", "mm", "Hz", "Hz", "")
-    return Table(columns, rows, units, caption="The motion: printed, and measured over whole cycles.")
-
-
-def _parameter_table(by_row: Sequence[tuple[PublishedRow, PublishedTest | None, list[ComparedValue]]]) -> Table:
-    rows: list[list[Cell]] = []
-    for row, test, row_values in by_row:
-        cells: list[Cell] = [row.row, _verdict(row_values[2:])]
+        cells: list[Cell] = [row.row, test.record.name if test else None]
+        cells += [row.displacement, measured[0], row.frequency, measured[1]]
         for name in PARAMETERS:
-            cells.append(getattr(row, name))
-            cells.append(getattr(test.plastic, name) / TO_SI[name] if test else None)
             alone = test.least_squares if test else None
-            cells.append(alone.parameters[f"dahl.{name}"] / TO_SI[name] if alone else None)
-        rows.append(cells)
-    columns, units = ["row", "verdict"], ["", ""]
+            cells += [
+                getattr(row, name),
+                getattr(test.plastic, name) / TO_SI[name] if test else None,
+                alone.parameters[f"dahl.{name}"] / TO_SI[name] if alone else None,
+            ]
+        rows.append([*cells, _verdict(row_values)])
+    columns, units = ["row", "file"], ["", ""]
+    for k, (name, unit) in enumerate((("displ.", "mm"), ("freq.", "Hz"))):
+        columns += [f"{name} printed", "measured" + " " * k]
+        units += [unit, unit]
     for k, name in enumerate(PARAMETERS):
         columns += [f"{LETTER[name]} printed", "modified" + " " * k, "fitted" + " " * k]
         units += [UNITS[name]] * 3
-    caption = "The coefficients: printed, by the modified method, and by least squares."
-    return Table(columns, rows, units, caption=caption, digits=4)
+    caption = (
+        "The motion: printed, and measured over whole cycles. The coefficients: printed, by the modified method, and by least "
+        "squares. The verdict names what differs."
+    )
+    return Table([*columns, "verdict"], rows, [*units, ""], caption=caption, digits=4)
 
 
 def _verdict(judged: Sequence[ComparedValue]) -> Verdict:
-    """One verdict for a row, naming what differs; `_reasons` says why."""
+    """One verdict for a row, naming what differs; `_reasons` says why where it is farthest off."""
     kind = overall(judged)
     if kind == "cannot be checked":
         return Verdict(kind, "no file")
@@ -259,11 +257,24 @@ def _number(value: ComparedValue) -> str:
 
 
 def _reasons(by_row: Sequence[tuple[PublishedRow, PublishedTest | None, list[ComparedValue]]]) -> Table:
-    """Why rows differ, one line for each number that does."""
-    rows: list[list[Cell]] = [
-        [row.row, _number(f), f.reason] for row, _, row_values in by_row for f in row_values if f.verdict == "differs"
-    ]
-    return Table(("row", "number", "what differs, and why"), rows)
+    """What differs, a line for each number: in which rows, by how much, and the reason of the row that is farthest off."""
+    differing: dict[str, list[tuple[int, ComparedValue]]] = {}
+    for row, _, row_values in by_row:
+        for value in row_values:
+            if value.verdict == "differs":
+                differing.setdefault(_number(value), []).append((row.row, value))
+    rows: list[list[Cell]] = []
+    for name, values in differing.items():
+        off = [float(value.ours) / float(value.published) - 1.0 for _, value in values]  # type: ignore[arg-type]
+        farthest, value = values[int(np.argmax(np.abs(off)))]
+        numbers = ", ".join(str(row) for row, _ in values)
+        span = f"{100 * min(off):+.2g} to {100 * max(off):+.2g} %" if len(off) > 1 else f"{100 * off[0]:+.2g} %"
+        rows.append([name, numbers, span, f"row {farthest}: {value.reason}"])
+    return Table(
+        ("number", "rows", "off by", "the row that is farthest off, and why"),
+        rows,
+        caption="What differs; reproduce.json has the reason of each row.",
+    )
 
 
 def _repeated(table: str, rows: Sequence[PublishedRow]) -> list[Erratum]:

@@ -11,6 +11,7 @@ from dampyr.show.pages.blocks import Block, Section, Text
 from dampyr.show.pages.html_page import page, write_html
 from dampyr.show.table import Cell, Table, Verdict
 from dampyr.studies._compared_value import ComparedValue, Erratum, overall
+from dampyr.studies._study_run import comparison_figure
 from dampyr.studies.raminelli_2020.study import Study, artefacts_table
 
 SOURCE = (
@@ -54,7 +55,8 @@ def summary(study: Study) -> list[Block]:
         "its numbers does; the reason "
         "is the first such number's, and the sections below have all. Numbers of tables are in the printed units."
     )
-    blocks: list[Block] = [Text(text), replace(table, rows=rows, caption="")]
+    figure = comparison_figure(study.compared)
+    blocks: list[Block] = [Text(text), *([figure] if figure else []), replace(table, rows=rows, caption="")]
     if study.left_out:
         blocks.append(Verdict("cannot be checked", "left out: " + "; ".join(study.left_out)))
     return blocks

@@ -32,7 +32,7 @@ from dampyr.show.pages.html_page import page, write_html
 from dampyr.show.table import Cell, Table
 from dampyr.shown import Shown
 from dampyr.studies._compared_value import ComparedValue, ComparisonTolerance, claim, judge
-from dampyr.studies._study_run import compared_table
+from dampyr.studies._study_run import compared_table, comparison_figure
 from dampyr.studies.vrths_2020.benchmark import CASES, INTENSITY, MOTIONS, SOURCE, motion, structure
 from dampyr.to_json import plain
 
@@ -230,8 +230,12 @@ def write(study: VrthsStudy, out: Path) -> VrthsStudy:
 
 def html(study: VrthsStudy) -> str:
     """The whole page."""
+    figure = comparison_figure(study.compared)
     sections = [
-        Section("Against the replica, and the aims", [compared_table(study.compared, digits=4)]),
+        Section(
+            "Against the replica, and the aims",
+            [*([figure] if figure else []), compared_table(study.compared, digits=4)],
+        ),
         Section(
             "All criteria", [Text(NOTES), *(criteria_table(study, name) for name in MOTIONS), measured_table(study)]
         ),
