@@ -1,5 +1,6 @@
 """Pages: self-contained, escaped, whole or not there."""
 
+import hashlib
 import math
 import re
 from functools import cache
@@ -15,6 +16,7 @@ from dampyr.phrases import sentence
 from dampyr.show.figures import style
 from dampyr.show.figures.loops import loops
 from dampyr.show.pages.blocks import FigureBlock, Section, Text
+from dampyr.show.pages.how_made import made_by
 from dampyr.show.pages.html_page import number, page, write_html
 from dampyr.show.table import Table, Verdict
 
@@ -235,3 +237,13 @@ def test_a_table_of_many_columns_is_set_smaller() -> None:
 
     assert '<table class="wide">' in of(9)
     assert '<table class="wide">' not in of(8)
+
+
+def test_checksums_stand_beside_a_page_for_those_who_check_its_files(tmp_path: Path) -> None:
+    data = tmp_path / "a & b.csv"
+    data.write_text("t,x\n0,1\n", "utf-8")
+    with made_by("dampyr identify", [data]):
+        path = write_html(tmp_path / "fit.html", page("A fit", [Section("In short", [Text("It is good.")])]))
+    beside = path.with_suffix(".sha256").read_text("utf-8")
+    assert beside == f"{hashlib.sha256(data.read_bytes()).hexdigest()}  a & b.csv\n"
+    assert not write_html(tmp_path / "b.html", page("B", [Section("A", [Text("B.")])])).with_suffix(".sha256").exists()

@@ -8,6 +8,7 @@ import unicodedata
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from html import unescape
 from importlib.resources import files
 from itertools import chain, count
 from pathlib import Path
@@ -36,6 +37,9 @@ WIDE, CROWDED = 8, 12  # columns, beyond which they stand closer, and closer sti
 PROSE = 60  # letters of a cell that is read as a sentence
 MAX_PLACES = 6  # decimals of a column; smaller numbers have powers of ten
 MARGIN = 64  # letters of the title at the foot of a printed page
+_CHECKSUM = re.compile(
+    r'<li><span>([^<]*)</span> <code>([0-9a-f]+)<span class="rest">([0-9a-f]+)</span>'
+)  # of a file, as the template has it
 _SHARES = {style.THIRD: "third", style.HALF: "half", style.TWO_THIRDS: "two-thirds", 1.0: ""}
 _MARKS = {
     "agrees": "✓", "differs": "≠", "cannot be checked": "?",
@@ -166,10 +170,16 @@ def _table_names(sections: Sequence[Section]) -> Iterator[str]:
 
 
 def write_html(path: str | Path, html: str) -> Path:
-    """Write a page whole or not at all: a reader never sees half of it."""
+    """Write a page whole or not at all: a reader never sees half of it.
+
+    Beside it stand the checksums of its data files, which ``sha256sum --check`` reads in their folder: NAME.sha256.
+    """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, html)
+    checksums = "".join(f"{first}{rest}  {unescape(name)}\n" for name, first, rest in _CHECKSUM.findall(html))
+    if checksums:
+        write_whole(path.with_suffix(".sha256"), checksums)
     return path
 
 
