@@ -106,8 +106,8 @@ LETTERS = """() => Math.min(99, ...[...document.querySelectorAll("figure svg tex
     .map((text) => parseFloat(getComputedStyle(text).fontSize) * Math.hypot(text.getScreenCTM().c, text.getScreenCTM().d)))"""
 
 
-PAGES = {"motion": 3, "run": 3, "identify": 8, "validate": 5, "simulate": 4, "ensemble": 4, "demo": 10, "reproduce": 40}
-PAPER = {"width": 658, "height": 986}  # A4 less its margins, in CSS pixels
+PAGES = {"motion": 3, "run": 3, "identify": 5, "validate": 4, "simulate": 3, "ensemble": 3, "demo": 8, "reproduce": 12}
+PAPER = {"width": 665, "height": 1002}  # A4 less its margins, in CSS pixels
 
 
 def on_paper(page):
@@ -129,8 +129,8 @@ def check_layout(page):
     assert page.evaluate("getComputedStyle(document.body).color") == "rgb(0, 0, 0)"
     assert page.evaluate(WIDE) == []
     sizes = page.evaluate(SIZES)
-    assert min(sizes["all"].values()) >= 8.0, sizes["all"]
-    assert sizes["body"] == 10.5
+    assert min(sizes["all"].values()) >= 7.0, sizes["all"]
+    assert sizes["body"] == 10.0
     assert max([0.0, *sizes["small"]]) < sizes["body"]
     assert page.evaluate(CUT) == []
 
@@ -196,7 +196,7 @@ def test_headings_stand_on_every_page_of_a_table_and_every_page_has_its_number(l
     for number, text in enumerate(texts, 1):
         assert f"page{number}of{len(texts)}" in text
         assert 'Judgedby"a\\b"</style>·' in text
-    for text in texts[:3]:
+    for text in texts[:2]:
         assert "testpeakspeedmm/sverdict" in text
         assert text.count("test") > 20
 

@@ -125,11 +125,19 @@ def comparison_figure(judged: Sequence[ComparedValue]) -> FigureBlock | None:
 
 
 def compared_table(judged: Sequence[ComparedValue], caption: str = "", digits: int = 6) -> Table:
-    """Published beside ours, with the verdict and its reason."""
-    rows: list[list[Cell]] = [
-        [f.artefact, f.quantity, _shown(f.published), _shown(f.ours), f.unit, Verdict(f.verdict, f.reason)]
-        for f in judged
-    ]
+    """Published beside ours, with the verdict and its reason; what cannot be checked for one reason stands in one row."""
+    unchecked: dict[tuple[str, str], list[str]] = {}
+    for f in judged:
+        if f.verdict == "cannot be checked":
+            unchecked.setdefault((f.quantity, f.reason), []).append(f.artefact)
+    rows: list[list[Cell]] = []
+    for f in judged:
+        artefacts = (
+            unchecked.get((f.quantity, f.reason), [f.artefact]) if f.verdict == "cannot be checked" else [f.artefact]
+        )
+        if f.artefact == artefacts[0]:
+            name = ", ".join(artefacts) if len(set(artefacts)) > 1 else f.artefact
+            rows.append([name, f.quantity, _shown(f.published), _shown(f.ours), f.unit, Verdict(f.verdict, f.reason)])
     columns = ("artefact", "quantity", "published", "ours", "unit", "verdict")
     align = ("left", "left", "right", "right", "left", "left")
     return Table(columns, rows, align=align, caption=caption, digits=digits)

@@ -103,7 +103,7 @@ class TestOnTheFiles:
         assert study.page is not None
         text = study.page.read_text("utf-8")
         assert [name for name in ARTEFACTS if name not in text] == []
-        assert text.count("<svg") == 12
+        assert text.count("<svg") == 13
         output = json.loads((study.page.parent / "reproduce.json").read_text("utf-8"))
         assert len(output["compared"]) == len(study.compared)
         assert output["artefacts"]["(4.7)"] == {"verdict": "agrees", "agrees": 4, "differs": 0, "cannot be checked": 0}

@@ -221,9 +221,9 @@ def _block(block: Block, prefix: str, labels: Iterator[str]) -> dict[str, Any]:
 
     match block:
         case Text():
-            return {"kind": "text", "paragraphs": block.paragraphs}
+            return {"kind": "text", "paragraphs": block.paragraphs, "share": ""}
         case Verdict():
-            return {"kind": "verdict", "verdict": block}
+            return {"kind": "verdict", "verdict": block, "share": ""}
         case FigureBlock():
             svg = inline_svg(block.figure, with_powers(block.alt or block.caption), prefix)
             return {"kind": "figure", "svg": Markup(svg), "caption": block.caption, "share": _share(block)}
@@ -248,6 +248,7 @@ def _table(table: Table) -> dict[str, Any]:
     ]
     return {
         "kind": "table",
+        "share": "",
         "kinds": " ".join(_kinds(table)),
         "caption": " ".join(filter(None, (table.caption, *table.notes))),
         "columns": [{"name": n, "unit": u, "side": s} for n, u, s in zip(table.columns, units, sides, strict=True)],

@@ -31,8 +31,9 @@ LETTER = {"kx": "kx", "kw": "kw", "rho": "ρ"}
 FETCH = "`dampyr datasets fetch labcontrol`"
 NO_FILES = f"the campaign's files are not on this machine; get them with {FETCH}"
 METHOD = (
-    "“Modified” is the method (4.1)-(4.2), on samples faster than half the peak speed and past the turning points; “least "
-    "squares”, “fitted” in the table, is one fit of (2.3)-(2.4) over the whole record. Allowed: "
+    "In the table: the motion, printed and ours over whole cycles; the coefficients, printed, by the modified method (mod.), "
+    "and by least squares (fit); the verdict names what differs. The modified method is (4.1)-(4.2), on samples faster than half "
+    "the peak speed and past the turning points; least squares is one fit of (2.3)-(2.4) over the whole record. Allowed: "
     f"{100 * MOTION.relative:g} % for the motion, {100 * COEFFICIENT.relative:g} % for the coefficients of the modified method."
 )
 
@@ -232,16 +233,12 @@ def _rows_table(by_row: Sequence[tuple[PublishedRow, PublishedTest | None, list[
         rows.append([*cells, _verdict(row_values)])
     columns, units = ["row", "file"], ["", ""]
     for k, (name, unit) in enumerate((("displ.", "mm"), ("freq.", "Hz"))):
-        columns += [f"{name} printed", "measured" + " " * k]
+        columns += [f"{name} printed", "ours" + " " * k]
         units += [unit, unit]
     for k, name in enumerate(PARAMETERS):
-        columns += [f"{LETTER[name]} printed", "modified" + " " * k, "fitted" + " " * k]
+        columns += [f"{LETTER[name]} printed", "mod." + " " * k, "fit" + " " * k]
         units += [UNITS[name]] * 3
-    caption = (
-        "The motion: printed, and measured over whole cycles. The coefficients: printed, by the modified method, and by least "
-        "squares. The verdict names what differs."
-    )
-    return Table([*columns, "verdict"], rows, [*units, ""], caption=caption, digits=4)
+    return Table([*columns, "verdict"], rows, [*units, ""], caption="The rows: printed, and ours.", digits=4)
 
 
 def _verdict(judged: Sequence[ComparedValue]) -> Verdict:

@@ -35,7 +35,6 @@ def html(study: Study) -> str:
     sections = [Section("Summary", summary(study)), *(Section(part.title, part.blocks) for part in study.parts)]
     if study.errata:
         sections.append(Section("Slips of the text", [errata(study.errata)]))
-    sections.append(Section("What was left out", [Text("\n\n".join(study.left_out) or "Nothing.")]))
     provenance = {
         "dissertation": SOURCE,
         "data": f"{DATA}; read from {study.data.name}" if study.data else "the measured files were not there",
