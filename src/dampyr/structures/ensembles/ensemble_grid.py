@@ -40,6 +40,7 @@ from dampyr.structures.sites import (
     placement,
     places_and_dampers,
 )
+from dampyr.structures.supports import refuse_supports
 from dampyr.units import in_si
 
 Array = NDArray[np.float64]
@@ -205,6 +206,7 @@ def cases(
     Raises :class:`~dampyr.errors.InputError` for what is wrong with them.
     """
     chosen = EnsembleOptions.of("ensemble", options, keywords)
+    refuse_supports("ensemble", *(buildings if isinstance(buildings, list | tuple) else [buildings]))
     kind, inputs = input_of(voltage, current)
     placements = [placement(entry) for entry in _list(dampers)]
     kind, inputs = _of_passive_dampers(placements, kind, inputs)
