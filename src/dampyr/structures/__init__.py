@@ -40,13 +40,13 @@ from dampyr.structures.supports import SupportMotions, with_supports
 from dampyr.structures.time_history.respond import respond
 from dampyr.structures.time_history.response import Response
 from dampyr.structures.time_history.state_space import from_state_space, state_space
-from dampyr.structures.vehicle import quarter_car, road
+from dampyr.structures.vehicle import axle_roads, half_car, quarter_car, road
 from dampyr.structures.yielding import yielding_shear_building
 
 __all__ = [
     "Building", "two_storey", "shear_building", "yielding_shear_building", "isolated", "single_mass", "quarter_car", "road",
     "random_road", "bump", "ride_figures", "RideFigures", "vertical_weighting", "weighted_acceleration", "condense",
-    "load", "FloorLoads", "read_loads", "with_supports", "SupportMotions", 
+    "load", "FloorLoads", "read_loads", "with_supports", "SupportMotions", "half_car", "axle_roads",
     "respond", "control_law", "arena", "Arena", "available_control_laws", "ControlLaw", "LawDesign", "Sensor",
     "search_control", "ControlSearch", "control_laws_of",
     "RespondOptions", "ensemble", "EnsembleOptions", "EnsembleResult", "ensemble_cases", "read_ensemble",
