@@ -177,6 +177,8 @@ def test_a_half_car_whose_axles_are_kept_apart_is_two_quarter_cars() -> None:
     """J = m l_f l_r: neither axle feels the other's road."""
     half = half_car(500.0, 500.0 * 1.1 * 1.5, 1.1, 1.5, (45.0, 40.0), (18e3, 20e3), 190e3, 300.0)
     assert half.M[1, 3] == pytest.approx(0.0, abs=1e-12)
+    assert "body 500, wheels 45 and 40 kg" in repr(half)
+    assert "2.6 m apart, 3270 and 2467 N on them; centre of mass 1.1 m behind" in repr(half)
     assert half.static_loads == pytest.approx(9.80665 * np.array([500 * 1.5 / 2.6 + 45.0, 500 * 1.1 / 2.6 + 40.0]))
     heights = random_road("C", 20.0, 0.05, seed=4, lead=2.0)
     roads = axle_roads(heights, 0.05, 20.0, half.wheelbase)

@@ -92,6 +92,11 @@ class Building(Shown):
         """The floor that a storey stands on, by count, 0 for the ground: storey i joins the floors i-1 and i."""
         return storey - 1
 
+    @property
+    def is_stack(self) -> bool:
+        """Whether each floor stands on the one before it."""
+        return all(self.floor_below(k) == k - 1 for k in range(1, self.n_floors + 1))
+
     def _storey(self, storey: Any) -> int:
         if isinstance(storey, bool) or not isinstance(storey, int | np.integer) or not 1 <= storey <= self.n_floors:
             raise InputError(

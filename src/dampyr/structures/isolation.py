@@ -80,6 +80,8 @@ def isolated(
         Argument("isolators", isolators, (Damper,), DAMPER),
     )
     refuse_supports("isolated", building)
+    if not building.is_stack:
+        raise InputError(f"the floors of {building.name} do not stand one on the other, as above a slab they must")
     if isinstance(building, Condensed):
         raise InputError(f"{building.name} was reduced, and its coordinates are no floors; isolate the whole structure")
     numbers = {

@@ -157,7 +157,7 @@ class Cases:
     def digest(self) -> str:
         """A hash of all that decides the numbers."""
         parts = [
-            [(b.M, b.C, b.K, b.influence, *_left_out(b)) for b in self.buildings],
+            [(b.M, b.C, b.K, b.influence, *_left_out(b), *_storeys(b)) for b in self.buildings],
             [_plain(p) for p in self.placements],
             tuple(spelled(u) if is_control_law(u) else u for u in self.inputs),
             [(m.acceleration, m.dt) for m in self.motions],
@@ -182,6 +182,11 @@ def _left_out(building: Building) -> tuple[Any, ...]:
     """What decides the numbers of a reduced structure besides its own matrices."""
     whole = building.whole if isinstance(building, Condensed) and not building.exact else None
     return () if whole is None else (whole.M, whole.C, whole.K, whole.influence, whole.retained)
+
+
+def _storeys(building: Building) -> tuple[int, ...]:
+    """What each storey stands on, where floors do not stand one on the other."""
+    return () if building.is_stack else tuple(building.floor_below(k + 1) for k in range(building.n_floors))
 
 
 def _plain(placement: Mapping[Any, Any]) -> list[Any]:
