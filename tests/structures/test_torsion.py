@@ -23,6 +23,7 @@ from dampyr.structures import (
     shear_building,
     torsional_building,
 )
+from dampyr.structures.batch.modal import step
 from dampyr.studies import raminelli_2020
 
 MODEL = Path(__file__).with_name("torsion_in_opensees.py")
@@ -220,3 +221,11 @@ def test_a_law_at_a_line_runs() -> None:
     damper, law = raminelli_2020.damper(), control_law("on_off", high=1.98)
     response = respond(house(), short(1.0), {("ground", "1 right"): damper}, voltage=law, step=0.0025)
     assert 0.0 < response.mean_input[0] < 1.98
+
+
+def test_lanes_know_that_its_floors_do_not_stand_one_on_the_other() -> None:
+    """Their drifts are no differences of neighbours, as the proof of four storeys shows."""
+    for b, stack in ((house(), False), (shear_building([1e4] * 3, [1e7] * 3, 0.02), True)):
+        made = step(b, b.connection(1)[None], 0.005)
+        assert made.is_stack is stack
+        assert np.array_equal(made.drift[:, : b.n], np.array([b.connection(k + 1) for k in range(b.n)]))

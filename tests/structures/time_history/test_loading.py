@@ -14,7 +14,8 @@ from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.models import Constant, Damper, Polynomial
 from dampyr.structures import FloorLoads, control_law, read_loads, respond, shear_building, two_storey
-from dampyr.structures.time_history.loading import common_step
+from dampyr.structures.sensors import DamperPlace
+from dampyr.structures.time_history.loading import common_step, excitation
 from dampyr.structures.time_history.modal_coordinates import modal_condensation
 from dampyr.structures.time_history.response import Response
 from dampyr.studies import raminelli_2020
@@ -59,6 +60,13 @@ def checked(response: Response, b, loads: FloorLoads, ground: np.ndarray, C: np.
     v = theirs[n]
     shear = STIFFNESSES[0] * theirs[0] + (DASHPOTS[0] + C[0, 0] - b.C[0, 0]) * v
     assert response.base_shear == pytest.approx(shear, abs=rel * np.abs(shear).max())
+    for peaks, histories in (
+        (response.peak_base_shear, np.abs(response.base_shear).max()),
+        (response.peak_acceleration, np.abs(response.acceleration).max(axis=1)),
+        (response.peak_drift, np.abs(response.drift).max(axis=1)),
+    ):  # taken between the samples, too
+        assert np.all(peaks >= histories * (1 - 1e-9))
+        assert peaks == pytest.approx(histories, rel=0.03)
     scale = np.abs(response.energy.input).max()
     assert np.abs(response.energy.residual).max() < 1e-4 * scale
 
@@ -151,6 +159,30 @@ def test_a_law_sees_what_loads_and_ground_do() -> None:
     assert 0.2 < np.mean(inputs) < 1.8
     assert response.peak_displacement == pytest.approx(peaks, rel=1e-3)
     assert response.mean_input[0] == pytest.approx(np.mean(inputs), abs=0.01)
+
+
+def test_sensors_see_the_accelerations_and_velocities_of_a_response() -> None:
+    b, motion, loads = building(), short(2.0), gusts(0.02, 2.0)
+    damper = Damper("dahl", {"dahl.kx": DASHPOT, "dahl.kw": 2e4, "dahl.rho": 800.0})
+    response = respond(b, motion, {2: damper}, voltage=0.0, loads=loads)
+    pushed = excitation(b, motion, loads, 0.0)
+    place = DamperPlace(b, b.connection(2)[None], 0, pushed.loads(b))
+    still = np.zeros_like(pushed.values.T)
+    ground = pushed.motion
+    w = np.vstack(
+        [
+            response.displacement,
+            response.velocity,
+            ground.velocity,
+            ground.acceleration,
+            response.force,
+            still,
+            pushed.values.T,
+        ]
+    )
+    seen = place.accelerations() @ w
+    assert seen == pytest.approx(response.acceleration, abs=1e-9 * np.abs(seen).max())
+    assert (place.velocity(True) @ w)[0] == pytest.approx(response.velocity[1] + ground.velocity, abs=1e-12)
 
 
 def theirs(b_loads: FloorLoads, motion: GroundMotion | None, step: float, steel: list[float]) -> np.ndarray:
