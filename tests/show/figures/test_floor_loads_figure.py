@@ -10,6 +10,8 @@ def test_each_floor_has_its_panel_and_peak() -> None:
     figure = MAKERS["loads"]()
     assert [line for line in lines(figure) if ":" in line] == ["roof: 80 N", "floor 1: 30 N"]
     assert len(figure.axes) == 2
+    large = floor_loads(np.array([0.0, 1.0]), {"1": np.array([0.0, 2e4])})
+    assert [line for line in lines(large) if ":" in line] == ["floor 1: 20 kN"]
 
 
 def test_of_many_floors_the_largest_are_drawn() -> None:

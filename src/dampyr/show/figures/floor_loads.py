@@ -14,7 +14,7 @@ from dampyr.show.figures.style import TIME, Axis
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-LOAD = Axis("load", "N")
+LARGE = 1e4  # N, from which on forces are drawn in kN
 DRAWN = 4  # floors: of more, those with the largest peaks
 
 
@@ -29,12 +29,13 @@ def floor_loads(time: ArrayLike, forces: Mapping[str, ArrayLike], title: str = "
     peaks = {floor: float(np.max(np.abs(np.asarray(row)))) for floor, row in forces.items()}
     largest = sorted(peaks, key=lambda floor: -peaks[floor])[:DRAWN]
     drawn = [floor for floor in forces if floor in largest][::-1]
+    axis = Axis("load", "kN", 1e-3) if max(peaks.values()) >= LARGE else Axis("load", "N")
     t = TIME.of(time)
     with style.panels(1.2 + 1.1 * len(drawn), len(drawn), 1, title, sharex=True, sharey=True) as (fig, axes):
         for panel, floor in zip(axes[:, 0], drawn, strict=True):
             name = f"floor {floor}" if floor.isdigit() else floor
-            style.line_with_peak(panel, time, forces[floor], LOAD, name, style.BLUE)
-        fig.supylabel(LOAD.label, fontsize=10)
+            style.line_with_peak(panel, time, forces[floor], axis, name, style.BLUE)
+        fig.supylabel(axis.label, fontsize=10)
         axes[-1, 0].set_xlim(t[0], t[-1])
         axes[-1, 0].set_xlabel(TIME.label)
         style.legend(fig, *axes[:, 0], columns=2, min_entries=1)

@@ -9,7 +9,7 @@ import numpy as np
 
 from dampyr.phrases import listing, sentence
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
-from dampyr.show.figures.floor_loads import floor_loads
+from dampyr.show.figures.floor_loads import LARGE, floor_loads
 from dampyr.structures.floor_loads import FloorLoads
 
 FEW = 4  # floors that a line lists
@@ -43,7 +43,9 @@ def loads_in_words(loads: FloorLoads) -> str:
 
 
 def _peaks_in_words(loads: FloorLoads) -> str:
-    peaks = [f"{floor_in_words(floor)} peak {value:.4g} N" for floor, value in loads.peaks.items()]
+    largest = max(loads.peaks.values())
+    factor, unit = (1e-3, "kN") if largest >= LARGE else (1.0, "N")
+    peaks = [f"{floor_in_words(floor)} peak {factor * value:.4g} {unit}" for floor, value in loads.peaks.items()]
     more = f", and {len(peaks) - FEW} more floors" if len(peaks) > FEW else ""
     return listing(peaks[:FEW], FEW) + more
 
