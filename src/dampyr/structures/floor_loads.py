@@ -135,6 +135,15 @@ def _floor_of(building: Building, floor: str) -> int:
     )
 
 
+def refuse_loads(call: str, keywords: Mapping[str, Any]) -> None:
+    """:class:`~dampyr.errors.InputError` where a call that runs motions of the ground alone is given loads."""
+    if "loads" in keywords:
+        raise InputError(
+            f"{call} runs motions of the ground alone, without loads on floors; take respond(..., loads=), one case "
+            "after another"
+        )
+
+
 def read_loads(path: str | Path, units: str | None = None, name: str | None = None) -> FloorLoads:
     """Loads on floors from a table in a text: a column of times, and one of forces for each loaded floor.
 

@@ -13,7 +13,16 @@ from tests.structures.begin_of_el_centro import short
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.models import Constant, Damper, Polynomial
-from dampyr.structures import FloorLoads, control_law, read_loads, respond, shear_building, two_storey
+from dampyr.structures import (
+    FloorLoads,
+    control_law,
+    ensemble,
+    ensemble_cases,
+    read_loads,
+    respond,
+    shear_building,
+    two_storey,
+)
 from dampyr.structures.sensors import DamperPlace
 from dampyr.structures.time_history.loading import common_step, excitation
 from dampyr.structures.time_history.modal_coordinates import modal_condensation
@@ -287,6 +296,18 @@ def test_what_a_response_tells_of_its_loads() -> None:
 def test_wrong_loads_of_a_response_are_refused(arguments: dict, message: str) -> None:
     with pytest.raises(InputError, match=message):
         respond(two_storey(), **arguments)
+
+
+def test_loads_are_given_by_name_and_to_responses_alone() -> None:
+    loads = FloorLoads([0.0, 1.0], {1: [0.0, 1.0]})
+    with pytest.raises(InputError, match="the motion is FloorLoads; give them by name"):
+        respond(two_storey(), loads)
+    with pytest.raises(
+        InputError, match=r"ensemble runs motions of the ground alone, without loads on floors; take respond"
+    ):
+        ensemble(two_storey(), short(1.0), loads=loads)
+    with pytest.raises(InputError, match=r"ensemble runs motions of the ground alone"):
+        ensemble_cases(two_storey(), short(1.0), loads=loads)
 
 
 def test_drawn_dampers_know_no_loads() -> None:

@@ -29,6 +29,7 @@ from dampyr.structures.building import Building, Condensed
 from dampyr.structures.building_options import EnsembleOptions
 from dampyr.structures.control_laws import is_control_law, parts, spelled
 from dampyr.structures.controller import asks_force, design_controller
+from dampyr.structures.floor_loads import refuse_loads
 from dampyr.structures.sites import (
     Site,
     any_has_input,
@@ -210,6 +211,7 @@ def cases(
 
     Raises :class:`~dampyr.errors.InputError` for what is wrong with them.
     """
+    refuse_loads("ensemble", keywords)
     chosen = EnsembleOptions.of("ensemble", options, keywords)
     refuse_supports("ensemble", *(buildings if isinstance(buildings, list | tuple) else [buildings]))
     kind, inputs = input_of(voltage, current)

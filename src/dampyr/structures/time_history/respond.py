@@ -185,6 +185,8 @@ def respond(
     >>> list(dp.structures.respond(building, motion, dampers={1: damper}, voltage=[0.0, 1.98]).cases)
     ['no damper', '0 V', '1.98 V']
     """
+    if isinstance(motion, FloorLoads):
+        raise InputError("the motion is FloorLoads; give them by name, respond(building, None, ..., loads=loads)")
     check_kinds(
         "respond",
         Argument("building", building, (Building,), BUILDING),
