@@ -102,6 +102,7 @@ def prepared(tmp_path_factory: pytest.TempPathFactory) -> Path:
     rows = [f"{a:.3f};{8 * np.sin(6 * a):.4f};{0.3 * np.tanh(5 * np.cos(6 * a)):.4f}" for a in 0.004 * np.arange(1500)]
     (folder / "test.csv").write_text("t [s];x [mm];Load cell [kN]\n" + "\n".join(rows).replace(".", ","))
     write_response(folder / "response", 0.01)
+    (folder / "wind.csv").write_text("time [s],floor 1 [N],floor 2 [kN]\n0,0,0\n0.5,300,0.2\n1,100,0.5\n4,0,0\n")
     (folder / "limits.csv").write_text("quantity,high [ms]\nt63,20\n")
     return folder
 

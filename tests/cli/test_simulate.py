@@ -5,8 +5,8 @@ import pytest
 from click.testing import CliRunner
 
 from dampyr.cli import cli
-from dampyr.ground_motions import el_centro
-from dampyr.structures import control_law, respond, two_storey
+from dampyr.ground_motions import GroundMotion, el_centro
+from dampyr.structures import FloorLoads, control_law, respond, two_storey
 from dampyr.structures.control_laws import describe_law, law_of
 from dampyr.studies import raminelli_2020
 
@@ -106,3 +106,33 @@ def test_a_wrong_law_is_one_line(given, message):
     assert done.exit_code == 2
     assert message in done.stderr
     assert len(done.stderr.strip().splitlines()) == 1
+
+
+def test_loads_act_alone_or_with_a_motion(tmp_path):
+    table, motion = tmp_path / "wind.csv", tmp_path / "quake.csv"
+    table.write_text("time [s],floor 1,floor 2\n0,0,0\n0.5,0.03,-0.06\n1,0,0\n")
+    motion.write_text("time [s],acceleration [m/s^2]\n0,0\n0.02,1\n0.04,-1\n0.06,0\n")
+    loads = FloorLoads([0.0, 0.5, 1.0], {"floor 1": [0.0, 30.0, 0.0], "floor 2": [0.0, -60.0, 0.0]})
+    shaken = GroundMotion([0.0, 1.0, -1.0, 0.0], 0.02)
+    for arguments, given in (((), None), (("--motion", str(motion)), shaken)):
+        told = simulate("--loads", str(table), "--load-unit", "kN", *arguments)
+        for name, damper in (("no damper", {}), ("1.98 V", {1: raminelli_2020.damper()})):
+            ours = respond(two_storey(), given, damper, voltage=1.98 if damper else None, loads=loads)
+            assert told[name]["peak_displacement_m"] == pytest.approx(ours.peak_displacement, rel=1e-9)
+            assert told[name]["loads"]["peak_N"] == {"floor 1": 30.0, "floor 2": 60.0}
+    words = ["simulate", "--voltage", "0", "--loads", str(table)]
+    shown = CliRunner().invoke(cli, [*words, "--load-unit", "kN"], catch_exceptions=False).stdout
+    assert "Loads on floors, wind: floor 1 peak 30 N, floor 2 peak 60 N." in " ".join(shown.split())
+    for more, message in (
+        ((), "the column 'floor 1' has no unit; write it in the header"),
+        (
+            ("--load-unit", "kN", "--scale", "2"),
+            "--scale is of a ground motion, and the loads act alone; give --motion",
+        ),
+        (("--load-unit", "kN", "--unit", "time=ms"), "--unit is of a ground motion"),
+        (("--load-unit", "mm"), "does not measure"),
+    ):
+        refused = CliRunner().invoke(cli, [*words, *more])
+        assert (refused.exit_code, message in refused.stderr) == (2, True), refused.stderr
+    refused = CliRunner().invoke(cli, ["simulate", "--voltage", "0", "--load-unit", "kN"])
+    assert "--load-unit is of the table of --loads" in refused.stderr

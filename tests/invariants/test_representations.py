@@ -317,6 +317,8 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "structures.RideFigures": lambda _: dp.structures.RideFigures(
         0.9, 1.2, 4.1, 1.4, 2.3, 0.006, 0.021, 420.0, 1400.0, 3530.4, 0.0
     ),
+    "structures.FloorLoads": lambda _: dp.structures.FloorLoads([0.0, 0.5, 1.0], {1: [0.0, 30.0, 0.0]}, "gust"),
+    "structures.SupportMotions": lambda _: dp.structures.axle_roads(0.01 * np.hanning(41), 0.1, 10.0, 2.6),
     "structures.Rides": lambda made: dp.structures.rides(
         dp.structures.quarter_car(290.0, 45.0, 18e3, 190e3, 300.0), made.damper, 1.98, seeds=2, length=50.0
     ),

@@ -176,7 +176,7 @@ def test_the_text_of_the_kernel_decides_as_the_controller_does(name: str, cubics
     for k, (w, (expected, _)) in enumerate(zip(record, decided, strict=True)):
         now = SimpleNamespace(z=w[:4], f=w[6:])
         with np.errstate(over="ignore"):
-            time_stepping.measure(0, k, lin, control, now, w[4], w[5])
+            time_stepping.measure(0, k, lin, control, None, now, w[4], w[5])
         time_stepping.filtered(0, control)
         control.command[0] = time_stepping.take_decision(0, k, control, models)
         assert control.command[0] == pytest.approx(expected, abs=1e-10)

@@ -6,6 +6,8 @@ from scipy.signal import bilinear_zpk, sosfilt, tf2zpk, zpk2sos
 
 from dampyr.errors import InputError
 from dampyr.structures import (
+    axle_roads,
+    half_car,
     quarter_car,
     random_road,
     respond,
@@ -97,3 +99,57 @@ def test_what_is_no_ride_is_refused():
         weighted_acceleration(np.zeros(9), 0.01)
     with pytest.raises(InputError, match="one row of finite numbers"):
         weighted_acceleration([0.0, np.nan], 0.001)
+
+
+HALF = half_car(600.0, 950.0, 1.3, 1.4, 40.0, (20e3, 22e3), 190e3, (1500.0, 1300.0))
+
+
+def test_a_ride_of_a_half_car_is_that_of_its_body_and_axles() -> None:
+    """Each figure from the histories, written apart; the seat by the rigid body."""
+    heights = random_road("C", 60.0, 0.05, seed=3)
+    response = respond(HALF, axle_roads(heights, 0.05, 20.0, HALF.wheelbase))
+    figures = ride_figures(response, HALF, start=0.7, position=1.7)
+    part = response.time >= 0.7 - 1e-9
+    front, rear = response.acceleration[1], response.acceleration[3]
+    seat = front + (rear - front) * 1.7 / 2.7
+    assert figures.acceleration == pytest.approx(np.sqrt(np.mean(seat[part] ** 2)))
+    felt = weighted_acceleration(seat, 0.0025)[part]
+    assert figures.weighted_acceleration == pytest.approx(np.sqrt(np.mean(felt**2)))
+    assert figures.pitch_acceleration == pytest.approx(np.sqrt(np.mean(((front - rear)[part] / 2.7) ** 2)))
+    weights = 9.80665 * np.array([600.0 * 1.4 / 2.7 + 40.0, 600.0 * 1.3 / 2.7 + 40.0])
+    for axle, k, weight in (("front", 0, weights[0]), ("rear", 2, weights[1])):
+        of_axle, load = figures.axles[axle], 190e3 * response.displacement[k][part]
+        travel = (response.displacement[k + 1] - response.displacement[k])[part]
+        assert of_axle.tyre_load == pytest.approx(np.sqrt(np.mean(load**2)))
+        assert of_axle.peak_tyre_load == pytest.approx(np.abs(load).max())
+        assert of_axle.travel == pytest.approx(np.sqrt(np.mean(travel**2)))
+        assert of_axle.static_load == pytest.approx(weight)
+    shares = {axle: of.tyre_load / of.static_load for axle, of in figures.axles.items()}
+    worst = figures.axles[max(shares, key=lambda axle: shares[axle])]
+    assert (figures.tyre_load, figures.static_load) == (worst.tyre_load, worst.static_load)
+    assert figures.travel == max(of.travel for of in figures.axles.values())
+    assert "rear axle" in repr(figures)
+    assert "rad/s² rms" in repr(figures)
+    assert figures.as_dict()["axles"]["front"]["travel"] == figures.axles["front"].travel
+    at_centre = ride_figures(response, HALF, start=0.7)
+    assert at_centre.acceleration == pytest.approx(ride_figures(response, HALF, 0.7, 1.3).acceleration)
+
+
+def test_the_axle_that_leaves_the_road_is_named() -> None:
+    heights = random_road("F", 40.0, 0.05, seed=3)
+    response = respond(HALF, axle_roads(heights, 0.05, 20.0, HALF.wheelbase))
+    words = [finding.words for finding in ride_figures(response, HALF, start=0.7).findings]
+    assert any(word.startswith("the front tyre would have to pull") for word in words)
+    assert any(word.startswith("the rear tyre would have to pull") for word in words)
+
+
+def test_a_position_is_of_a_half_car() -> None:
+    car = quarter_car(SPRUNG, UNSPRUNG, SUSPENSION, TYRE, DAMPING)
+    response = respond(car, road(random_road("C", 20.0, 0.05, seed=3), 0.05, 20.0))
+    with pytest.raises(InputError, match=r"position = 1\.0 is of a half car, and quarter car is a quarter of one"):
+        ride_figures(response, car, position=1.0)
+    with pytest.raises(InputError, match="give one of a quarter car, unsprung and sprung, or of a half car"):
+        ride_figures(response, HALF)
+    whole = respond(HALF, axle_roads(random_road("C", 20.0, 0.05, seed=3), 0.05, 20.0, HALF.wheelbase))
+    with pytest.raises(InputError, match="position = nan is not allowed"):
+        ride_figures(whole, HALF, position=np.nan)

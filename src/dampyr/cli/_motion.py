@@ -45,6 +45,12 @@ class Ground:
         )
         return self._scaled(ground_motions.corrected(motion) if baseline else motion)
 
+    def typed(self) -> list[str]:
+        """The options that were given."""
+        words = {"unit": "motion-unit"}
+        names = ("unit", "dt", "scale", "pga", "sa", "component")
+        return [f"--{words.get(name, name)}" for name in names if getattr(self, name) is not None]
+
     def _scaled(self, motion: GroundMotion) -> GroundMotion:
         flags = [f"--{name}" for name in ("scale", "pga", "sa") if getattr(self, name) is not None]
         if len(flags) > 1:

@@ -1,4 +1,4 @@
-"""Simulate: a structure with dampers in an earthquake."""
+"""Simulate: a structure with dampers in an earthquake, or under loads on its floors."""
 
 from __future__ import annotations
 
@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     epilog=examples(
         "dampyr simulate damper.toml --voltage 0 --voltage 1.98 --report building.html",
         "dampyr simulate --control on_off:low=0,high=1.98",
+        "dampyr simulate --voltage 0 --voltage 1.98 --loads wind.csv",
     ),
 )
 @click.argument("card", required=False, type=click.Path(path_type=Path))
@@ -52,7 +53,20 @@ if TYPE_CHECKING:
     "--storey", type=int, help="The storey in which the damper stands; i joins floors i-1 and i.  [default: 1]"
 )
 @click.option("--between", nargs=2, metavar="I J", help="Two floors that the damper joins instead; 0 is the ground.")
-@click.option("--motion", type=click.Path(path_type=Path), help="A ground motion file; without it El Centro 1940.")
+@click.option(
+    "--motion",
+    type=click.Path(path_type=Path),
+    help="A ground motion file; without it El Centro 1940, or none where there are --loads.",
+)
+@click.option(
+    "--loads",
+    "loads_file",
+    type=click.Path(path_type=Path),
+    help="A table of forces on floors, such as: time [s],floor 1 [kN],floor 2 [kN].",
+)
+@click.option(
+    "--load-unit", metavar="UNIT", help="Unit of the forces in --loads where its header has none, such as kN."
+)
 @motion_options
 @temperature_option
 @report_options()
@@ -72,6 +86,8 @@ def command(
     options: RespondOptions,
     reading: MotionReadOptions,
     motion: Path | None,
+    loads_file: Path | None,
+    load_unit: str | None,
     ground: Ground,
     temperature: float | None,
     report: Path | None,
@@ -83,9 +99,11 @@ def command(
     The structure is the two-storey building of Raminelli (2020), or that of --structure.
 
     CARD is a damper's card or the name of a published damper; without it that of Raminelli (2020) is taken.
-    The case without damper always comes first, then one case per --voltage (or --current).
+    The case without damper always comes first, then one case per --voltage (or --current). With --loads, a table of forces on
+    floors, the ground rests unless --motion is given, too.
     """
-    from dampyr.structures import respond
+    from dampyr.options import command_words
+    from dampyr.structures import read_loads, respond
 
     building = structure_of(structure)
     if without_damper:
@@ -93,8 +111,16 @@ def command(
     damper = None if without_damper else damper_of(card, temperature, options.allow_extrapolation)
     dampers = None if damper is None else {place_of(storey, between): damper}
     inputs: dict[str, Any] = {"voltage": []} if damper is None else inputs_by_kind(damper, voltages, currents, controls)
+    if load_unit is not None and loads_file is None:
+        raise InputError("--load-unit is of the table of --loads; give that, or leave the unit out")
+    loads = None if loads_file is None else read_loads(loads_file, load_unit)
+    shaking = ground.motion(motion, options=reading) if motion is not None or loads is None else None
+    if shaking is None and (flags := [*ground.typed(), *command_words(reading)]):
+        raise InputError(
+            f"{flags[0]} is of a ground motion, and the loads act alone; give --motion, too, or leave it out"
+        )
     with findings_below():
-        result = respond(building, ground.motion(motion, options=reading), dampers, **inputs, options=options)
+        result = respond(building, shaking, dampers, **inputs, options=options, loads=loads)
     if report:
         from dampyr.show.pages.result_page import write_page
 

@@ -27,6 +27,7 @@ from dampyr.errors import InputError
 from dampyr.shown import Shown
 from dampyr.structures import Building
 from dampyr.structures.propagator import transition
+from dampyr.structures.supports import refuse_supports
 
 Array = NDArray[np.float64]
 
@@ -145,6 +146,7 @@ class HybridSetup(Shown):
     numerical: Building = field(init=False)
 
     def __post_init__(self) -> None:
+        refuse_supports("a hybrid test", self.structure)
         _check(self, "rate", "Hz", 0.0, open_low=True)
         if isinstance(self.force_delay, bool) or self.force_delay not in (0, 1, 2, 3, 4, 5, 6):
             raise InputError(

@@ -1,11 +1,13 @@
 """Buildings with dampers and their response to earthquakes.
 
 ``respond(building, motion, dampers={storey: damper}, voltage=...)`` integrates a building through a ground motion; a
-damper stands in a storey or between any two floors, ``{(0, 2): damper}``, and one alone in storey 1. ``two_storey()``
-is the building of chapter 5, ``Building(M, C, K)``, ``shear_building``, ``single_mass``, ``quarter_car`` and
-``condense`` make others, ``load`` reads one from a TOML file, ``state_space`` writes one as matrices. ``control_law``
-makes a law that sets an input in the place of a number, `Sensor` says what is wrong with what it measures, and `ControlLaw`
-and `LawDesign` are for laws of one's own; a list of inputs gives `Responses`, a case for each.
+damper stands in a storey or between any two floors, ``{(0, 2): damper}``, and one alone in storey 1. ``loads=`` are forces
+on its floors, beside the motion or alone (`FloorLoads`, `read_loads`), and `SupportMotions` the motions of several supports
+(`with_supports`, `half_car`). ``two_storey()`` is the building of chapter 5, ``Building(M, C, K)``, ``shear_building``,
+``torsional_building``, ``single_mass``, ``quarter_car`` and ``condense`` make others, ``load`` reads one from a TOML file,
+``state_space`` writes one as matrices. ``control_law`` makes a law that sets an input in the place of a number, `Sensor` says
+what is wrong with what it measures, and `ControlLaw` and `LawDesign` are for laws of one's own; a list of inputs gives
+`Responses`, a case for each.
 ``ensemble`` runs the outer product of buildings, dampers, inputs, motions and scales, and returns the peaks;
 ``fragility``, ``incremental`` and ``arena`` evaluate them, ``search_control`` chooses among inputs
 and places, ``write_part`` and ``collect`` divide the work for a batch system.
@@ -25,6 +27,7 @@ from dampyr.structures.ensembles.fragility import fragility
 from dampyr.structures.ensembles.incremental import incremental
 from dampyr.structures.ensembles.job_array import collect, write_part
 from dampyr.structures.ensembles.summary import summary
+from dampyr.structures.floor_loads import FloorLoads, read_loads
 from dampyr.structures.isolation import isolated
 from dampyr.structures.law_form import ControlLaw, LawDesign
 from dampyr.structures.raminelli_2020_building import two_storey
@@ -34,17 +37,20 @@ from dampyr.structures.sensors import Sensor
 from dampyr.structures.several_rides import Rides, rides
 from dampyr.structures.shear import shear_building, single_mass
 from dampyr.structures.structure_file import load
+from dampyr.structures.supports import SupportMotions, with_supports
 from dampyr.structures.time_history.respond import respond
 from dampyr.structures.time_history.response import Response
 from dampyr.structures.time_history.state_space import from_state_space, state_space
-from dampyr.structures.vehicle import quarter_car, road
+from dampyr.structures.torsion import torsional_building
+from dampyr.structures.vehicle import axle_roads, half_car, quarter_car, road
 from dampyr.structures.yielding import yielding_shear_building
 
 __all__ = [
-    "Building", "two_storey", "shear_building", "yielding_shear_building", "isolated", "single_mass", "quarter_car", "road",
-    "random_road", "bump", "ride_figures", "RideFigures", "vertical_weighting", "weighted_acceleration", "condense",
-    "load", "respond", "control_law", "arena", "Arena", "available_control_laws", "ControlLaw", "LawDesign", "Sensor",
-    "search_control", "ControlSearch", "control_laws_of",
+    "Building", "two_storey", "shear_building", "torsional_building", "yielding_shear_building", "isolated", "single_mass",
+    "quarter_car", "half_car", "road", "axle_roads", "random_road", "bump", "ride_figures", "RideFigures",
+    "vertical_weighting", "weighted_acceleration", "condense", "load", "FloorLoads", "read_loads", "with_supports",
+    "SupportMotions", "respond", "control_law", "arena", "Arena", "available_control_laws", "ControlLaw", "LawDesign",
+    "Sensor", "search_control", "ControlSearch", "control_laws_of",
     "RespondOptions", "ensemble", "EnsembleOptions", "EnsembleResult", "ensemble_cases", "read_ensemble",
     "demand_tables", "write_demands", "summary", "fragility", "incremental", "write_part", "collect", "Response",
     "state_space", "from_state_space", "benchmark_criteria", "Rides", "rides",

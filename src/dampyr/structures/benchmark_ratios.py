@@ -57,9 +57,9 @@ def benchmark_criteria(
     >>> {name: round(value, 3) for name, value in S.benchmark_criteria(held, bare, building).items()}
     {'J1': 0.208, 'J2': 0.354, 'J3': 0.346, 'J4': 0.263, 'J5': 0.426, 'J6': 0.328, 'J11': 0.273, 'J12': 0.107}
     """
-    if not np.array_equal(response.ground_acceleration, bare.ground_acceleration):
+    if not np.array_equal(response.ground_acceleration, bare.ground_acceleration) or response.loads is not bare.loads:
         raise InputError(
-            "the two responses are of different motions; give both of the same motion and the same rest after it"
+            "the two responses are of different motions or loads; give both of the same motion, loads and rest"
         )
     if len(response.drift) != len(bare.drift) or len(response.drift) != building.n_floors:
         raise InputError(

@@ -86,7 +86,16 @@ class Building(Shown):
         first, second = (_floor_count(self.floors, floor, self.name) for floor in place)
         if first == second:
             raise InputError(f"{place!r} joins floor {second} to itself; a damper needs two different ends")
-        return second if second == first + 1 else (first, second)
+        return second if second and first == self.floor_below(second) else (first, second)
+
+    def floor_below(self, storey: int) -> int:
+        """The floor that a storey stands on, by count, 0 for the ground: storey i joins the floors i-1 and i."""
+        return storey - 1
+
+    @property
+    def is_stack(self) -> bool:
+        """Whether each floor stands on the one before it."""
+        return all(self.floor_below(k) == k - 1 for k in range(1, self.n_floors + 1))
 
     def _storey(self, storey: Any) -> int:
         if isinstance(storey, bool) or not isinstance(storey, int | np.integer) or not 1 <= storey <= self.n_floors:
@@ -103,7 +112,7 @@ class Building(Shown):
         ground: the stroke is q_j - q_i, and (i-1, i) is storey i.
         """
         resolved = self.resolve_place(place)
-        first, second = (resolved - 1, resolved) if isinstance(resolved, int) else resolved
+        first, second = (self.floor_below(resolved), resolved) if isinstance(resolved, int) else resolved
         values = np.zeros(self.n + 1)
         values[first], values[second] = -1.0, 1.0
         return values[1:]

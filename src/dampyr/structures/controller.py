@@ -140,17 +140,19 @@ class Controller:
         return np.array([getattr(self.law, name) for name in setting_names(type(self.law))], dtype=float)
 
 
-def design_controller(law: Any, building: Building, connections: Array, d: int, summed: bool = True) -> Controller:
+def design_controller(
+    law: Any, building: Building, connections: Array, d: int, summed: bool = True, loads: Any = None
+) -> Controller:
     """The controller of damper ``d`` of those at ``connections`` (N, n); InputError where the law's design does not fit.
 
-    What is linear in the measures whose sensors are ideal is ``summed`` up beforehand."""
+    What is linear in the measures whose sensors are ideal is ``summed`` up beforehand. ``loads`` are those of the response
+    (`dampyr.structures.time_history.loading.Loads`), of which sensors see what they do, and the design knows nothing."""
     cls: Any = type(law)
-    place, module = DamperPlace(building, connections, d), module_of(law)
+    place, module = DamperPlace(building, connections, d, loads), module_of(law)
     formulas: LawFormulas = formulas_of(cls)
     names = _measures(law)
     blocks = [MEASURES[name].rows(place) for name in names]
-    width = 2 * building.n + 2 + len(connections)
-    rows = np.vstack([np.zeros((0, width)), *blocks])
+    rows = np.vstack([np.zeros((0, place.width)), *blocks])
     first = dict(zip(names, np.cumsum([0, *map(len, blocks)]).tolist(), strict=False))
     design = module.design(law, building, place.row) if hasattr(module, "design") else LawDesign({})
     F = np.asarray(design.F, dtype=float)

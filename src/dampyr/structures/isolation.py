@@ -23,6 +23,7 @@ from dampyr.argument_kinds import BUILDING, DAMPER, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.models import Damper
 from dampyr.structures.building import Building, Condensed
+from dampyr.structures.supports import refuse_supports
 from dampyr.units import in_si
 
 
@@ -78,6 +79,9 @@ def isolated(
         Argument("building", building, (Building,), BUILDING),
         Argument("isolators", isolators, (Damper,), DAMPER),
     )
+    refuse_supports("isolated", building)
+    if not building.is_stack:
+        raise InputError(f"the floors of {building.name} do not stand one on the other, as above a slab they must")
     if isinstance(building, Condensed):
         raise InputError(f"{building.name} was reduced, and its coordinates are no floors; isolate the whole structure")
     numbers = {

@@ -85,6 +85,35 @@ def transition(building: Building, connections: Array, step: float, part: float)
     return np.ascontiguousarray(np.hstack([top[:, :size], ground, forces]))
 
 
+def driven(building: Building, push: Array, step: float, part: float) -> Array:
+    """The state at ``part`` of a step, from rest, under inputs that are linear over it: (2n, 2r) from the r values at its start
+    and those at its end. ``push`` (n, r) is the acceleration of the coordinates by one unit of each."""
+    from scipy.linalg import expm
+
+    n, count = push.shape
+    a = system(building, np.zeros((0, n)))[0]
+    big = np.zeros((2 * n + 2 * count, 2 * n + 2 * count))
+    big[: 2 * n, : 2 * n] = a * step
+    big[n : 2 * n, 2 * n : 2 * n + count] = push * step
+    big[2 * n : 2 * n + count, 2 * n + count :] = np.eye(count)
+    top = expm(big * part)[: 2 * n, 2 * n :]
+    by_value, by_slope = top[:, :count], top[:, count:]
+    return np.ascontiguousarray(np.hstack([by_value - by_slope, by_slope]))
+
+
+def driven_sites(building: Building, connections: Array, push: Array, step: float) -> tuple[Array, Array, Array]:
+    """`driven` at h/2 and at h, and the motion of the sites under the same inputs (6N, 2r), as ``explicit`` has it."""
+    n = building.n
+    a = system(building, np.zeros((0, n)))[0]
+    states, rows = [], []
+    for part in (0.5, 1.0):
+        state = driven(building, push, step, part)
+        acceleration = a[n:] @ state + np.hstack([(1.0 - part) * push, part * push])
+        states.append(state)
+        rows += [connections @ state[:n], connections @ state[n:], connections @ acceleration]
+    return states[0], states[1], np.ascontiguousarray(np.vstack(rows))
+
+
 def _site_motion(building: Building, connections: Array, transition: Array, part: float) -> Array:
     """Displacement, velocity and acceleration of the sites, rows over all the inputs of a transition."""
     n, sites = building.n, len(connections)

@@ -15,7 +15,8 @@ programs that agree with the table of factors that papers print of the standard 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,6 +26,7 @@ from dampyr.findings import Finding, worst_first
 from dampyr.shown import Shown
 from dampyr.structures.building import Building
 from dampyr.structures.time_history.response import Response
+from dampyr.structures.vehicle import AXLES, HalfCar
 from dampyr.units import STANDARD_GRAVITY, in_si
 
 Array = NDArray[np.float64]
@@ -70,14 +72,29 @@ def weighted_acceleration(acceleration: ArrayLike, dt: float) -> Array:
     return np.asarray(np.fft.irfft(np.fft.rfft(a, n) * weights, n)[: a.size])
 
 
+@dataclass(frozen=True)
+class AxleFigures:
+    """Travel, tyre load and static load of one axle of a half car, SI, as `RideFigures` calls them."""
+
+    travel: float
+    peak_travel: float
+    tyre_load: float
+    peak_tyre_load: float
+    static_load: float
+    off_road: float
+
+
 @dataclass(frozen=True, repr=False)
 class RideFigures(Shown):
     """Figures of a ride, SI.
 
+    Of a half car the acceleration is that of the body at a position; travel and peak travel are the larger ones of its axles,
+    and what is of the tyre is of the axle whose load changes by the larger share of its weight. ``axles`` has both.
+
     Attributes
     ----------
     weighted_acceleration
-        rms of the body's acceleration, weighted by W_k, m/s2: below 0.315 "not uncomfortable", above 2 "extremely
+        rms of the body's vertical acceleration, weighted by W_k, m/s2: below 0.315 "not uncomfortable", above 2 "extremely
         uncomfortable" in the words of ISO 2631-1.
     acceleration, peak_acceleration
         rms and largest magnitude without weighting, m/s2.
@@ -92,6 +109,10 @@ class RideFigures(Shown):
     off_road
         Share of the time in which the tyre would have to pull at the road, where a real one leaves it: the other figures do not
         hold then, which is one of the findings.
+    axles
+        The `AxleFigures` of the front and the rear axle of a half car; of a quarter car none.
+    pitch_acceleration
+        rms of the body's pitch, rad/s2, of a half car; of a quarter car None.
     findings
         What a person should look at in the response, and in these figures, the worst first.
     """
@@ -107,11 +128,14 @@ class RideFigures(Shown):
     peak_tyre_load: float
     static_load: float
     off_road: float
+    axles: Mapping[str, AxleFigures] = field(default_factory=dict)
+    pitch_acceleration: float | None = None
     findings: tuple[Finding, ...] = ()
 
 
-def ride_figures(response: Response, car: Building, start: float = 0.0) -> RideFigures:
-    """The figures of a ride: of a response of `dampyr.structures.quarter_car` on a `dampyr.structures.road`.
+def ride_figures(response: Response, car: Building, start: float = 0.0, position: float | None = None) -> RideFigures:
+    """The figures of a ride: of a response of `dampyr.structures.quarter_car` on a `dampyr.structures.road`, or of
+    `dampyr.structures.half_car` on `dampyr.structures.axle_roads`.
 
     Parameters
     ----------
@@ -119,11 +143,15 @@ def ride_figures(response: Response, car: Building, start: float = 0.0) -> RideF
         What `respond` gave for the car.
     start
         s from which on figures count, such as the lead of a random road over the speed.
+    position
+        Of a half car: where on the body the acceleration is felt, m behind the front axle, such as that of a seat; by default
+        at the centre of mass.
 
     Raises
     ------
     InputError
-        The building is no quarter car, nothing is left after ``start``, or samples are more than 5 ms apart.
+        The building is no car, nothing is left after ``start``, samples are more than 5 ms apart, or a quarter car is given a
+        position.
 
     Examples
     --------
@@ -135,9 +163,11 @@ def ride_figures(response: Response, car: Building, start: float = 0.0) -> RideF
     >>> print(f"{figures.weighted_acceleration:.2f} m/s2, {100 * figures.tyre_load / figures.static_load:.0f} %")
     1.17 m/s2, 22 %
     """
-    if tuple(response.floors) != ("unsprung", "sprung") or car.floors != response.floors:
+    half = isinstance(car, HalfCar)
+    if (not half and tuple(response.floors) != ("unsprung", "sprung")) or tuple(car.floors) != tuple(response.floors):
         raise InputError(
-            f"the response has the floors {', '.join(response.floors)}; give one of a quarter car, unsprung and sprung"
+            f"the response has the floors {', '.join(response.floors)}; give one of a quarter car, unsprung and sprung, or of "
+            "a half car, with that car"
         )
     start = float(in_si(start, "s", "start"))
     first = int(np.searchsorted(response.time, start - 1e-9))
@@ -145,32 +175,69 @@ def ride_figures(response: Response, car: Building, start: float = 0.0) -> RideF
         raise InputError(
             f"start = {start:g} s leaves nothing of a ride of {response.time[-1]:g} s; give an earlier one"
         )
-    dt = float(response.time[1] - response.time[0])
-    body, part = response.acceleration[1], slice(first, None)
+    dt, part = float(response.time[1] - response.time[0]), slice(first, None)
+    if isinstance(car, HalfCar):
+        body, pitch = _body_of(car, response, position), _rms((car.pitch @ response.acceleration)[part])
+        loads = car.tyre_loads(response.displacement, response.velocity)
+        axles = {
+            name: _axle(response.drift[2 * k + 1][part], loads[k][part], float(car.static_loads[k]))
+            for k, name in enumerate(AXLES)
+        }
+    else:
+        if position is not None:
+            raise InputError(
+                f"position = {position!r} is of a half car, and {car.name} is a quarter of one; leave it out"
+            )
+        body, pitch = response.acceleration[1], None
+        static = float(np.trace(car.M)) * STANDARD_GRAVITY
+        axles = {"": _axle(response.drift[1][part], response.base_shear[part], static)}
     felt = weighted_acceleration(body, dt)[part]
-    load, travel, static = response.base_shear[part], response.drift[1][part], float(np.trace(car.M)) * STANDARD_GRAVITY
     window = max(1, round(RUNNING / dt))
     total = np.cumsum(np.r_[0.0, felt**2])
     running = (total[window:] - total[:-window]) / window if felt.size >= window else total[-1:] / felt.size
-    off_road = float(np.mean(load > static))  # positive where the tyre is stretched
-    pulls = (
-        f"the tyre would have to pull at the road for {100.0 * off_road:.2g} % of the time, and a real one leaves it"
-    )
-    findings = worst_first(response.findings, [Finding("doubt", pulls)] if off_road else [])
+    worst = max(axles.values(), key=lambda axle: axle.tyre_load / axle.static_load)
+    pulls = [
+        Finding(
+            "doubt",
+            f"the {name}{' ' * bool(name)}tyre would have to pull at the road for {100.0 * axle.off_road:.2g} % of the time, "
+            "and a real one leaves it",
+        )
+        for name, axle in axles.items()
+        if axle.off_road
+    ]
     return RideFigures(
         weighted_acceleration=_rms(felt),
         acceleration=_rms(body[part]),
         peak_acceleration=float(np.abs(body[part]).max()),
         transient=float(np.sqrt(running.max())),
         vibration_dose=float((np.sum(felt**4) * dt) ** 0.25),
-        travel=_rms(travel),
-        peak_travel=float(np.abs(travel).max()),
-        tyre_load=_rms(load),
-        peak_tyre_load=float(np.abs(load).max()),
-        static_load=static,
-        off_road=off_road,
-        findings=findings,
+        travel=max(axle.travel for axle in axles.values()),
+        peak_travel=max(axle.peak_travel for axle in axles.values()),
+        tyre_load=worst.tyre_load,
+        peak_tyre_load=worst.peak_tyre_load,
+        static_load=worst.static_load,
+        off_road=worst.off_road,
+        axles=axles if half else {},
+        pitch_acceleration=pitch,
+        findings=worst_first(response.findings, pulls),
     )
+
+
+def _body_of(car: HalfCar, response: Response, position: float | None) -> Array:
+    """The vertical acceleration (T,) of the body of a half car at a position."""
+    place = car.centre if position is None else float(in_si(position, "m", "position"))
+    if not math.isfinite(place):
+        raise InputError(
+            f"position = {position!r} is not allowed; it must be a finite number of m behind the front axle"
+        )
+    return np.asarray(car.body_at(place) @ response.acceleration)
+
+
+def _axle(travel: Array, load: Array, static: float) -> AxleFigures:
+    return AxleFigures(
+        _rms(travel), float(np.abs(travel).max()), _rms(load), float(np.abs(load).max()), static,
+        off_road=float(np.mean(load > static)),  # positive where the tyre is stretched
+    )  # fmt: skip
 
 
 def _rms(values: Array) -> float:

@@ -1,7 +1,8 @@
 r"""What a controller can measure in a building and at its damper, and how far its sensors are from the truth.
 
 Every measure is linear in what a time step knows, :math:`w = (q, \dot q, \dot x_g, a_g, f_1 \dots f_N)`: the state of the
-building relative to the ground, the ground's velocity and acceleration, and the forces of the dampers. A sensor gives
+building relative to the ground, the ground's velocity and acceleration, and the forces of the dampers; where there are loads
+(`dampyr.structures.time_history.loading`), their integrals, of supports their velocities, and the loads follow. A sensor gives
 
 .. math:: y_k = \mathrm{quantised}\big(\mathrm{clip}(m_{k-d} + b + \sigma n_k, \pm r)\big)
 
@@ -23,6 +24,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.structures.building import Building
 from dampyr.structures.propagator import system
+from dampyr.structures.supports import SupportedBuilding
 
 Array = NDArray[np.float64]
 MAX_DELAY = 200  # samples of a law
@@ -88,30 +90,57 @@ class Measure:
 
 @dataclass(frozen=True, eq=False)
 class DamperPlace:
-    """Where a controller stands: damper ``d`` of those at ``connections`` (N, n) in ``building``."""
+    """Where a controller stands: damper ``d`` of those at ``connections`` (N, n) in ``building``.
+
+    ``loads`` are those of the response (`dampyr.structures.time_history.loading.Loads`), None for none.
+    """
 
     building: Building
     connections: Array
     d: int
+    loads: Any = None
+
+    @property
+    def carried(self) -> Array:
+        """What of the loads' integrals is in absolute velocities (n, r)."""
+        return np.zeros((self.building.n, 0)) if self.loads is None else np.asarray(self.loads.carried)
+
+    @property
+    def seen(self) -> Array:
+        """What of the loads is in absolute accelerations (n, r)."""
+        return np.zeros((self.building.n, 0)) if self.loads is None else np.asarray(self.loads.seen)
 
     @property
     def row(self) -> Array:
         """What turns floor displacements into the damper's stroke (n,)."""
         return np.asarray(self.connections[self.d])
 
-    def over(self, q: Any = None, v: Any = None, ground: float = 0.0) -> Array:
-        """One row over w: of the displacements, the velocities and the ground's velocity."""
-        n = self.building.n
-        row = np.zeros((1, 2 * n + 2 + len(self.connections)))
+    @property
+    def before_loads(self) -> int:
+        """How many numbers of w come before the loads."""
+        return 2 * self.building.n + 2 + len(self.connections)
+
+    @property
+    def width(self) -> int:
+        """How many numbers w has."""
+        return self.before_loads + 2 * self.carried.shape[1]
+
+    def over(self, q: Any = None, v: Any = None, ground: float = 0.0, moved: Any = None) -> Array:
+        """One row over w: of the displacements, the velocities, the ground's velocity, and those of supports by which the
+        coordinates ``moved`` (n,) move."""
+        n, loads = self.building.n, self.carried.shape[1]
+        row = np.zeros((1, self.width))
         row[0, :n], row[0, n : 2 * n], row[0, 2 * n] = 0.0 if q is None else q, 0.0 if v is None else v, ground
+        if moved is not None:
+            row[0, self.before_loads : self.before_loads + loads] = np.asarray(moved) @ self.carried
         return row
 
     def accelerations(self) -> Array:
-        """The absolute accelerations of all coordinates (n, 2n + 2 + N)."""
+        """The absolute accelerations of all coordinates (n, 2n + 2 + N + 2r)."""
         n = self.building.n
         a, _, b = system(self.building, self.connections)
         direct = np.asarray(self.building.ground_terms()[0]).reshape(-1, 1)
-        return np.hstack([a[n:], np.zeros((n, 1)), direct, b[n:]])
+        return np.hstack([a[n:], np.zeros((n, 1)), direct, b[n:], np.zeros_like(self.seen), self.seen])
 
     def end(self, upper: bool) -> tuple[int | None, float]:
         """The coordinate of the damper's upper or lower end and its share in the stroke; None is the ground."""
@@ -123,11 +152,14 @@ class DamperPlace:
     def velocity(self, upper: bool) -> Array:
         """The absolute velocity of an end, positive where it lengthens the damper."""
         k, share = self.end(upper)
-        if k is None:
-            return self.over(ground=share)
         unit = np.zeros(self.building.n)
+        if k is None:  # a support moves as the floor on it would that follows it alone
+            upper_end = self.end(True)[0]
+            assert upper_end is not None
+            unit[upper_end] = share
+            return self.over(ground=share, moved=unit)
         unit[k] = share
-        return self.over(v=unit, ground=share * float(self.building.carried[k]))
+        return self.over(v=unit, ground=share * float(self.building.carried[k]), moved=unit)
 
     def acceleration(self) -> Array:
         """The absolute acceleration of the upper end, positive where it lengthens the damper."""
@@ -143,8 +175,11 @@ def _unit_row(size: int, at: int) -> Array:
 
 
 def _of_ground(place: DamperPlace, at: int) -> Array:
-    n = place.building.n
-    return _unit_row(2 * n + 2 + len(place.connections), 2 * n + at)
+    if at < 2 and isinstance(place.building, SupportedBuilding):
+        raise InputError(
+            f"{place.building.name} stands on several supports, and a law that measures the ground knows one; take another law"
+        )
+    return _unit_row(place.width, 2 * place.building.n + at)
 
 
 MEASURES: dict[str, Measure] = {
@@ -153,7 +188,7 @@ MEASURES: dict[str, Measure] = {
     "absolute_rate": Measure(
         "m/s",
         "rate of the stroke where the ground counts as still",
-        lambda p: p.over(v=p.row, ground=float(p.row @ p.building.carried)),
+        lambda p: p.over(v=p.row, ground=float(p.row @ p.building.carried), moved=p.row),
     ),
     "force": Measure("N", "force of the damper, positive against positive rate", lambda p: _of_ground(p, 2 + p.d)),
     "velocity": Measure(
@@ -171,7 +206,7 @@ MEASURES: dict[str, Measure] = {
     "state": Measure(
         "m, m/s",
         "displacements and velocities of all floors relative to the ground",
-        lambda p: np.eye(2 * p.building.n, 2 * p.building.n + 2 + len(p.connections)),
+        lambda p: np.eye(2 * p.building.n, p.width),
     ),
     "ground_velocity": Measure("m/s", "velocity of the ground", lambda p: _of_ground(p, 0)),
     "ground_acceleration": Measure("m/s^2", "acceleration of the ground", lambda p: _of_ground(p, 1)),

@@ -14,6 +14,7 @@ from dampyr.show.figures.corner import corner
 from dampyr.show.figures.envelope import envelope
 from dampyr.show.figures.expected_widths import expected_widths
 from dampyr.show.figures.failed_loops import FailedLoop, failed_loops
+from dampyr.show.figures.floor_loads import floor_loads
 from dampyr.show.figures.fragility import Fragile, fragility_curves
 from dampyr.show.figures.ground_histories import ground_histories
 from dampyr.show.figures.ground_motion import ground_motion
@@ -80,6 +81,7 @@ MAKERS: dict[str, Callable[[], Figure]] = {
     "corner": lambda: corner(
         {"kw": T, "ρ": 1e4 * np.sin(T), "kx": X}, {"kw": KW, "ρ": RHO, "kx": KW}, {"kw": 1.0, "ρ": 0.0, "kx": 0.0}
     ),
+    "loads": lambda: floor_loads(T, {"1": 30.0 * np.cos(T), "roof": 80.0 * np.sin(T)}),
     "motion": lambda: ground_motion(T, 3.1266 * np.cos(T)),
     "ground": lambda: ground_histories(T, 3.0 * np.cos(T), V, X),
     "spectrum": lambda: response_spectrum(T[4:], {"2 %": X[4:] + 0.02, "5 %": 0.5 * X[4:] + 0.02}),

@@ -112,3 +112,24 @@ def test_colours_go_on_after_the_reference_and_begin_again():
     colours = case_colours(names, "3")
     assert colours["3"] == style.MUTED
     assert [colours[name] for name in names if name != "3"] == [*style.CASES, style.CASES[0]]
+
+
+def test_loads_and_supports_stand_in_the_place_of_a_ground_that_rests(tmp_path):
+    wind = structures.FloorLoads([0.0, 0.5, 1.0], {1: [0.0, 30.0, 0.0], 2: [0.0, -60.0, 0.0]}, name="gust")
+    page = write_page(structures.respond(structures.two_storey(), None, loads=wind), tmp_path / "r.html").read_text(
+        "utf-8"
+    )
+    assert "The ground motion" not in page
+    assert "The loads on the floors" in page
+    assert "gust: floor 1 peak 30 N, floor 2 peak 60 N" in page
+    motion = GroundMotion(np.sin(np.arange(60.0)), 0.02)
+    both = structures.respond(structures.two_storey(), motion, loads=wind)
+    page = write_page(both, tmp_path / "b.html").read_text("utf-8")
+    assert "The ground motion" in page
+    assert "The loads on the floors" in page
+    car = structures.half_car(580.0, 900.0, 1.2, 1.4, 45.0, 18e3, 190e3, 300.0)
+    roads = structures.axle_roads(0.01 * np.hanning(101), 0.05, 10.0, car.wheelbase)
+    page = write_page(structures.respond(car, roads), tmp_path / "c.html").read_text("utf-8")
+    assert "The ground motion" not in page
+    assert "The motions of the supports" in page
+    assert "relative to the supports" in page

@@ -54,7 +54,11 @@ def kernels_of(buildings_and_dampers) -> int:
         sites = make_sites(building, dampers, 1.98, None, False)
         runner(building, short(0.1), sites)(1)
         kernels.add(bind(integrate, distinct(sites), ""))
-    return max(bind.cache_info().misses - bound, sum(len(kernel.signatures) for kernel in kernels))
+    # other tests of the process may have run the same kernel with loads, which is a signature of its own
+    without_loads = [
+        signature for kernel in kernels for signature in kernel.signatures if "StepLoads" not in str(signature)
+    ]
+    return max(bind.cache_info().misses - bound, len(without_loads))
 
 
 def test_any_number_of_equal_dampers_runs_in_one_kernel(damper):

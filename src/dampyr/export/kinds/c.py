@@ -27,6 +27,7 @@ from dampyr.structures.building import Building
 from dampyr.structures.control_laws import describe_law, is_control_law, values_at
 from dampyr.structures.controller import Controller, asks_force, design_controller
 from dampyr.structures.raminelli_2020_building import two_storey
+from dampyr.structures.supports import refuse_supports
 
 Array = NDArray[np.float64]
 
@@ -104,6 +105,7 @@ def design_exported(
     if not is_control_law(control):
         raise InputError(f"control is a {type(control).__name__}; give a law that dampyr.structures.control_law makes")
     building = two_storey() if structure is None else structure
+    refuse_supports("the export of a law", building)
     values_at(control, damper.without("lag") if damper.composition.lag is not None else damper)
     static = [part.name for part in damper.composition.parts if part.static]
     if static and asks_force(control):

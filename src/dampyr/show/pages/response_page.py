@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 from dampyr.phrases import sentence
 from dampyr.show.figures.building import building_response
 from dampyr.show.figures.control_comparison import controlled
+from dampyr.show.figures.floor_loads import DRAWN, floor_loads
 from dampyr.show.figures.ground_motion import ground_motion
 from dampyr.show.figures.loops_by_case import loops_by_case
-from dampyr.show.figures.style import Axis, case_colours, input_axis
+from dampyr.show.figures.style import ACCELERATION, Axis, case_colours, input_axis
 from dampyr.show.pages.blocks import Block, FigureBlock, Section, Text, to_look_at
 from dampyr.show.pages.html_page import page
+from dampyr.show.structures.floor_loads import loads_in_words
 from dampyr.show.structures.response import errors_in_words
 from dampyr.show.structures.responses import (
     WIDE,
@@ -39,7 +41,8 @@ FINE = 6  # points of a loop for each sample: some hundred in a turn of a stiff 
 def html(result: Response | Responses, *, call: str = "") -> str:
     """The page of a response of `dampyr.structures.respond`, or of those at several inputs.
 
-    It shows peaks and the damper's loops, energies, and the displacement of each floor. All cases share one ground motion.
+    It shows peaks and the damper's loops, energies, and the displacement of each floor. All cases share one ground motion
+    and the same loads.
     """
     responses = result if isinstance(result, Responses) else Responses("", "", "", {case_name(result): result})
     cases = responses.cases
@@ -54,10 +57,7 @@ def html(result: Response | Responses, *, call: str = "") -> str:
             Section(
                 "Floors and energies", [*intervals, floor_table(responses), energy_table(responses), _steps(cases)]
             ),
-            Section(
-                "The ground motion",
-                [FigureBlock(ground_motion(first.time, first.ground_acceleration), "As applied.")],
-            ),
+            *_excitation(first),
             Section("Displacements", _displacements(cases, colours)),
             *([Section("Control", _control(cases, colours))] if any(any(r.laws) for r in cases.values()) else []),
         ],
@@ -65,6 +65,28 @@ def html(result: Response | Responses, *, call: str = "") -> str:
         call=call,
         origin=responses.origin,
     )
+
+
+def _excitation(r: Response) -> list[Section]:
+    """What moves the building: the ground, several supports, forces on the floors."""
+    sections = []
+    if r.shaken:
+        figure = FigureBlock(ground_motion(r.time, r.ground_acceleration), "As applied.")
+        sections.append(Section("The ground motion", [figure]))
+    if r.supports:
+        moved = dict(zip(r.supports, r.support_acceleration, strict=True))
+        figure = FigureBlock(building_response(r.time, moved, axis=ACCELERATION), "Accelerations, as applied.")
+        sections.append(Section("The motions of the supports", [figure]))
+    if r.loads is not None:
+        forces = dict(zip(r.loads.forces, r.load_forces, strict=True))
+        drawn = (
+            "As applied"
+            if len(forces) <= DRAWN
+            else f"The {DRAWN} of {len(forces)} loaded floors with the largest peaks"
+        )
+        figure = FigureBlock(floor_loads(r.time, forces), f"{drawn}; {loads_in_words(r.loads)}.")
+        sections.append(Section("The loads on the floors", [figure]))
+    return sections
 
 
 def _steps(cases: Mapping[str, Response]) -> Table:
@@ -81,13 +103,14 @@ def _steps(cases: Mapping[str, Response]) -> Table:
 
 def _displacements(cases: Mapping[str, Response], colours: Mapping[str, str]) -> list[FigureBlock]:
     first = next(iter(cases.values()))
-    n = len(first.floors)
+    n, still = len(first.floors), "supports" if first.supports else "ground"
     drawn = range(n) if n <= WIDE else (0, n // 2 - 1, n - 1)
     return [
         FigureBlock(
             building_response(first.time, {name: r.displacement[k] for name, r in cases.items()}, colours=colours),
             sentence(
-                f"{floor_name(first.floors[k])}: displacement relative to the ground, and the largest sample of each case"
+                f"{floor_name(first.floors[k])}: displacement relative to the {still}, and the largest "
+                "sample of each case"
             ),
         )
         for k in drawn

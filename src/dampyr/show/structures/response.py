@@ -20,6 +20,7 @@ from dampyr.show.figures.building import building_response
 from dampyr.show.figures.energy import energy_over_time
 from dampyr.show.figures.peaks import peaks_by_floor
 from dampyr.show.plots import Plots, plots
+from dampyr.show.structures.floor_loads import loads_in_words
 from dampyr.show.table import Cell, Table
 from dampyr.structures.time_history.response import Energy, Response
 
@@ -71,6 +72,10 @@ def describe_response(response: Response) -> Description:
         ("drift", _peaks(r.peak_drift, 1e3, "mm")),
         ("acceleration", _peaks(r.peak_acceleration, 1.0, "m/s²")),
     ]
+    if r.loads is not None:
+        rows.append(("loads", loads_in_words(r.loads)))
+    if r.supports:
+        rows.append(("supports", supports_in_words(r)))
     if len(r.sites):
         rows.append(("damper force", _peaks(r.peak_force, 1.0, "N")))
     if r.error_estimate is not None:
@@ -85,6 +90,12 @@ def describe_response(response: Response) -> Description:
         data=lambda: _numbers(response),
         frame=lambda: _columns(response),
     )
+
+
+def supports_in_words(response: Response) -> str:
+    """The supports of a structure that has several, and how hard they move."""
+    peaks = np.max(np.abs(response.support_acceleration), axis=1)
+    return ", ".join(f"{name} peak {peak:.4g} m/s²" for name, peak in zip(response.supports, peaks, strict=True))
 
 
 def _peaks(values: Array, factor: float, unit: str) -> str:
@@ -150,6 +161,7 @@ def _numbers(response: Response) -> dict[str, Any]:
         "reason": r.reason,
         "after_s": r.after,
         **r.truncation_as_dict(),
+        **r.loads_as_dict(),
     }
 
 

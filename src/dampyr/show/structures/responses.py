@@ -17,7 +17,8 @@ from dampyr.show.figures import style
 from dampyr.show.figures.building import building_response
 from dampyr.show.figures.peaks import peaks_by_floor
 from dampyr.show.plots import Plots, plots
-from dampyr.show.structures.response import PEAK_AXES, errors_in_words, floor_rows
+from dampyr.show.structures.floor_loads import loads_in_words
+from dampyr.show.structures.response import PEAK_AXES, errors_in_words, floor_rows, supports_in_words
 from dampyr.show.table import Cell, Table
 from dampyr.structures.time_history.response import Response
 from dampyr.structures.time_history.responses import Responses
@@ -30,11 +31,13 @@ WIDE = 8  # floors that a table has columns for
 def describe_responses(responses: Responses) -> Description:
     """The largest peaks of each case; tables of the peaks by floor and by case, of their intervals and of the energies."""
     cases = responses.cases
-    error = errors_in_words(cases.values())
+    error, first = errors_in_words(cases.values()), next(iter(cases.values()))
     return Description(
         f"Responses {responses.title!r}",
         [
-            ("end", end_in_words(next(iter(cases.values())).after)),
+            ("end", end_in_words(first.after)),
+            *([("loads", loads_in_words(first.loads))] if first.loads is not None else []),
+            *([("supports", supports_in_words(first))] if first.supports else []),
             *(
                 (name, f"peak drift {1e3 * max(r.peak_drift):.4g} mm, acceleration {max(r.peak_acceleration):.4g} m/s²")
                 for name, r in cases.items()
@@ -58,8 +61,11 @@ def outcome(responses: Responses) -> list[str]:
     """Where the responses end, what a reduced structure leaves out, and the error of the peaks, in sentences."""
     cases = responses.cases
     note, error = truncation_note(cases), errors_in_words(cases.values())
-    ends = f"the response {end_in_words(next(iter(cases.values())).after)}"
-    return [sentence(clause) for clause in (ends, note, f"error: {error}" if error else "") if clause]
+    first = next(iter(cases.values()))
+    ends = f"the response {end_in_words(first.after)}"
+    loads = f"loads on floors, {loads_in_words(first.loads)}" if first.loads is not None else ""
+    supports = f"supports that move: {supports_in_words(first)}" if first.supports else ""
+    return [sentence(clause) for clause in (ends, loads, supports, note, f"error: {error}" if error else "") if clause]
 
 
 def floor_table(responses: Responses) -> Table:
@@ -69,8 +75,13 @@ def floor_table(responses: Responses) -> Table:
         [[case, *row] for case, r in responses.cases.items() for row in floor_rows(r)],
         ("", "", "mm", "mm", "m/s²"),
         caption="Peaks of each floor.",
-        notes=("Peaks inside the step; displacements relative to the ground, accelerations absolute.",),
+        notes=(f"Peaks inside the step; displacements relative to the {_still(responses)}, accelerations absolute.",),
     )
+
+
+def _still(responses: Responses) -> str:
+    """What displacements are relative to."""
+    return "supports" if next(iter(responses.cases.values())).supports else "ground"
 
 
 def case_table(responses: Responses) -> Table:

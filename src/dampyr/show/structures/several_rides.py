@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict
 
 from dampyr.findings import as_dicts
 from dampyr.phrases import counted
 from dampyr.show.descriptions import Description, describe
+from dampyr.show.structures.ride import figures_as_dict
 from dampyr.show.table import Table
 from dampyr.structures.several_rides import Rides
 
@@ -20,6 +20,10 @@ COLUMNS = (
     ("off the road", "off_road", "%", 100.0),
 )
 """Heading, figure, unit and factor."""
+HALF = (
+    "The acceleration is that of the body {:.3g} m behind the front axle; the travel is the larger one of both axles, and the "
+    "tyre that whose load changes by the larger share of its weight."
+)
 
 
 @describe.register
@@ -48,7 +52,10 @@ def table_of(rides: Rides) -> Table:
         ("", *(unit for *_, unit, _ in COLUMNS)),
         align=("left", *("right" for _ in COLUMNS)),
         caption=f"{rides.car} on {counted(roads, 'road')} of class {rides.road_class} at {rides.speed:.4g} m/s.",
-        notes=("Means over the roads ± their standard deviation; root mean squares unless they are called peaks.",),
+        notes=(
+            "Means over the roads ± their standard deviation; root mean squares unless they are called peaks.",
+            *([HALF.format(rides.position)] if rides.position is not None else []),
+        ),
     )
 
 
@@ -58,10 +65,9 @@ def _mean(rides: Rides, name: str, figure: str, factor: float) -> str:
 
 
 def _numbers(rides: Rides) -> dict[str, object]:
-    figures = {
-        name: [{key: value for key, value in asdict(one).items() if key != "findings"} for one in several]
-        for name, several in rides.figures.items()
-    }
-    about = {key: getattr(rides, key) for key in ("car", "road_class", "speed", "length")}
+    figures = {name: [figures_as_dict(one) for one in several] for name, several in rides.figures.items()}
+    about: dict[str, object] = {key: getattr(rides, key) for key in ("car", "road_class", "speed", "length")}
+    if rides.position is not None:
+        about["position"] = rides.position
     of_all = {"damper_origin": rides.origin.as_dict(), "findings": as_dicts(rides.findings)}
     return about | {"rides": figures} | of_all

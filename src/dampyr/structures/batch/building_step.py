@@ -159,7 +159,7 @@ class Large:
     def _values(self, columns: list[int]) -> list[str]:
         """What peaks are taken of; drifts are differences of displacements where both are wanted."""
         wanted, n = self.text.quantities, len(self.text.step.displacement)
-        if not {"displacement", "drift"} <= set(wanted):
+        if not {"displacement", "drift"} <= set(wanted) or not self.text.step.is_stack:
             return self._product(self.outputs, columns, self.values)
         lines = self._product(self.outputs[:n], columns, self.values)
         first = {"x": self._row(self.values + n), "y": self._row(self.values)}

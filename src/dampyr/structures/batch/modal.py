@@ -40,6 +40,7 @@ class ModalStep:
     displacement: Array
     drift: Array
     acceleration: Array
+    is_stack: bool = True  # whether a drift is the displacement of a floor less that of the floor before it
 
 
 def step(building: Building, connections: Array, h: float, basis: Array | None = None) -> ModalStep:
@@ -51,9 +52,12 @@ def step(building: Building, connections: Array, h: float, basis: Array | None =
     whole = transition(building, connections, h, 1.0)
     both = np.kron(np.eye(2), connections)
     end = np.hstack([inverse @ whole[:, : 2 * n] @ T, inverse @ whole[:, 2 * n :]])
-    drift, floors = np.eye(n) - np.eye(n, k=-1), building.n_floors
+    floors = building.n_floors
+    drift = np.array([building.connection(storey) for storey in range(1, floors + 1)])
     look = np.hstack([a[n:] @ T, b[n:], building.ground_terms()[0][:, None]])
-    return ModalStep(h, _clean(end, basis), both @ T, T[:floors].copy(), (drift @ T[:n])[:floors], look[:floors])
+    return ModalStep(
+        h, _clean(end, basis), both @ T, T[:floors].copy(), drift @ T[:n], look[:floors], building.is_stack
+    )
 
 
 def _clean(end: Array, basis: Array | None) -> Array:

@@ -25,6 +25,7 @@ from dampyr.structures.ensembles.ensemble_batches import Shard, run_shard
 from dampyr.structures.ensembles.ensemble_grid import Cases, cases
 from dampyr.structures.ensembles.ensemble_result import EnsembleResult
 from dampyr.structures.ensembles.store import Store
+from dampyr.structures.floor_loads import refuse_loads
 from dampyr.structures.sites import warn_of_parts
 
 IN_FLIGHT = 4  # shards per worker that wait or run at a time: bounds the memory, and no worker waits for the next
@@ -111,6 +112,7 @@ def ensemble(
     >>> dict(peaks.drift.sizes)
     {'building': 1, 'damper': 1, 'input': 2, 'motion': 3, 'scale': 2, 'storey': 2}
     """
+    refuse_loads("ensemble", keywords)
     chosen = EnsembleOptions.of("ensemble", options, keywords)
     chosen.checked_limits()
     what = cases(buildings, motions, dampers, voltage, scales, chosen, current=current)

@@ -304,7 +304,20 @@ def _engine_of(
         building = refinements(whole, connections(whole, sites))[0]
     ground = building.ground_terms()[0]
     matrices = tuple(a.tobytes() for a in (building.M, building.C, building.K, building.influence, ground))
-    key = (matrices, kind[1], compositions, dt, m, cases.quantities, cases.precision, cases.device, branchless, laws)
+    stands_on = tuple(building.floor_below(k + 1) for k in range(building.n_floors))
+    key = (
+        matrices,
+        stands_on,
+        kind[1],
+        compositions,
+        dt,
+        m,
+        cases.quantities,
+        cases.precision,
+        cases.device,
+        branchless,
+        laws,
+    )
     with _LOCK:
         if key not in _ENGINES:
             make = gpu_engine if cases.device == "gpu" else engine

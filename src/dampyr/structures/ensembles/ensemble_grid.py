@@ -29,6 +29,7 @@ from dampyr.structures.building import Building, Condensed
 from dampyr.structures.building_options import EnsembleOptions
 from dampyr.structures.control_laws import is_control_law, parts, spelled
 from dampyr.structures.controller import asks_force, design_controller
+from dampyr.structures.floor_loads import refuse_loads
 from dampyr.structures.sites import (
     Site,
     any_has_input,
@@ -40,6 +41,7 @@ from dampyr.structures.sites import (
     placement,
     places_and_dampers,
 )
+from dampyr.structures.supports import refuse_supports
 from dampyr.units import in_si
 
 Array = NDArray[np.float64]
@@ -156,7 +158,7 @@ class Cases:
     def digest(self) -> str:
         """A hash of all that decides the numbers."""
         parts = [
-            [(b.M, b.C, b.K, b.influence, *_left_out(b)) for b in self.buildings],
+            [(b.M, b.C, b.K, b.influence, *_left_out(b), *_storeys(b)) for b in self.buildings],
             [_plain(p) for p in self.placements],
             tuple(spelled(u) if is_control_law(u) else u for u in self.inputs),
             [(m.acceleration, m.dt) for m in self.motions],
@@ -183,6 +185,11 @@ def _left_out(building: Building) -> tuple[Any, ...]:
     return () if whole is None else (whole.M, whole.C, whole.K, whole.influence, whole.retained)
 
 
+def _storeys(building: Building) -> tuple[int, ...]:
+    """What each storey stands on, where floors do not stand one on the other."""
+    return () if building.is_stack else tuple(building.floor_below(k + 1) for k in range(building.n_floors))
+
+
 def _plain(placement: Mapping[Any, Any]) -> list[Any]:
     """A placement as texts and numbers, for the digest."""
     return [(where, damper.input, repr(damper.all_laws)) for where, damper in places_and_dampers(placement)]
@@ -204,7 +211,9 @@ def cases(
 
     Raises :class:`~dampyr.errors.InputError` for what is wrong with them.
     """
+    refuse_loads("ensemble", keywords)
     chosen = EnsembleOptions.of("ensemble", options, keywords)
+    refuse_supports("ensemble", *(buildings if isinstance(buildings, list | tuple) else [buildings]))
     kind, inputs = input_of(voltage, current)
     placements = [placement(entry) for entry in _list(dampers)]
     kind, inputs = _of_passive_dampers(placements, kind, inputs)

@@ -45,6 +45,13 @@ def delayed_force(ring: Any, site: int, steps: float, rest: float) -> float:
     return quadratic(ring[site, (2 * k) % n], ring[site, (2 * k + 1) % n], ring[site, (2 * k + 2) % n], steps - k)
 
 
+def add_product(matrix: Any, vector: Any, result: Any) -> None:
+    """Add ``matrix @ vector`` to ``result``."""
+    for i in range(matrix.shape[0]):
+        for j in range(matrix.shape[1]):
+            result[i] += matrix[i, j] * vector[j]
+
+
 def copy_into(source: Any, target: Any, first: int) -> None:
     """Copy ``source`` into ``target`` from index ``first`` on."""
     for i in range(source.shape[0]):

@@ -22,6 +22,7 @@ from dampyr.structures.controller import Controller, design_controller, law_sour
 from dampyr.structures.propagator import propagator, system
 from dampyr.structures.sites import Site, connections, describe_place, drifts
 from dampyr.structures.time_history.linear_response import bare_response
+from dampyr.structures.time_history.loading import Loads, StepLoads, over_step
 from dampyr.structures.time_history.response import Decisions, Integration, Output, output
 from dampyr.structures.wanted_force import reasons_of, wanted_forces
 
@@ -60,7 +61,7 @@ class Control(NamedTuple):
     """The laws that set the inputs of the dampers; a site without one has ``every`` 0."""
 
     kind: Any  # (N,) which of the functions of `dampyr.structures.controller.law_source`
-    rows: Any  # (N, Y, 2n + 2 + N): this and the following as in `Controller`, a law each, filled up with zeros
+    rows: Any  # (N, Y, 2n + 2 + N + 2r): this and the following as in `Controller`, a law each, filled up with zeros
     faults: Any  # (N, Y, 4)
     late: Any  # (N, Y)
     channels: Any  # (N, Y)
@@ -72,7 +73,7 @@ class Control(NamedTuple):
     seed: Any  # (N,) of their noise
     signals: Any  # (N,) how many arguments of the law are signals: the others are its states
     count: Any  # (N,) how many arguments it has
-    known: Any  # (2n + 2 + N,): what a step knows; this and the following are written by the kernel
+    known: Any  # (2n + 2 + N + 2r,): what a step knows; this and the following are written by the kernel
     past: Any  # (N, depth, Y): the latest measures
     measured: Any  # (N, Y): what the sensors give
     memory: Any  # (N, X)
@@ -127,19 +128,22 @@ class Scratch(NamedTuple):
 
 
 class DampedRun:
-    """A building with dampers under a motion, integrated at each call with so many steps per sample."""
+    """A building with dampers under a motion and ``loads``, integrated at each call with so many steps per sample."""
 
-    def __init__(self, building: Building, motion: GroundMotion, sites: tuple[Site, ...]) -> None:
+    def __init__(
+        self, building: Building, motion: GroundMotion, sites: tuple[Site, ...], loads: Loads | None = None
+    ) -> None:
         from dampyr.models.codegen.kernels import bind
         from dampyr.structures.time_history.time_stepping import integrate
 
-        self.building, self.motion, self.sites = building, motion, sites
+        self.building, self.motion, self.sites, self.loads = building, motion, sites, loads
         laws, rows = tuple(site.law for site in sites), connections(building, sites)
         self.under_laws = any(laws)
         text, self.kinds = law_source(laws) if self.under_laws else ("", [])
         self.kernel = bind(integrate, distinct(sites), text)
         self.controllers = [
-            design_controller(site.law, building, rows, d) if site.law else None for d, site in enumerate(sites)
+            design_controller(site.law, building, rows, d, loads=loads) if site.law else None
+            for d, site in enumerate(sites)
         ]
         self.linear = lru_cache(maxsize=2)(lambda step: _linear(building, sites, step))
 
@@ -154,7 +158,8 @@ class DampedRun:
         if control is None:
             out.input[:] = out.mean_input[:] = [site.input_value for site in sites]
         work, models = _scratch(building.n, dampers.states), wanted_forces(sites, dampers.kind, self.controllers)
-        self.kernel(ag, m, step, FORCE_TOLERANCE, self.linear(step), dampers, control, models, work, out)
+        loads = self._step_loads(step)
+        self.kernel(ag, m, step, FORCE_TOLERANCE, self.linear(step), dampers, control, models, loads, work, out)
         if control is not None:
             _check_inputs(sites, control)
             out.mean_input[:] = control.total / steps if steps else control.level
@@ -170,6 +175,9 @@ class DampedRun:
             return None
         return _control(self.sites, self.kinds, self.controllers, step, steps, before, imposed)
 
+    def _step_loads(self, step: float) -> StepLoads | None:
+        return over_step(self.loads, self.building, connections(self.building, self.sites), step)
+
     def greatest_slopes(self) -> Array:
         """The greatest slopes of the dampers at rest (N, 2), over the inputs that their laws may take: they bound the step."""
         sites, step = self.sites, self.motion.dt
@@ -180,17 +188,18 @@ class DampedRun:
             for d, values in enumerate(levels):
                 dampers.params[d, :, : values.shape[1]] = values[min(k, len(values) - 1)]
             models = wanted_forces(sites, dampers.kind, self.controllers)
-            self.kernel(ag, 1, step, FORCE_TOLERANCE, self.linear(step), dampers, control, models, work, out)
+            loads = self._step_loads(step)
+            self.kernel(ag, 1, step, FORCE_TOLERANCE, self.linear(step), dampers, control, models, loads, work, out)
             slopes.append(np.abs(out.rest_slopes))
         return np.asarray(np.max(slopes, axis=0))
 
 
-def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...]) -> Any:
+def runner(building: Building, motion: GroundMotion, sites: tuple[Site, ...], loads: Loads | None = None) -> Any:
     """A function of the steps per sample that integrates once; of the motion times ``scale`` where that is given. Of dampers it
     is a `DampedRun`."""
     if not sites:
-        return lambda m, scale=1.0: Integration(bare_response(building, motion.scaled(scale), m), motion.dt / m)
-    return DampedRun(building, motion, sites)
+        return lambda m, scale=1.0: Integration(bare_response(building, motion.scaled(scale), m, loads), motion.dt / m)
+    return DampedRun(building, motion, sites, loads)
 
 
 def distinct(sites: tuple[Site, ...]) -> tuple[Composition, ...]:

@@ -10,18 +10,19 @@ from numpy.typing import NDArray
 
 from dampyr.ground_motions import GroundMotion
 from dampyr.structures.building import Building
-from dampyr.structures.propagator import system, transition
+from dampyr.structures.propagator import driven, system, transition
 from dampyr.structures.sites import drifts
 from dampyr.structures.time_history.kernel_math import turning_point
+from dampyr.structures.time_history.loading import Loads
 from dampyr.structures.time_history.response import Output, output
 
 Array = NDArray[np.float64]
 
 
-def bare_response(building: Building, motion: GroundMotion, m: int) -> Output:
-    """The response of a building without dampers, evaluated 2m times per sample of the motion."""
+def bare_response(building: Building, motion: GroundMotion, m: int, loads: Loads | None = None) -> Output:
+    """The response of a building without dampers under a motion and loads, evaluated 2m times per sample of the motion."""
     n, none = building.n, np.zeros((0, building.n))
-    state = _samples(building, motion)
+    state = _samples(building, motion, loads)
     a, _, _ = system(building, none)
     ground = np.column_stack([motion.acceleration[:-1], motion.acceleration[1:]])
     u, half = np.hstack([state[:-1], ground]), 0.5 * motion.dt / m
@@ -29,16 +30,27 @@ def bare_response(building: Building, motion: GroundMotion, m: int) -> Output:
     out.state[:] = state
     direct, mass = building.ground_terms()
     out.acceleration[:] = state @ a[n:].T + np.outer(motion.acceleration, direct)
+    if loads is not None:
+        out.acceleration[:] += loads.values @ loads.seen.T
+        pairs = np.hstack([loads.values[:-1], loads.values[1:]])
     to_drift = drifts(building)
     before, energy = state[:-1], np.zeros((motion.n - 1, 2))
     for j in range(2 * m + 1):
         part = j / (2 * m)
         now = u @ transition(building, none, motion.dt, part).T
+        if loads is not None:
+            now = now + pairs @ driven(building, loads.push, motion.dt, part).T
         # Simpson's rule over each half step, for the energies
         weight = (1.0 if j in (0, 2 * m) else 4.0 if j % 2 else 2.0) * half / 3.0
         at = ground @ [1.0 - part, part]
         energy += weight * _powers(building, now, at)
-        _observe(building, now @ a[n:].T + np.outer(at, direct), mass * at, out)
+        if loads is not None:
+            load = loads.values[:-1] + part * (loads.values[1:] - loads.values[:-1])
+            energy[:, 0] += weight * np.einsum("tr,rn,tn->t", load, loads.power, now[:, n:])
+        acceleration, missing = now @ a[n:].T + np.outer(at, direct), mass * at
+        if loads is not None:
+            acceleration, missing = acceleration + load @ loads.seen.T, missing - load @ loads.shear
+        _observe(building, acceleration, missing, out)
         _raise_peaks(out.displacement_peak, before, now, half)
         _raise_peaks(out.drift_peak, _transform(before, to_drift), _transform(now, to_drift), half)
         before = now
@@ -46,11 +58,13 @@ def bare_response(building: Building, motion: GroundMotion, m: int) -> Output:
     return out.of_floors(building.n_floors)
 
 
-def _samples(building: Building, motion: GroundMotion) -> Array:
+def _samples(building: Building, motion: GroundMotion, loads: Loads | None) -> Array:
     """The state at the samples (samples, 2n)."""
     size = 2 * building.n
     step = transition(building, np.zeros((0, building.n)), motion.dt, 1.0)
     push = np.column_stack([motion.acceleration[:-1], motion.acceleration[1:]]) @ step[:, size:].T
+    if loads is not None:
+        push += np.hstack([loads.values[:-1], loads.values[1:]]) @ driven(building, loads.push, motion.dt, 1.0).T
     state, phi = np.zeros((motion.n, size)), step[:, :size]
     for k in range(motion.n - 1):
         state[k + 1] = phi @ state[k] + push[k]

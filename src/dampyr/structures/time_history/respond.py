@@ -1,4 +1,4 @@
-r"""The response of a building with dampers to a ground motion.
+r"""The response of a building with dampers to a ground motion, to loads on its floors, or to both.
 
 The scheme (:mod:`dampyr.structures.time_history.time_stepping`) is one for every damper. Its step is chosen here: the final
 one satisfies
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from dampyr.argument_kinds import BUILDING, MOTION, Argument, check_kinds
 from dampyr.errors import FindingWarning, InputError
 from dampyr.findings import OF_DAMPER, handed_on
-from dampyr.ground_motions import GroundMotion, followed_by_rest
+from dampyr.ground_motions import GroundMotion
 from dampyr.input_kinds import NO_INPUT
 from dampyr.options import takes
 from dampyr.origin import combined
@@ -29,6 +29,7 @@ from dampyr.structures.building_options import RespondOptions
 from dampyr.structures.control_laws import describe_law
 from dampyr.structures.ensembles.ensemble import ensemble
 from dampyr.structures.ensembles.store import BARE, WITH_DAMPER
+from dampyr.structures.floor_loads import FloorLoads
 from dampyr.structures.sites import (
     Site,
     any_has_input,
@@ -43,8 +44,10 @@ from dampyr.structures.sites import (
     placement,
     warn_of_parts,
 )
+from dampyr.structures.supports import SupportedBuilding, SupportMotions
 from dampyr.structures.time_history.kernel_run import runner
 from dampyr.structures.time_history.linear_response import peak_displacement
+from dampyr.structures.time_history.loading import Excitation, excitation
 from dampyr.structures.time_history.modal_coordinates import ModalBuilding, refinements
 from dampyr.structures.time_history.response import Energy, Integration, Output, Response, Truncation
 from dampyr.structures.time_history.responses import INTERVAL, INTERVAL_OF, Responses
@@ -71,12 +74,13 @@ FINAL_LIMIT = 0.5  # of omega h at the final step, which resolves the stuck damp
 @overload
 def respond(
     building: Building,
-    motion: GroundMotion,
+    motion: GroundMotion | SupportMotions | None,
     dampers: Any,
     voltage: list[Any] | tuple[Any, ...],
     current: None = None,
     options: RespondOptions | None = None,
     progress: Progress | None = None,
+    loads: FloorLoads | None = None,
     **keywords: Any,
 ) -> Responses: ...
 
@@ -84,13 +88,14 @@ def respond(
 @overload
 def respond(
     building: Building,
-    motion: GroundMotion,
+    motion: GroundMotion | SupportMotions | None = None,
     dampers: Any = None,
     voltage: None = None,
     *,
     current: list[Any] | tuple[Any, ...],
     options: RespondOptions | None = None,
     progress: Progress | None = None,
+    loads: FloorLoads | None = None,
     **keywords: Any,
 ) -> Responses: ...
 
@@ -98,12 +103,13 @@ def respond(
 @overload
 def respond(
     building: Building,
-    motion: GroundMotion,
+    motion: GroundMotion | SupportMotions | None = None,
     dampers: Any = None,
     voltage: Any = None,
     current: Any = None,
     options: RespondOptions | None = None,
     progress: Progress | None = None,
+    loads: FloorLoads | None = None,
     **keywords: Any,
 ) -> Response: ...
 
@@ -111,15 +117,16 @@ def respond(
 @takes(RespondOptions)
 def respond(
     building: Building,
-    motion: GroundMotion,
+    motion: GroundMotion | SupportMotions | None = None,
     dampers: Any = None,
     voltage: Any = None,
     current: Any = None,
     options: RespondOptions | None = None,
     progress: Progress | None = None,
+    loads: FloorLoads | None = None,
     **keywords: Any,
 ) -> Response | Responses:
-    """The response of ``building`` to ``motion``, from rest: of one input, or beside one another of several.
+    """The response of ``building`` to ``motion`` and ``loads``, from rest: of one input, or beside one another of several.
 
     One input gives a `Response`. A list or a tuple of inputs, also of a single one, gives `Responses`: the building without
     dampers first, then a case for each input, with 90 % intervals of their peaks where ``draws`` is given. Without dampers an
@@ -135,7 +142,8 @@ def respond(
         with half as many coordinates at the same step, the dampers present; without dampers, from those of all modes, where
         the building has them. It is another error than ``error_estimate``, which is of the step.
     motion
-        the motion of the ground; the response ends with it, or ``after`` seconds later.
+        the motion of the ground; the response ends with it, or ``after`` seconds later. Of a structure on several supports
+        (`half_car`, `with_supports`) their `SupportMotions`. None where the loads act alone.
     dampers
         a damper, which stands in storey 1, or a mapping from place to a damper or a list of dampers in parallel. A place is a
         storey i, which joins the floors i-1 and i (0 is the ground), or any two floors (i, j) by label or count, such as
@@ -150,6 +158,9 @@ def respond(
         the further arguments as one object; those that are given by name take their places.
     progress
         called, where there are several inputs, with what is being done, and the fraction of all that is done.
+    loads
+        forces on the floors, `FloorLoads` or what `read_loads` gives, from the same zero of time as the motion. The response
+        ends with the longer of the two, or ``after`` seconds later; its samples are the common step of both.
 
     The scheme is of fourth order, so that the error of the finer one of two steps is well below ``accuracy``, the change from
     one to the other. Under control laws two halvings must agree, and a run too in which every decision that hangs on the step
@@ -174,27 +185,30 @@ def respond(
     >>> list(dp.structures.respond(building, motion, dampers={1: damper}, voltage=[0.0, 1.98]).cases)
     ['no damper', '0 V', '1.98 V']
     """
+    if isinstance(motion, FloorLoads):
+        raise InputError("the motion is FloorLoads; give them by name, respond(building, None, ..., loads=loads)")
     check_kinds(
         "respond",
         Argument("building", building, (Building,), BUILDING),
-        Argument("motion", motion, (GroundMotion,), MOTION),
+        Argument("motion", motion, (GroundMotion, SupportMotions, *([] if loads is None else [type(None)])), MOTION),
     )
     chosen = RespondOptions.of("respond", options, keywords)
+    pushed = excitation(building, motion, loads, chosen.after)
     kind, inputs = input_of(voltage, current)
     if isinstance(inputs, list | tuple):
         return _responses(
-            building, motion, placement(dampers), kind, inputs, chosen, progress or (lambda stage, done: None)
+            building, pushed, placement(dampers), kind, inputs, chosen, progress or (lambda stage, done: None)
         )
     if chosen.draws is not None:
         raise InputError(
             f"draws = {chosen.draws} are for several inputs, and one is given; write it as a list, such as voltage=[1.98]"
         )
-    return _respond(building, motion, installed(placement(dampers), chosen), voltage, current, chosen)
+    return _respond(building, pushed, installed(placement(dampers), chosen), voltage, current, chosen)
 
 
 def _responses(
     building: Building,
-    motion: GroundMotion,
+    pushed: Excitation,
     placed: Mapping[Any, Any],
     kind: str,
     inputs: list[Any] | tuple[Any, ...],
@@ -214,6 +228,11 @@ def _responses(
         )
     if options.draws is not None and any(isinstance(value, Mapping) for value in inputs):
         raise InputError("draws take the same input for all dampers; give numbers or control laws, no mappings")
+    if options.draws is not None and pushed.values.size:
+        raise InputError(
+            f"draws = {options.draws} are run as an ensemble, which knows the motion of one ground and no loads; leave draws "
+            "out, and run damper.draws(...) one after another"
+        )
     dampers = installed(placed, options)
     with (
         warnings.catch_warnings()
@@ -223,21 +242,21 @@ def _responses(
             voltage, current = (value, None) if kind == "voltage" else (None, value)
             make_sites(building, dampers, voltage, current, options.allow_extrapolation)
     tell("without damper", 0.0)
-    cases = {BARE: _respond(building, motion, {}, None, None, options)}
+    cases = {BARE: _respond(building, pushed, {}, None, None, options)}
     inputs_by_name = {}
     for k, value in enumerate(inputs, start=1):
         tell(f"case {k + 1} of {len(inputs) + 1}", k / (len(inputs) + 1))
         voltage, current = (value, None) if kind == "voltage" else (None, value)
-        response = _respond(building, motion, dampers, voltage, current, options)
+        response = _respond(building, pushed, dampers, voltage, current, options)
         cases[case_name(response)], inputs_by_name[case_name(response)] = response, value
     intervals = {}
     if options.draws is not None:
         tell(f"{options.draws} drawn dampers", len(inputs) / (len(inputs) + 1))
-        peaks = _peak_intervals(building, motion, placed, kind, list(inputs_by_name.values()), options)
+        peaks = _peak_intervals(building, pushed.motion, placed, kind, list(inputs_by_name.values()), options)
         intervals = dict(zip(inputs_by_name, peaks, strict=True))
     units = (unit for response in cases.values() for unit in response.input_units)
     unit = next((unit for unit in units if unit != NO_INPUT), "")
-    return Responses(building.name, motion.name, unit, cases, intervals, options.draws or 0)
+    return Responses(building.name, pushed.title, unit, cases, intervals, options.draws or 0)
 
 
 def case_name(response: Response) -> str:
@@ -288,7 +307,7 @@ def _peak_intervals(
 
 def _respond(
     building: Building,
-    motion: GroundMotion,
+    pushed: Excitation,
     dampers: Mapping[Any, Any],
     voltage: Any,
     current: Any,
@@ -296,9 +315,12 @@ def _respond(
 ) -> Response:
     """The response of one input."""
     sites = make_sites(building, dampers, voltage, current, options.allow_extrapolation)
-    motion = followed_by_rest(motion, options.after)
-    whole, half = refinements(building, connections(building, sites))
-    run = runner(whole, motion, sites)
+    if isinstance(building, SupportedBuilding):
+        for site in sites:
+            building.check_stroke(site.place)
+    motion = pushed.motion
+    whole, half = refinements(building, np.vstack([connections(building, sites), pushed.rows(building)]))
+    run = runner(whole, motion, sites, pushed.loads(whole))
     if options.step is None:
         tolerance = tolerance_of(options.accuracy)
         first = 2 * largest_step(
@@ -308,8 +330,8 @@ def _respond(
         best = halve(run, motion, tolerance, steps_per_sample(motion.dt, first, sites))
     else:
         best = run_once(run, given_steps_per_sample(motion, options.step, sites))
-    truncation = None if whole is building else _truncation(whole, half, motion, sites, best)
-    response = _response(whole, motion, sites, best, options.after, truncation)
+    truncation = None if whole is building else _truncation(whole, half, pushed, sites, best)
+    response = _response(whole, pushed, sites, best, options.after, truncation)
     warn_of_parts(sites, stacklevel=4)
     for doubt in response.doubts:
         warnings.warn(doubt, FindingWarning, stacklevel=3)
@@ -317,16 +339,16 @@ def _respond(
 
 
 def _truncation(
-    whole: Building, half: Building | None, motion: GroundMotion, sites: tuple[Site, ...], best: Integration
+    whole: Building, half: Building | None, pushed: Excitation, sites: tuple[Site, ...], best: Integration
 ) -> Truncation:
     """What ``whole`` still leaves out: against all modes where they are the response, else by ``half`` at the same step."""
     assert isinstance(whole, Condensed)
-    degrees = len(whole.T)
+    degrees, motion = len(whole.T), pushed.motion
     if half is None:
         return Truncation(whole.n, degrees) if whole.exact else Truncation(whole.n, degrees, UNJUDGED, *5 * (math.nan,))
-    if not sites and isinstance(whole, ModalBuilding):
+    if not sites and not pushed.values.size and isinstance(whole, ModalBuilding):
         return whole.truncation_errors(motion)
-    other = runner(half, motion, sites)(round(motion.dt / best.step)).out
+    other = runner(half, motion, sites, pushed.loads(half))(round(motion.dt / best.step)).out
     changed = changes(other, best.out)
     judge = f"{half.n} coordinates, {'with' if sites else 'without'} the dampers"
     return Truncation(whole.n, degrees, judge, **{name: changed.get(name, 0.0) for name in other.peaks})
@@ -334,15 +356,16 @@ def _truncation(
 
 def _response(
     building: Building,
-    motion: GroundMotion,
+    pushed: Excitation,
     sites: tuple[Site, ...],
     run: Integration,
     after: float,
     truncation: Truncation | None,
 ) -> Response:
-    out, n, floors = run.out, building.n, building.n_floors
+    out, n, floors, motion, loads = run.out, building.n, building.n_floors, pushed.motion, pushed.loads(building)
     rows, pull = connections(building, sites), building.influence @ building.M
     missing = building.ground_terms()[1]
+    balanced = 0.0 if loads is None else loads.values @ loads.shear
     all_q = np.ascontiguousarray(out.state[:, :n].T)
     q, drift = all_q[:floors], (drifts(building) @ all_q)[:floors]
     general = any(not site.composition.path_only or site.delay > 0 for site in sites)
@@ -356,8 +379,8 @@ def _response(
         velocity=np.ascontiguousarray(out.state[:, n : n + floors].T),
         acceleration=np.ascontiguousarray(out.acceleration[:, :floors].T),
         drift=drift,
-        # what the structure hands to the ground: all of its inertia, the missing mass of a reduced one included
-        base_shear=-(out.acceleration @ pull + missing * motion.acceleration),
+        # what the structure hands to the ground: all of its inertia, the missing mass of a reduced one included, and the loads
+        base_shear=-(out.acceleration @ pull + missing * motion.acceleration - balanced),
         force=np.ascontiguousarray(out.force.T),
         stroke=rows @ all_q,
         peak_displacement=out.displacement_peak,
@@ -381,7 +404,10 @@ def _response(
         error_estimates=dict(run.changes),
         converged=not run.reason,
         reason=run.reason,
-        title=f"{building.name}, {motion.name}",
+        title=f"{building.name}, {pushed.title}",
+        loads=pushed.floor_loads,
+        supports=building.supports if isinstance(building, SupportedBuilding) else (),
+        support_acceleration=pushed.support_accelerations,
         after=float(after),
         truncation=truncation,
         wanted_forces=run.reasons,

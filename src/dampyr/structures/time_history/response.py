@@ -1,4 +1,4 @@
-"""Response of a building to a ground motion: histories at the samples of the motion, peaks and energies."""
+"""Response of a building to a ground motion and loads: histories at the samples of the motion, peaks and energies."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from dampyr.findings import Finding, worst_first
 from dampyr.input_kinds import NO_INPUT, unit_of
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.shown import Shown
+from dampyr.structures.floor_loads import FloorLoads
 
 Array = NDArray[np.float64]
 
@@ -256,6 +257,31 @@ class Response(Shown):
     # (N,) of a law that asks for a force: the share of its decisions that were "met", and of those that were not by what kept
     # them from it (`dampyr.models.inverse`); {} of others
     wanted_forces: tuple[Mapping[str, float], ...] = ()
+    loads: FloorLoads | None = None  # forces on the floors, as given; None without any
+    # of a structure on several supports, whose displacements and velocities are relative to what the supports alone would make
+    # of it: their names, and their accelerations (S, T) m/s2; the ground's are 0 then
+    supports: tuple[str, ...] = ()
+    support_acceleration: Array = field(default_factory=lambda: np.zeros((0, 0)))
+
+    @property
+    def shaken(self) -> bool:
+        """Whether the ground moves: not under loads alone, nor where several supports do in its place."""
+        return bool(self.ground_acceleration.any()) or not (self.loads or self.supports)
+
+    @property
+    def load_forces(self) -> Array:
+        """The forces of the loads (k, T) N at the samples, a row for each floor in the order of ``loads.forces``."""
+        return np.zeros((0, len(self.time))) if self.loads is None else self.loads.at(self.time).T
+
+    def loads_as_dict(self) -> dict[str, Any]:
+        """What loads and supports there are, for JSON; nothing without any."""
+        entry: dict[str, Any] = {}
+        if self.loads is not None:
+            entry["loads"] = self.loads.as_dict()
+        if self.supports:
+            peaks = np.max(np.abs(self.support_acceleration), axis=1)
+            entry["peak_support_acceleration_m_s2"] = dict(zip(self.supports, peaks.tolist(), strict=True))
+        return entry
 
     @property
     def has_input(self) -> bool:
@@ -289,6 +315,12 @@ class Response(Shown):
             "damper_law": ("damper", np.array(self.laws, dtype=str)),
             "damper_input_unit": ("damper", np.array([unit_of(kind) for kind in self.input_units], dtype=str)),
         }
+        if self.loads is not None:
+            coordinates["loaded_floor"] = list(self.loads.forces)
+            data["floor_load"] = (["loaded_floor", "time"], self.load_forces, {"units": "N"})
+        if self.supports:
+            coordinates["support"] = list(self.supports)
+            data["support_acceleration"] = (["support", "time"], self.support_acceleration, {"units": "m/s^2"})
         if count and not self.has_input:
             data = {name: entry for name, entry in data.items() if name not in ("input", "mean_input")}
             coordinates = {name: entry for name, entry in coordinates.items() if name not in OF_INPUTS}

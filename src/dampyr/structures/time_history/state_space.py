@@ -21,6 +21,7 @@ from dampyr.errors import InputError
 from dampyr.shown import Shown
 from dampyr.structures.building import Building
 from dampyr.structures.propagator import system
+from dampyr.structures.supports import refuse_supports
 
 Array = NDArray[np.float64]
 ASYMMETRY = 1e-6  # of the largest entry: more is no rounding
@@ -70,6 +71,7 @@ def state_space(building: Building, storey: int | Sequence[Any] = 1) -> StateSpa
     of the drift is positive. A reduced structure is taken as it is given: with `refined` it has the coordinates that responses
     take, and n is their number.
     """
+    refuse_supports("state_space", building)
     n = building.n
     places = storey if isinstance(storey, Sequence) else [storey]
     rows = np.array([building.connection(place) for place in places]).reshape(-1, n)

@@ -18,8 +18,8 @@ from 0.
 
 ``integrate`` is plain Python for numba: ``advance``, ``force``, ``slopes``, ``decide`` and ``remember`` are names that
 :func:`dampyr.models.codegen.kernels.bind` gives the functions of the dampers and of the laws. ``control`` is None where no law
-sets an input, ``models`` where no law asks for a force (`dampyr.structures.wanted_force`); numba then leaves out everything
-that depends on it.
+sets an input, ``models`` where no law asks for a force (`dampyr.structures.wanted_force`), ``loads`` where nothing but the
+ground pushes the building (`dampyr.structures.time_history.loading`); numba then leaves out everything that depends on it.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ from dampyr.models.laws import look_up
 from dampyr.structures.sensor_noise import counter, normal_pair
 from dampyr.structures.time_history.followed_model import follow, input_of_force
 from dampyr.structures.time_history.kernel_math import (
+    add_product,
     copy_into,
     delayed_force,
     multiply,
@@ -107,15 +108,35 @@ def relative_residual(raw: Any, g: Any, delays: Any, scale: float) -> float:
     return misfit / size if misfit != 0.0 else 0.0
 
 
-def observe(at: Any, ag: float, lin: Any, out: Any) -> None:
-    """Compute absolute accelerations, drifts and powers at a node, and raise the peaks that are taken at nodes."""
+def set_loads(loads: Any, i: int, start: float, end: float) -> None:
+    """The loads at both ends of a step, which lies from ``start`` to ``end`` of sample i."""
+    count = loads.at.shape[0]
+    for c in range(count):
+        rise = loads.values[i + 1, c] - loads.values[i, c]
+        loads.ends[c] = loads.values[i, c] + rise * start
+        loads.ends[count + c] = loads.values[i, c] + rise * end
+
+
+def observe(at: Any, ag: float, lin: Any, loads: Any, part: float, out: Any) -> None:
+    """Compute absolute accelerations, drifts and powers at a node, and raise the peaks that are taken at nodes.
+
+    The node is at ``part`` of the step whose loads are set.
+    """
     n, sites = lin.pull.shape[0], at.f.shape[0]
     z = at.z
     copy_into(z, at.both, 0)
     copy_into(at.f, at.both, 2 * n)
     multiply(lin.acceleration, at.both, at.a)
     multiply(lin.drifts, z, at.q)
-    shear, pull, viscous = lin.ground[n] * ag, 0.0, 0.0
+    shear, pull, viscous, loaded = lin.ground[n] * ag, 0.0, 0.0, 0.0
+    if loads is not None:
+        count = loads.at.shape[0]
+        for c in range(count):
+            loads.at[c] = loads.ends[c] + part * (loads.ends[count + c] - loads.ends[c])
+            shear -= loads.shear[c] * loads.at[c]
+            for i in range(n):
+                loaded += loads.power[c, i] * z[n + i] * loads.at[c]
+        add_product(loads.seen, loads.at, at.a)
     for i in range(n):
         at.a[i] += lin.ground[i] * ag
         shear += lin.pull[i] * at.a[i]
@@ -124,7 +145,7 @@ def observe(at: Any, ag: float, lin: Any, out: Any) -> None:
             viscous += z[n + i] * lin.damping[i, j] * z[n + j]
         out.acceleration_peak[i] = max(out.acceleration_peak[i], abs(at.a[i]))
     out.shear_peak[0] = max(out.shear_peak[0], abs(shear))
-    at.power[0], at.power[1] = pull * ag, viscous
+    at.power[0], at.power[1] = pull * ag + loaded, viscous
     for d in range(sites):
         rate = 0.0
         for i in range(n):
@@ -161,7 +182,7 @@ def initialise(sites: Any, w: Any, first: Any, h: float, out: Any) -> None:
         sites.ring[d, 0] = w.rest[d]
 
 
-def predict(lin: Any, sites: Any, w: Any, now: Any, ag0: float, ag1: float, steps: int) -> None:
+def predict(lin: Any, sites: Any, loads: Any, w: Any, now: Any, ag0: float, ag1: float, steps: int) -> None:
     """Compute all of a step that does not depend on its unknown forces; delayed forces are interpolated from the past."""
     n, count = lin.pull.shape[0], sites.delays.shape[0]
     copy_into(now.z, w.u, 0)
@@ -179,6 +200,8 @@ def predict(lin: Any, sites: Any, w: Any, now: Any, ag0: float, ag1: float, step
             w.start[d] += lin.connections[d, i] * now.z[i]
             w.start[count + d] += lin.connections[d, i] * now.z[n + i]
     multiply(lin.explicit, w.u, w.base)
+    if loads is not None:
+        add_product(loads.site, loads.ends, w.base)
 
 
 def site_motion(unknown: Any, base: Any, g: Any, y: Any) -> None:
@@ -209,7 +232,7 @@ def solve_forces(lin: Any, sites: Any, w: Any, h: float, tol: float, out: Any) -
             sites.states[d, i] = w.states[d, i]
 
 
-def finish_step(lin: Any, sites: Any, w: Any, half: Any, whole: Any, steps: int) -> None:
+def finish_step(lin: Any, sites: Any, loads: Any, w: Any, half: Any, whole: Any, steps: int) -> None:
     """Set the building at h/2 and h, and store the undelayed forces in the ring."""
     n, count = lin.pull.shape[0], sites.delays.shape[0]
     nodes = sites.ring.shape[1]
@@ -220,14 +243,22 @@ def finish_step(lin: Any, sites: Any, w: Any, half: Any, whole: Any, steps: int)
     copy_into(w.g, w.u, 2 * n + 2 + count)
     multiply(lin.half, w.u, half.z)
     multiply(lin.whole, w.u, whole.z)
+    if loads is not None:
+        add_product(loads.half, loads.ends, half.z)
+        add_product(loads.whole, loads.ends, whole.z)
 
 
-def measure(d: int, number: int, lin: Any, control: Any, now: Any, ground: float, ag: float) -> None:
+def measure(d: int, number: int, lin: Any, control: Any, loads: Any, now: Any, ground: float, ag: float) -> None:
     """What the sensors of a site's law give at its sample ``number``."""
     n, known, y = lin.pull.shape[0], control.known, control.measured[d]
     copy_into(now.z, known, 0)
     known[2 * n], known[2 * n + 1] = ground, ag
     copy_into(now.f, known, 2 * n + 2)
+    if loads is not None:
+        first, count = 2 * n + 2 + now.f.shape[0], loads.at.shape[0]
+        copy_into(loads.velocity, known, first)
+        for c in range(count):
+            known[first + count + c] = loads.ends[c]
     multiply(control.rows[d], known, y)
     if control.ideal[d]:
         return
@@ -307,14 +338,14 @@ def take_decision(d: int, number: int, control: Any, models: Any) -> float:
 
 
 def update_inputs(
-    step: int, lin: Any, sites: Any, control: Any, models: Any, now: Any, ground: float, ag: float
+    step: int, lin: Any, sites: Any, control: Any, models: Any, loads: Any, now: Any, ground: float, ag: float
 ) -> bool:
     """Let the laws decide where it is time, and set the parameters of the step; True where a force may jump."""
     jumped = False
     for d in range(control.every.shape[0]):
         every = control.every[d]
         if every > 0 and step % every == 0:
-            measure(d, step // every, lin, control, now, ground, ag)
+            measure(d, step // every, lin, control, loads, now, ground, ag)
             filtered(d, control)
             u = take_decision(d, step // every, control, models)
             control.command[d] = u
@@ -356,13 +387,25 @@ def apply_force_jump(lin: Any, sites: Any, w: Any, now: Any) -> None:
 
 
 def integrate(
-    ag: Any, m: int, h: float, tolerance: float, lin: Any, sites: Any, control: Any, models: Any, w: Any, out: Any
+    ag: Any,
+    m: int,
+    h: float,
+    tolerance: float,
+    lin: Any,
+    sites: Any,
+    control: Any,
+    models: Any,
+    loads: Any,
+    w: Any,
+    out: Any,
 ) -> None:
     """Integrate through the ground motion ``ag`` with m steps of h seconds per sample; ``out`` is written in place."""
     now, half, whole, work = w.now, w.half, w.whole, w.work
     ground = 0.0
     initialise(sites, w, now, h, out)
-    observe(now, ag[0], lin, out)
+    if loads is not None:
+        copy_into(loads.values[0], loads.ends, 0)
+    observe(now, ag[0], lin, loads, 0.0, out)
     store_sample(0, now, work, out)
     if control is not None:
         copy_into(control.level, out.input[0], 0)
@@ -370,16 +413,21 @@ def integrate(
         for j in range(m):
             ag0 = ag[i] + (ag[i + 1] - ag[i]) * j / m
             ag1 = ag[i] + (ag[i + 1] - ag[i]) * (j + 1) / m
+            if loads is not None:
+                set_loads(loads, i, j / m, (j + 1) / m)
             if control is not None:
-                if update_inputs(i * m + j, lin, sites, control, models, now, ground, ag0):
+                if update_inputs(i * m + j, lin, sites, control, models, loads, now, ground, ag0):
                     apply_force_jump(lin, sites, w, now)
-                    observe(now, ag0, lin, out)
+                    observe(now, ag0, lin, loads, 0.0, out)
                 ground += 0.5 * h * (ag0 + ag1)
-            predict(lin, sites, w, now, ag0, ag1, i * m + j)
+                if loads is not None:
+                    for c in range(loads.at.shape[0]):
+                        loads.velocity[c] += 0.5 * h * (loads.ends[c] + loads.ends[loads.at.shape[0] + c])
+            predict(lin, sites, loads, w, now, ag0, ag1, i * m + j)
             solve_forces(lin, sites, w, h, tolerance, out)
-            finish_step(lin, sites, w, half, whole, i * m + j)
-            observe(half, 0.5 * (ag0 + ag1), lin, out)
-            observe(whole, ag1, lin, out)
+            finish_step(lin, sites, loads, w, half, whole, i * m + j)
+            observe(half, 0.5 * (ag0 + ag1), lin, loads, 0.5, out)
+            observe(whole, ag1, lin, loads, 1.0, out)
             raise_peaks(now, half, 0.5 * h, out)
             raise_peaks(half, whole, 0.5 * h, out)
             for k in range(work.shape[0]):

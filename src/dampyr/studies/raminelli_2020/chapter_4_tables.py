@@ -32,8 +32,8 @@ FETCH = "`dampyr datasets fetch labcontrol`"
 NO_FILES = f"the campaign's files are not on this machine; get them with {FETCH}"
 METHOD = (
     "In the table: the motion, printed and ours over whole cycles; the coefficients, printed, by the modified method (mod.), "
-    "and by least squares (fit); the verdict names what differs. The modified method is (4.1)-(4.2), on samples faster than half "
-    "the peak speed and past the turning points; least squares is one fit of (2.3)-(2.4) over the whole record. Allowed: "
+    "and by least squares (fit); the verdict names what differs. The modified method is (4.1)-(4.2), on samples faster than "
+    "half the peak speed and past the turning points; least squares is one fit of (2.3)-(2.4) over the whole record. Allowed: "
     f"{100 * MOTION.relative:g} % for the motion, {100 * COEFFICIENT.relative:g} % for the coefficients of the modified method."
 )
 
