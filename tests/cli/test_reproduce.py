@@ -112,7 +112,7 @@ def test_plants_are_of_the_other_study(tmp_path: Path) -> None:
 def test_the_studies_are_listed() -> None:
     assert "quarter_car_2025\n    A quarter car" in run("--list").stdout
     assert list(json.loads(run("--list", "--json").stdout)) == [
-        "ohtori_2004", "quarter_car_2025", "quiroz_2022", "raminelli_2020", "vrths_2020",
+        "ohtori_2004", "quarter_car_2025", "quiroz_2022", "raminelli_2020", "spencer_1997", "vrths_2020",
     ]  # fmt: skip
 
 

@@ -208,6 +208,11 @@ EXAMPLES: dict[str, Callable[[SimpleNamespace], Any]] = {
     "ground_motions.DesignComparison": lambda made: dp.ground_motions.compare_with_design(
         made.motion, dp.ground_motions.eurocode_8(2.5, "C"), (0.0, 0.2, 0.5, 1.0)
     ),
+    "ground_motions.InelasticSpectrum": lambda made: dp.ground_motions.inelastic_spectrum(made.motion, 2.0, [0.5, 1.0]),
+    "ground_motions.MatchedMotion": lambda made: dp.ground_motions.matched_to_design(
+        made.motion, dp.ground_motions.eurocode_8(2.5, "C"), 0.4, 1.0
+    ),
+    "ground_motions.TableSpectrum": lambda made: dp.ground_motions.TableSpectrum("site", [0.1, 1.0], [5.0, 2.0]),
     "ground_motions.RotatedSpectrum": lambda made: dp.ground_motions.rotated_spectrum(
         made.motion, made.motion, [0.2, 0.5]
     ),

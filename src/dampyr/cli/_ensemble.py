@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from functools import wraps
@@ -115,6 +116,26 @@ read_option = click.option(
 workers_option = click.option(
     "--workers", type=click.IntRange(1), metavar="N", help="Number of threads.  [default: one for each core]"
 )
+
+
+cluster_option = click.option(
+    "--cluster", metavar="ADDRESS", help="Compute on a dask cluster whose scheduler is there, such as tcp://host:8786."
+)
+
+
+@contextmanager
+def workers_of(workers: int | None, cluster: str | None) -> Iterator[Any]:
+    """Threads of this process, or the client of a cluster."""
+    if cluster is None:
+        with ThreadPoolExecutor(workers) as pool:
+            yield pool
+        return
+    if workers is not None:
+        raise InputError("--workers counts threads here, and --cluster computes elsewhere; give one of the two")
+    from dampyr.structures.ensembles.ensemble_workers import connected
+
+    with connected(cluster) as client:
+        yield client
 
 
 def case_options(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -11,9 +11,11 @@ from dampyr.cli._ensemble import (
     CASE_OPTIONS,
     EnsembleCommand,
     case_options,
+    cluster_option,
     counting,
     read_option,
     refuse_cases,
+    workers_of,
     workers_option,
 )
 from dampyr.cli._examples import examples
@@ -58,6 +60,7 @@ if TYPE_CHECKING:
 )
 @read_option
 @workers_option
+@cluster_option
 @report_options()
 @as_json_option
 @click.pass_context
@@ -71,6 +74,7 @@ def command(
     out: Path | None,
     read: Path | None,
     workers: int | None,
+    cluster: str | None,
     report: Path | None,
     as_json: bool,
 ) -> None:
@@ -91,7 +95,7 @@ def command(
     if axes:
         if read is not None:
             raise InputError("--search computes, and --read takes what was computed; leave one of them out")
-        found_best = _search(request, options, criterion, axes, finalists or 5, out, workers)
+        found_best = _search(request, options, criterion, axes, finalists or 5, out, workers, cluster)
         if report:
             from dampyr.show.pages.result_page import write_page
 
@@ -99,7 +103,7 @@ def command(
         print_answer(found_best, as_json)
         return
     if read is None:
-        result = run_cases(request, options, out, workers)
+        result = run_cases(request, options, out, workers, cluster)
     else:
         refuse_cases(context, "--read")
         result = structures.read_ensemble(read)
@@ -119,9 +123,8 @@ def _search(
     finalists: int,
     out: Path | None,
     workers: int | None,
+    cluster: str | None,
 ) -> ControlSearch:
-    from concurrent.futures import ThreadPoolExecutor
-
     from dampyr import structures
     from dampyr.cli._search_axes import searched
 
@@ -132,7 +135,7 @@ def _search(
     [(place, damper)] = placed.items()
     word = "current" if damper.input == "A" else "voltage"
     inputs, places = searched(damper, axes, list(what.pop(word)), request.controls)
-    with counting() as progress, ThreadPoolExecutor(workers) as pool:
+    with counting() as progress, workers_of(workers, cluster) as pool:
         return structures.search_control(
             what["buildings"], what["motions"], damper, places=places or [place], scales=what["scales"],
             criterion=criterion, finalists=finalists, executor=pool, options=options, out=out, progress=progress,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,10 +12,12 @@ from dampyr.cli._ensemble import (
     CASE_OPTIONS,
     EnsembleCommand,
     case_options,
+    cluster_option,
     counting,
     read_option,
     refuse_cases,
     shard,
+    workers_of,
     workers_option,
 )
 from dampyr.cli._examples import examples
@@ -51,6 +52,7 @@ if TYPE_CHECKING:
     help="Write the peaks for pelicun and SimCenter's tools, a .csv for each damper and input; needs --height.",
 )
 @workers_option
+@cluster_option
 @report_options()
 @as_json_option
 @click.pass_context
@@ -64,6 +66,7 @@ def command(
     read: Path | None,
     demands: Path | None,
     workers: int | None,
+    cluster: str | None,
     report: Path | None,
     as_json: bool,
 ) -> None:
@@ -86,10 +89,10 @@ def command(
     if part is not None:
         if options.limits or report or demands:
             raise InputError("a part alone has no results yet; give --limit, --report and --demands with --collect")
-        _write_part(request, options, part, out, workers, as_json)
+        _write_part(request, options, part, out, workers, cluster, as_json)
         return
     if collect is None and read is None:
-        result = run_cases(request, options, out, workers)
+        result = run_cases(request, options, out, workers, cluster)
     else:
         result = _read(context, options, out, collect, read)
     if demands:
@@ -106,14 +109,20 @@ def command(
 
 
 def _write_part(
-    request: EnsembleCommand, options: EnsembleOptions, text: str, out: Path | None, workers: int | None, as_json: bool
+    request: EnsembleCommand,
+    options: EnsembleOptions,
+    text: str,
+    out: Path | None,
+    workers: int | None,
+    cluster: str | None,
+    as_json: bool,
 ) -> None:
     from dampyr.structures import ensemble_cases, write_part
 
     if out is None:
         raise InputError("--shard writes its part into a folder; name it with --out")
     cases = ensemble_cases(**request.cases(options))
-    with counting() as progress, ThreadPoolExecutor(workers) as pool:
+    with counting() as progress, workers_of(workers, cluster) as pool:
         path = write_part(cases, *shard(text), out, pool, progress)
     if as_json:
         print_json({"part": path})
@@ -139,7 +148,11 @@ def _read(
 
 
 def run_cases(
-    request: EnsembleCommand, options: EnsembleOptions, out: Path | None, workers: int | None
+    request: EnsembleCommand,
+    options: EnsembleOptions,
+    out: Path | None,
+    workers: int | None,
+    cluster: str | None = None,
 ) -> EnsembleResult:
     """The ensemble of the command line's cases, with its progress told; a file ``out`` is continued where it stopped."""
     from dampyr.structures import ensemble, ensemble_cases
@@ -151,5 +164,5 @@ def run_cases(
     if done:
         click.echo(f"{out}: {done} of {shards} shards are there; going on with the others", err=True)
         before = ensemble_cases(**cases).size * done // shards
-    with counting(before) as progress, findings_below(), ThreadPoolExecutor(workers) as pool:
+    with counting(before) as progress, findings_below(), workers_of(workers, cluster) as pool:
         return ensemble(**cases, executor=pool, out=out, progress=progress)

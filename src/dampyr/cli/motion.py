@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,9 +18,11 @@ from dampyr.cli._report import report_options
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
-    from dampyr.ground_motions import DesignSpectrum, GroundMotion, MotionReadOptions
+    from dampyr.ground_motions import DesignSpectrum, GroundMotion, MotionReadOptions, TableSpectrum
+    from dampyr.ground_motions.constant_ductility import InelasticSpectrum
     from dampyr.ground_motions.intensity_measures import Measures
     from dampyr.ground_motions.response_spectrum import Spectrum
+    from dampyr.ground_motions.spectrum_matching import MatchedMotion
 
 
 @click.command(
@@ -30,6 +33,8 @@ if TYPE_CHECKING:
         "dampyr motion --pga 0.3g --report motion.html",
         "dampyr motion kobe.csv --motion-unit g --dt 0.02",
         "dampyr motion --design ec8:ag=0.3g,ground=C --fit-design 0.2:2",
+        "dampyr motion --design ec8:ag=0.3g,ground=C --match 0.1:4 --save matched.csv",
+        "dampyr motion --ductility 2 --ductility 4 --period 0.5 --period 1",
         "dampyr motion motions --period 0.5",
     ),
 )
@@ -45,7 +50,8 @@ if TYPE_CHECKING:
 @click.option(
     "--design",
     metavar="CODE",
-    help="Design spectrum beside it: asce7:sds=1g,sd1=0.6g,tl=8s or ec8:ag=0.25g,ground=C,type=1,damping=5%.",
+    help="Design spectrum beside it: asce7:sds=1g,sd1=0.6g,tl=8s, ec8:ag=0.25g,ground=C,type=1,damping=5% or "
+    "table:FILE,unit=g,damping=5%.",
 )
 @click.option(
     "--fit-design",
@@ -53,6 +59,27 @@ if TYPE_CHECKING:
     metavar="T1:T2",
     help="Scale the motion to the design spectrum by least squares between these periods in s, such as 0.2:2.",
 )
+@click.option(
+    "--match",
+    "match_range",
+    metavar="T1:T2",
+    help="Match the motion to the design spectrum by wavelets between these periods in s, such as 0.1:4.",
+)
+@click.option(
+    "--save",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Write the motion, time and acceleration, as a text file.",
+)
+@click.option(
+    "--ductility",
+    "ductilities",
+    multiple=True,
+    type=float,
+    metavar="MU",
+    help="Spectrum of yield strengths that limit the ductility to this; may be repeated.",
+)
+@click.option("--hardening", metavar="R", help="Stiffness after yielding for --ductility, such as 3%.  [default: 0]")
 @report_options()
 @as_json_option
 def command(
@@ -64,6 +91,10 @@ def command(
     periods: tuple[float, ...],
     design: str | None,
     fit_range: str | None,
+    match_range: str | None,
+    save: Path | None,
+    ductilities: tuple[float, ...],
+    hardening: str | None,
     report: Path | None,
     as_json: bool,
 ) -> None:
@@ -85,45 +116,115 @@ def command(
             "report": report,
             "design": design,
             "fit-design": fit_range,
+            "match": match_range,
+            "save": save,
+            "ductility": ductilities or None,
+            "hardening": hardening,
             **{f"{w[2:]}": True for w in command_words(options)[:1]},
         }
         _print_folder(file, ground, of_one, dampings, periods, as_json)
         return
     code = None if design is None else parse_design(design)
-    motion = ground.motion(file, baseline, options)
-    if fit_range is not None:
-        if any(value is not None for value in (ground.scale, ground.pga, ground.sa)):
-            raise InputError("--fit-design scales the motion; leave --scale, --pga and --sa out")
-        motion = _fitted(motion, code, fit_range)
+    motion, matched = _chosen(ground, ground.motion(file, baseline, options), code, fit_range, match_range)
     table_periods, ratios = periods or motion_page.TABLE, [ratio(text) for text in dampings]
     motion_measures = measures(motion)
     peaks = spectrum(motion, table_periods, ratios or [0.05])
     compared = None if code is None else compare_with_design(motion, code, table_periods)
+    yielding = _inelastic(motion, ductilities, hardening, ratios, table_periods)
+    if save:
+        motion.save(save)
     if report:
-        write_page(motion, report, dampings=ratios or motion_page.DAMPINGS, periods=table_periods, design=code)
+        write_page(
+            motion, report, dampings=ratios or motion_page.DAMPINGS, periods=table_periods, design=code, matched=matched,
+            inelastic=yielding,
+        )  # fmt: skip
+    beside = {"matched": matched, "design": compared, "inelastic": yielding}
     if as_json:
-        beside = {} if compared is None else {"design": compared.as_dict()}
-        print_json(_as_dict(motion, motion_measures, peaks) | beside)
+        told = {name: result.as_dict() for name, result in beside.items() if result is not None}
+        print_json(_as_dict(motion, motion_measures, peaks) | told)
         return
     print_result(motion)
     click.echo()
     print_result(peaks)
-    if compared is not None:
-        click.echo()
-        print_result(compared)
+    for result in beside.values():
+        if result is not None:
+            click.echo()
+            print_result(result)
 
 
-def _fitted(motion: GroundMotion, code: DesignSpectrum | None, text: str) -> GroundMotion:
+def _chosen(
+    ground: Ground,
+    motion: GroundMotion,
+    code: DesignSpectrum | TableSpectrum | None,
+    fit_range: str | None,
+    match_range: str | None,
+) -> tuple[GroundMotion, MatchedMotion | None]:
+    """The motion as it was read, or fitted or matched to the design spectrum; of the latter what came of it."""
+    if fit_range is not None:
+        if any(value is not None for value in (ground.scale, ground.pga, ground.sa)):
+            raise InputError("--fit-design scales the motion; leave --scale, --pga and --sa out")
+        if match_range is None:
+            return _fitted(motion, code, fit_range), None
+    if match_range is None:
+        return motion, None
+    matched = _matched(motion, code, ground, match_range, fit_range)
+    return matched.motion, matched
+
+
+def _fitted(motion: GroundMotion, code: DesignSpectrum | TableSpectrum | None, text: str) -> GroundMotion:
     """The motion scaled to the design spectrum between the periods ``T1:T2``."""
     from dampyr.ground_motions import scaled_to_design
+
+    return scaled_to_design(motion, *_design_and_range(code, text, "fit-design", "0.2:2"))
+
+
+def _matched(
+    motion: GroundMotion,
+    code: DesignSpectrum | TableSpectrum | None,
+    ground: Ground,
+    text: str,
+    fit_range: str | None,
+) -> MatchedMotion:
+    """The motion matched to the design spectrum between the periods ``T1:T2``."""
+    from dampyr.ground_motions import matched_to_design
+
+    if any(value is not None for value in (ground.scale, ground.pga, ground.sa, fit_range)):
+        raise InputError("--match scales the motion; leave --scale, --pga, --sa and --fit-design out")
+    return matched_to_design(motion, *_design_and_range(code, text, "match", "0.1:4"))
+
+
+def _inelastic(
+    motion: GroundMotion,
+    ductilities: tuple[float, ...],
+    hardening: str | None,
+    dampings: list[float],
+    periods: Sequence[float],
+) -> InelasticSpectrum | None:
+    """The spectrum of constant ductility, where one is asked for."""
+    from dampyr.ground_motions import inelastic_spectrum
+
+    if hardening is not None and not ductilities:
+        raise InputError("--hardening belongs to --ductility; give one, such as --ductility 4, or leave it out")
+    if not ductilities:
+        return None
+    if len(dampings) > 1:
+        raise InputError("--ductility is for one --damping; leave the others out")
+    damping = dampings[0] if dampings else 0.05
+    return inelastic_spectrum(motion, ductilities, periods, damping, ratio(hardening) if hardening else 0.0)
+
+
+def _design_and_range(
+    code: DesignSpectrum | TableSpectrum | None, text: str, option: str, example: str
+) -> tuple[DesignSpectrum | TableSpectrum, float, float]:
+    """The design spectrum, and the range of periods ``T1:T2`` in s, of an option that needs both."""
     from dampyr.units import parse
 
     if code is None:
-        raise InputError("--fit-design needs a design spectrum; give it, such as --design ec8:ag=0.25g,ground=C")
+        raise InputError(f"--{option} needs a design spectrum; give it, such as --design ec8:ag=0.25g,ground=C")
     low, colon, high = text.partition(":")
     if not colon:
-        raise InputError(f"--fit-design {text!r} is not a range of periods; write it as in 0.2:2, in s")
-    return scaled_to_design(motion, code, parse(low, "s"), parse(high, "s"))
+        raise InputError(f"--{option} {text!r} is not a range of periods; write it as in {example}, in s")
+    return code, parse(low, "s"), parse(high, "s")
 
 
 def _print_folder(

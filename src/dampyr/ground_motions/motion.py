@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from dampyr.atomic_write import whole_file
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.ground_motions import integrals
 from dampyr.ground_motions.oscillator import oscillator_peaks
@@ -98,6 +100,19 @@ class GroundMotion(Shown):
         """A new motion with these samples and ``note``, what was done, added to its history."""
         values = np.asarray(acceleration, dtype=float)
         return replace(self, acceleration=values, dt=self.dt if dt is None else dt, history=(*self.history, note))
+
+    def save(self, path: str | Path) -> Path:
+        """Write time and acceleration as a text file of two columns, which `read` takes; name and history stand above them.
+
+        Raises :class:`~dampyr.errors.FileError` where the file cannot be written.
+        """
+        path = Path(path)
+        above = [f"# {line}" for line in (self.name, self.source, *self.history) if line]
+        rows = (f"{t:.12g},{a:.17g}" for t, a in zip(self.time, self.acceleration, strict=True))
+        text = "\n".join([*above, "time [s],acceleration [m/s^2]", *rows, ""])
+        with whole_file(path) as temporary:
+            temporary.write_text(text, encoding="utf-8")
+        return path
 
     def scaled(self, factor: float) -> GroundMotion:
         """The same motion, ``factor`` times as strong; a negative factor turns it round."""

@@ -21,6 +21,7 @@ from dampyr.findings import OF_DAMPER, handed_on
 from dampyr.input_kinds import INPUTS, input_arguments
 from dampyr.models import Constant, Damper, Interpolation, Polynomial
 from dampyr.models import inverse as inverse_model
+from dampyr.models.codegen.syntax_trees import statements_of
 from dampyr.models.laws import Law
 from dampyr.source_digest import full_version
 from dampyr.structures.building import Building
@@ -483,7 +484,7 @@ def _search(prefix: str, precision: Precision) -> str:
     names = {"force_under_input", *(each.__name__ for each in inverse_model.SEARCH)}
     texts = []
     for each in inverse_model.SEARCH:
-        tree = ast.parse(inspect.getsource(each)).body[0]
+        tree = statements_of(inspect.getsource(each)).body[0]
         assert isinstance(tree, ast.FunctionDef)
         tree.body = tree.body[1:]  # without the docstring
         texts.append(function(_Less().visit(tree), prefix, names, ("s", "nodes", "out"), precision))

@@ -17,6 +17,7 @@ from collections.abc import Iterable
 
 from dampyr.models.codegen.formula import Formula, tangents
 from dampyr.models.codegen.layout import SIGNATURES, SITE, Function, Layout, Slot, call
+from dampyr.models.codegen.syntax_trees import expression_of
 
 QUICK = {"exp": "quick_exp", "tanh": "quick_tanh"}
 PIECE = {"x0": "x[m]", "x1": "x[m + 1]", "v0": "v[m]", "v1": "v[m + 1]", "dt": "(t[m + 1] - t[m])"}
@@ -158,9 +159,9 @@ class _Placed(ast.NodeTransformer):
         self.places = places
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
-        return ast.parse(self.places.get(node.id, node.id), mode="eval").body
+        return expression_of(self.places.get(node.id, node.id)).body
 
 
 def _quickly(text: str, places: dict[str, str]) -> str:
     """The text of a call with its arguments in their places and the function in its quick form."""
-    return ast.unparse(_Placed(places | QUICK).visit(ast.parse(text, mode="eval")))
+    return ast.unparse(_Placed(places | QUICK).visit(expression_of(text)))

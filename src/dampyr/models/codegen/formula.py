@@ -16,6 +16,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+from dampyr.models.codegen.syntax_trees import expression_of, statements_of
+
 #: d f(a) / da for the functions of one argument, in terms of ``a``
 DERIVATIVES = {
     "exp": "exp({a})",
@@ -74,7 +76,7 @@ class Formula:
 @lru_cache(maxsize=512)
 def read(function: Callable[..., Any], name: str) -> Formula:
     """The formula of a plain function, under a new name and without hints and docstring."""
-    tree = ast.parse(textwrap.dedent(inspect.getsource(function))).body[0]
+    tree = statements_of(textwrap.dedent(inspect.getsource(function))).body[0]
     assert isinstance(tree, ast.FunctionDef)
     if ast.get_docstring(tree):
         tree.body = tree.body[1:]
@@ -105,8 +107,8 @@ def multiplied(formula: Formula, factor: Formula, name: str, prefix: str) -> For
     (only,) = factor.tree.body
     assert isinstance(only, ast.Return)
     assert only.value is not None
-    by = ast.unparse(_Renamed(arguments).visit(ast.parse(ast.unparse(only.value), mode="eval")))
-    tree = _Multiplied(by).visit(ast.parse(formula.source).body[0])
+    by = ast.unparse(_Renamed(arguments).visit(expression_of(ast.unparse(only.value))))
+    tree = _Multiplied(by).visit(statements_of(formula.source).body[0])
     names = tuple(dict.fromkeys((*formula.arguments, *arguments.values())))
     tree.name, tree.args.args = name, [ast.arg(a) for a in names]
     return Formula(name, names, ast.fix_missing_locations(tree), {**factor.namespace, **formula.namespace})
@@ -126,7 +128,7 @@ class _Multiplied(ast.NodeTransformer):
 
     def visit_Return(self, node: ast.Return) -> ast.stmt:
         assert node.value is not None
-        return ast.parse(f"return ({self.by})*({ast.unparse(node.value)})").body[0]
+        return statements_of(f"return ({self.by})*({ast.unparse(node.value)})").body[0]
 
 
 def tangent(formula: Formula, name: str, active: Iterable[str], unit: str | None = None) -> str:

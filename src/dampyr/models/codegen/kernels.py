@@ -33,6 +33,7 @@ from dampyr import compiling
 from dampyr.models.codegen.composition import Composition, text_of
 from dampyr.models.codegen.kernel_key import instructions, kernel_key
 from dampyr.models.codegen.layout import SIGNATURES
+from dampyr.models.codegen.syntax_trees import statements_of
 from dampyr.models.numerics import fast_math
 from dampyr.source_digest import source_digest
 
@@ -268,7 +269,7 @@ def bind(driver: Callable[..., Any], compositions: tuple[Composition, ...], more
 
 def _needed(text: str, wanted: Iterable[str]) -> str:
     """The functions of ``text`` that are called ``wanted``, with those that they call, in their order."""
-    functions = {node.name: node for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)}
+    functions = {node.name: node for node in statements_of(text).body if isinstance(node, ast.FunctionDef)}
     lines, open_, needed = text.split("\n"), list(wanted), set[str]()
     while open_:
         name = open_.pop()

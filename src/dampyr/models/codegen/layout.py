@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from dampyr.models.codegen.formula import Formula
+from dampyr.models.codegen.syntax_trees import statements_of
 from dampyr.models.part import Part
 
 #: Arguments of the functions that every composition has, by name: what the drivers of `dampyr.models.codegen.kernels` call.
@@ -116,7 +117,7 @@ class Function:
 
     def tree(self) -> ast.FunctionDef:
         """The syntax tree of the Python text."""
-        tree = ast.parse(self.python()).body[0]
+        tree = statements_of(self.python()).body[0]
         assert isinstance(tree, ast.FunctionDef)
         return tree
 

@@ -23,11 +23,15 @@ TICKS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 
 
 def response_spectrum(
-    periods: ArrayLike, cases: Mapping[str, ArrayLike], axis: Axis = PSEUDO_ACCELERATION, title: str = ""
+    periods: ArrayLike,
+    cases: Mapping[str, ArrayLike],
+    axis: Axis = PSEUDO_ACCELERATION,
+    title: str = "",
+    height: float = 3.1,
 ) -> Figure:
-    """``periods`` s ``(p,)``, greater than 0; ``cases`` name -> SI ``(p,)``, each told with its peak."""
+    """``periods`` s ``(p,)``, greater than 0; ``cases`` name -> SI ``(p,)``, each told with its peak; ``height`` in inches."""
     T = PERIOD.of(periods)
-    with style.single_panel(3.1, title) as (fig, panel):
+    with style.single_panel(height, title) as (fig, panel):
         for colour, (name, values) in zip(cycle(style.SERIES), cases.items(), strict=False):
             y = axis.of(values)
             peak = int(np.argmax(y))

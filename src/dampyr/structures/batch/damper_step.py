@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from dampyr.models.codegen import series
 from dampyr.models.codegen.composition import Composition
+from dampyr.models.codegen.syntax_trees import statements_of
 
 
 @dataclass(frozen=True)
@@ -64,14 +65,14 @@ def _in_series(
 ) -> Half:
     """The same where something stretches under the force; the last state is the force itself."""
     names, hidden = _Names(tag, states, values, motion), len(states) - 1
-    lines = [ast.unparse(names.visit(ast.parse(line).body[0])) for line in series.law(composition.layout)]
+    lines = [ast.unparse(names.visit(statements_of(line).body[0])) for line in series.law(composition.layout)]
     ends = [f"e{k}{tag}" for k in range(hidden)]
     by = [[f"f{axis}{k}{tag}" for k in range(hidden)] for axis in "xv"]
     return Half(lines, ends, f"raw{tag}", (f"fx{tag}", f"fv{tag}"), by[0], by[1])
 
 
 def _body(composition: Composition, name: str) -> list[ast.stmt]:
-    tree = ast.parse(composition.source())
+    tree = statements_of(composition.source())
     function = next(f for f in tree.body if isinstance(f, ast.FunctionDef) and f.name == f"{name}_site0")
     return function.body
 

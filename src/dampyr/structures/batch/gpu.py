@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError, install_line
 from dampyr.models.codegen.composition import Composition
+from dampyr.models.codegen.syntax_trees import statements_of
 from dampyr.structures.batch.assemble import ARGUMENTS, TIMES, KernelText
 from dampyr.structures.batch.branchless_math import constants
 from dampyr.structures.batch.building_step import Small
@@ -107,7 +108,7 @@ def _compiled(source: str, compositions: tuple[Composition, ...], precision: int
 
     kind = np.float64 if precision == 64 else np.float32
     text = functions_of(compositions)
-    tree, numbers = ast.parse(text), Numbers()
+    tree, numbers = statements_of(text), Numbers()
     numbers.visit(tree)
     plain = (*MATH, "exp", "tanh", "copysign")
     names: dict[str, Any] = {name: getattr(math, name) for name in plain} | {"floor_of": math.floor}

@@ -6,6 +6,8 @@ import ast
 from dataclasses import dataclass, field
 from typing import Any
 
+from dampyr.models.codegen.syntax_trees import statements_of
+
 
 @dataclass
 class Loops:
@@ -70,7 +72,7 @@ def _used(lines: list[str]) -> tuple[set[str], set[str]]:
     read: set[str] = set()
     written: set[str] = set()
     for line in lines:
-        tree = ast.parse(line).body[0]
+        tree = statements_of(line).body[0]
         names = [node for node in ast.walk(tree) if isinstance(node, ast.Name)]
         loaded = {n.id for n in names if isinstance(n.ctx, ast.Load)}
         stored = {n.id for n in names if isinstance(n.ctx, ast.Store)}

@@ -14,6 +14,7 @@ import numpy as np
 from dampyr.models.codegen.composition import Composition, text_of
 from dampyr.models.codegen.formula import read
 from dampyr.models.codegen.kernels import jit, named
+from dampyr.models.codegen.syntax_trees import statements_of
 from dampyr.structures.batch import bouc_wen_branchless, branchless_math
 from dampyr.structures.time_history.kernel_math import quadratic
 
@@ -48,7 +49,7 @@ def _parts(text: str, precision: int) -> dict[str, Any]:
     from numba import njit
 
     kind = np.float64 if precision == 64 else np.float32
-    tree, numbers = ast.parse(text), Numbers()
+    tree, numbers = statements_of(text), Numbers()
     numbers.visit(tree)
     names: dict[str, Any] = {name: getattr(math, name) for name in MATH}
     names |= (

@@ -108,7 +108,8 @@ def arena(result: EnsembleResult, criterion: str = "drift", seed: int = 1) -> Ar
     ----------
     result
         What `ensemble` or `read_ensemble` gave for two inputs or more: control laws, constant inputs, or both. Several motions
-        are needed for bands; drawn dampers (``draws=``) or seeds of noise (``seeds=``) count as well.
+        are needed for bands; drawn dampers (``draws=``) or seeds of noise (``seeds=``) count as well. It may have been computed
+        on a cluster, ``ensemble(..., executor=client, out="peaks.h5")``, and in several runs: the arena is the same.
     criterion
         "drift", "displacement", "acceleration", "force" or "stroke": the largest of all storeys, floors or dampers of a case.
         A case that grew without bound has an infinite one.

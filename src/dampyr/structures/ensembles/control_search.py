@@ -13,7 +13,6 @@ says how much worse than the first the others are, with the 90 % band of a boots
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -34,6 +33,7 @@ from dampyr.structures.control_laws import is_control_law
 from dampyr.structures.ensembles.arena import BAND, CRITERIA, Arena, bootstrap_weights, compared
 from dampyr.structures.ensembles.ensemble import Progress, ensemble
 from dampyr.structures.ensembles.ensemble_result import EnsembleResult
+from dampyr.structures.ensembles.ensemble_workers import Workers
 from dampyr.structures.sensor_noise import MAX_SEED
 from dampyr.structures.time_history.peaks import peak_of_cases
 
@@ -118,7 +118,7 @@ def search_control(
     scales: ArrayLike = 1.0,
     criterion: str = "drift",
     finalists: int = 5,
-    executor: Executor | None = None,
+    executor: Workers | None = None,
     options: EnsembleOptions | None = None,
     *,
     current: Any = None,

@@ -6,10 +6,10 @@ holds the peaks of each case, not its histories, in labelled axes.
 
 from __future__ import annotations
 
-import os
 import warnings
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from collections.abc import Callable, Generator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,7 @@ from dampyr.structures.ensembles.ensemble_accuracy import doubts
 from dampyr.structures.ensembles.ensemble_batches import Shard, run_shard
 from dampyr.structures.ensembles.ensemble_grid import Cases, cases
 from dampyr.structures.ensembles.ensemble_result import EnsembleResult
+from dampyr.structures.ensembles.ensemble_workers import Workers, count_of, executor_of, telling_of_the_lost
 from dampyr.structures.ensembles.store import Store
 from dampyr.structures.floor_loads import refuse_loads
 from dampyr.structures.sites import warn_of_parts
@@ -39,7 +40,7 @@ def ensemble(
     dampers: Any = None,
     voltage: Any = None,
     scales: ArrayLike = 1.0,
-    executor: Executor | None = None,
+    executor: Workers | None = None,
     options: EnsembleOptions | None = None,
     *,
     current: Any = None,
@@ -62,8 +63,9 @@ def ensemble(
     scales
         factors of the motions, one or a list.
     executor
-        anything with ``submit`` of :class:`concurrent.futures.Executor`; default: one thread per core (the kernels need no
-        lock). The numbers are the same to the last bit, on any executor.
+        anything with ``submit`` of :class:`concurrent.futures.Executor`, or the ``Client`` of a dask cluster, whose workers
+        then are kept busy, however many there are; default: one thread per core (the kernels need no lock). The numbers are
+        the same to the last bit, whoever computes them, and where a worker of a cluster is killed another takes its shards.
     options
         the further arguments as one object; those that are given by name take their places.
     out
@@ -101,6 +103,8 @@ def ensemble(
     ------
     InputError
         An argument is wrong; before anything runs.
+    DampyrError
+        All workers were lost; a run with ``out`` goes on from what was done.
 
     Examples
     --------
@@ -122,43 +126,46 @@ def ensemble(
 
 
 def run(
-    what: Cases, executor: Executor | None = None, out: str | Path | None = None, progress: Progress | None = None
+    what: Cases, executor: Workers | None = None, out: str | Path | None = None, progress: Progress | None = None
 ) -> Any:
     """The dataset of checked cases; see `ensemble`."""
     store = Store(what, out)
     waiting = store.missing()
     done = what.size - sum(len(what.lines_of(k, store.shards)) for k in waiting) * len(what.scales)
-    own_pool = executor is None
-    pool = ThreadPoolExecutor(os.cpu_count()) if executor is None else executor
     try:
-        for shard in completed(pool, what, store.shards, waiting):
-            store.put(shard)
-            done += len(shard.lines) * len(what.scales)
-            if progress:
-                progress(done, what.size)
+        with (
+            telling_of_the_lost("" if out is None else str(out)),
+            closing(completed(executor, what, store.shards, waiting)) as shards,
+        ):
+            for shard in shards:
+                store.put(shard)
+                done += len(shard.lines) * len(what.scales)
+                if progress:
+                    progress(done, what.size)
     finally:
         store.close()
-        if own_pool:
-            pool.shutdown(cancel_futures=True)
     dataset = store.dataset()
     warn_of(dataset)
     return dataset
 
 
-def completed(pool: Executor, what: Cases, shards: int, waiting: list[int]) -> Iterator[Shard]:
+def completed(workers: Workers | None, what: Cases, shards: int, waiting: list[int]) -> Generator[Shard, None, None]:
     """Yield shards as they finish, no more than a few per worker submitted at a time."""
-    max_running = IN_FLIGHT * (os.cpu_count() or 1)
     left, running = iter(waiting), set[Future[Shard]]()
-    while True:
-        for k in left:
-            running.add(pool.submit(run_shard, k, shards, what))
-            if len(running) >= max_running:
-                break
-        if not running:
-            return
-        finished, running = wait(running, return_when=FIRST_COMPLETED)
-        for future in finished:
-            yield future.result()
+    with executor_of(workers) as pool:
+        while True:
+            max_running = IN_FLIGHT * count_of(workers, pool)
+            while len(running) < max_running and (k := next(left, None)) is not None:
+                running.add(pool.submit(run_shard, k, shards, what))
+            if not running:
+                return
+            finished, running = wait(running, return_when=FIRST_COMPLETED)
+            for future in sorted(finished, key=_has_failed):  # what was computed is taken before an error ends the run
+                yield future.result()
+
+
+def _has_failed(future: Future[Shard]) -> bool:
+    return future.cancelled() or future.exception() is not None
 
 
 def warn_of(dataset: Any) -> None:

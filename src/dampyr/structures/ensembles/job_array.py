@@ -5,10 +5,9 @@ Part i of n of the same cases is a file in a folder; parts that exist are used, 
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +20,7 @@ from dampyr.records.files.self_contained import check_contained
 from dampyr.structures.ensembles.ensemble import Progress, completed, warn_of
 from dampyr.structures.ensembles.ensemble_grid import Cases
 from dampyr.structures.ensembles.ensemble_result import EnsembleResult
+from dampyr.structures.ensembles.ensemble_workers import Workers, telling_of_the_lost
 from dampyr.structures.ensembles.store import (
     DIAGNOSTICS,
     FORMAT,
@@ -41,7 +41,7 @@ def write_part(
     part: int,
     parts: int,
     folder: str | Path,
-    executor: Executor | None = None,
+    executor: Workers | None = None,
     progress: Progress | None = None,
 ) -> Path:
     """Compute one part of an ensemble and write it into a folder, whole or not at all.
@@ -102,17 +102,18 @@ def write_part(
 
 
 def _compute(
-    what: Cases, index: int, parts: int, executor: Executor | None, progress: Progress | None
+    what: Cases, index: int, parts: int, executor: Workers | None, progress: Progress | None
 ) -> tuple[dict[str, Array], Array]:
     shards_of_part = max(1, -(-what.shards() // parts))  # shards of a part, which together are exactly its lines
     lines = what.lines_of(index, parts)
     values = {q: np.full((len(lines), len(what.scales), what.width(q)), np.nan) for q in what.quantities}
     diagnostics, done = [], 0
-    pool = executor or ThreadPoolExecutor(os.cpu_count())
-    try:
-        for shard in completed(
-            pool, what, shards_of_part * parts, list(range(index * shards_of_part, (index + 1) * shards_of_part))
-        ):
+    numbers = list(range(index * shards_of_part, (index + 1) * shards_of_part))
+    with (
+        telling_of_the_lost(),
+        closing(completed(executor, what, shards_of_part * parts, numbers)) as shards,
+    ):
+        for shard in shards:
             rows = slice(shard.lines.start - lines.start, shard.lines.stop - lines.start)
             for quantity, shard_values in shard.values.items():
                 values[quantity][rows] = shard_values
@@ -120,9 +121,6 @@ def _compute(
             done += len(shard.lines) * len(what.scales)
             if progress:
                 progress(done, len(lines) * len(what.scales))
-    finally:
-        if executor is None:
-            pool.shutdown(cancel_futures=True)
     return values, np.array(diagnostics, dtype=float)
 
 
