@@ -15,7 +15,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterable
 
-from dampyr.models.codegen.formula import Formula, tangents
+from dampyr.models.codegen.formula import Formula, InPlace, tangents
 from dampyr.models.codegen.layout import SIGNATURES, SITE, Function, Layout, Slot, call
 
 QUICK = {"exp": "quick_exp", "tanh": "quick_tanh"}
@@ -153,14 +153,6 @@ def _calls(formula: Formula, available: Iterable[str]) -> list[ast.Call]:
     return calls
 
 
-class _Placed(ast.NodeTransformer):
-    def __init__(self, places: dict[str, str]) -> None:
-        self.places = places
-
-    def visit_Name(self, node: ast.Name) -> ast.expr:
-        return ast.parse(self.places.get(node.id, node.id), mode="eval").body
-
-
 def _quickly(text: str, places: dict[str, str]) -> str:
     """The text of a call with its arguments in their places and the function in its quick form."""
-    return ast.unparse(_Placed(places | QUICK).visit(ast.parse(text, mode="eval")))
+    return ast.unparse(InPlace(places | QUICK).visit(ast.parse(text, mode="eval")))
