@@ -20,10 +20,13 @@ from dampyr.errors import InputError
         "dampyr export damper.toml --to fmu --name rd8041 --out fmu",
         "dampyr export damper.toml --to fmu --platform win64 --platform linux64",
         "dampyr export damper.toml --to fmu --model-exchange --out fmu",
+        "dampyr export damper.toml --to modelica --name rd8041",
     )
 )
 @click.argument("card", type=click.Path(path_type=Path))
-@click.option("--to", "kind", required=True, metavar="KIND", help="What to write: c, fmu, matlab or opensees.")
+@click.option(
+    "--to", "kind", required=True, metavar="KIND", help="What to write: c, fmu, matlab, modelica or opensees."
+)
 @click.option("--out", default=".", type=click.Path(path_type=Path), help="The folder to write into.")
 @click.option("--name", default="damper", show_default=True, help="The name of the damper in the files.")
 @click.option(
