@@ -42,9 +42,8 @@ def run(command: list[str], folder: Path, environment: dict[str, str]) -> subpro
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
 
 
-@pytest.fixture
-def installed(tmp_path: Path) -> Path:
-    """The folder of the programs of a new environment with the wheel of these sources."""
+def build_wheel(tmp_path: Path) -> Path:
+    """The wheel of these sources."""
     source = tmp_path / "source"
     source.mkdir()
     for name in ("pyproject.toml", "hatch_build.py", "README.md", "LICENSE"):
@@ -56,6 +55,13 @@ def installed(tmp_path: Path) -> Path:
     )
     assert built.returncode == 0, built.stderr
     [wheel] = tmp_path.glob("*.whl")
+    return wheel
+
+
+@pytest.fixture
+def installed(tmp_path: Path) -> Path:
+    """The folder of the programs of a new environment with the wheel of these sources."""
+    wheel = build_wheel(tmp_path)
     env = tmp_path / "env"
     subprocess.run([sys.executable, "-m", "venv", str(env)], check=True)
     programs = env / ("Scripts" if os.name == "nt" else "bin")
@@ -82,6 +88,14 @@ def test_a_newcomer_gets_from_a_csv_to_a_card_a_prediction_an_fmu_and_a_building
 ) -> None:
     folder = tmp_path / "reader"
     folder.mkdir()
+    environment = follow(installed, folder)
+    typed = [sys.executable, "-m", "mypy", "--python-executable", str(installed / "python"), "predict.py"]
+    checked = run(typed, folder, environment)
+    assert checked.returncode == 0, checked.stdout  # the wheel is typed
+
+
+def follow(installed: Path, folder: Path) -> dict[str, str]:
+    """Do what the page says in ``folder``, with these programs; the environment that it was done in."""
     environment = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "DAMPYR_DATA")}
     environment["PATH"] = os.pathsep.join([str(installed), environment.get("PATH", "")])
     where = run([str(installed / "python"), "-c", "import dampyr; print(dampyr.__file__)"], folder, environment)
@@ -105,9 +119,7 @@ def test_a_newcomer_gets_from_a_csv_to_a_card_a_prediction_an_fmu_and_a_building
             )
             commands += 1
     assert commands == 11
-    typed = [sys.executable, "-m", "mypy", "--python-executable", str(installed / "python"), "predict.py"]
-    checked = run(typed, folder, environment)
-    assert checked.returncode == 0, checked.stdout  # the wheel is typed
+    return environment
 
 
 def no_opensees(programs: Path, folder: Path, environment: dict[str, str]) -> str:
