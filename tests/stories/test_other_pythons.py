@@ -12,9 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.stories.test_newcomer import PACKAGES, ROOT, build_wheel, follow, run
+from tests.stories.test_newcomer import PACKAGES, ROOT, VERSIONS, build_wheel, follow, run
 
-VERSIONS = ("3.11", "3.12", "3.13")
 TOUR = re.compile(r"^```(sh|python)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
