@@ -71,3 +71,11 @@ def test_planted_lines_are_found_and_told_apart() -> None:
 def test_lightness_is_that_of_cie(colour: str, expected: float) -> None:
     """White, black, the middle grey and the red of sRGB (CIE 15:2004)."""
     assert style.lightness(colour) == pytest.approx(expected, abs=0.1)
+
+
+def test_a_loop_that_is_gone_round_again_has_shapes_as_its_dashes_would_fill() -> None:
+    figure = MAKERS["loops_without_velocity"]()
+    first, second = figure.axes[0].lines
+    assert [line.get_linestyle() for line in (first, second)] == ["-", "-"]
+    assert (first.get_marker(), second.get_marker()) == ("s", "None")
+    assert told_by_colour_alone(figure) == []

@@ -62,6 +62,7 @@ DASHES: dict[str, Any] = {
 MARKERS = {BLUE: "o", VERMILLION: "s", GREEN: "^", PURPLE: "D", ORANGE: "v", SKY: "P", MUTED: "X"}
 """Of a case's line and of its points, where greys are too near to tell it from another case."""
 APART = 12.0  # of lightness (CIE L*): greys that a reader of a print tells apart where the lines do not meet
+SHAPES = 12  # on a line that goes back over its own way
 PALE = 0.68  # opacity of what others are compared with, where that is as dark as one of them
 WIDTH = 5.6  # inches: as wide as the text of a page
 ENTRY, CHARACTER = 0.55, 0.078  # inches of a legend: of an entry's mark and gaps, and of a letter in the middle
@@ -310,7 +311,7 @@ def alike_in_grey(lines: Iterable[Any]) -> bool:
 def _mark(each: Any) -> str:
     """What a line has beside its colour: its dash, or the shape of its points."""
     dash = each.get_linestyle()
-    return each.get_marker() if dash == "None" else f"{dash} {each._dash_pattern}"
+    return each.get_marker() if dash == "None" else f"{dash} {each._dash_pattern} {each.get_marker()}"
 
 
 def tell_apart_in_grey(fig: Figure) -> None:
@@ -332,13 +333,24 @@ def tell_apart_in_grey(fig: Figure) -> None:
                     each.set_alpha(PALE)
         if alike_in_grey(lines):
             for each in lines:
-                each.set_linestyle(DASHES.get(to_hex(each.get_color()), "-"))
+                _mark_line(each, to_hex(each.get_color()))
         if alike_in_grey(points):
             changed = True
             for each in points:
                 each.set_marker(MARKERS.get(to_hex(each.get_color()), "o"))
     if changed:
         fit_legend(fig)  # its samples have the dashes
+
+
+def _mark_line(each: Any, colour: str) -> None:
+    """A dash, or where a line goes back over its own way, as the cycles of a loop do, whose dashes would fill, shapes on it."""
+    if colour not in DASHES:
+        return
+    x = np.asarray(each.get_xdata(), dtype=float)
+    if bool(np.all(np.diff(x) >= 0.0)):
+        each.set_linestyle(DASHES[colour])
+    else:
+        each.set(marker=MARKERS[colour], markersize=4.0, markevery=max(1, x.size // SHAPES))
 
 
 def thin(x: ArrayLike, y: ArrayLike, limit: int = POINTS) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
