@@ -17,7 +17,7 @@ unexport PYTHONDONTWRITEBYTECODE
 # The workers share the cores: with threads of its own, OpenBLAS takes 200 times as long for an exponential of a small matrix.
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: help demo test prove endure quick check docs site bench pictures lock clean compiler octave chromium axe blas wine firmware firmware-tools
+.PHONY: help demo test prove endure quick check docs site bench pictures lock clean compiler octave chromium axe blas wine rumoca firmware firmware-tools
 
 help:
 	@echo "make demo    a simulated campaign, from records to a building in an earthquake, as one page in out/demo"
@@ -96,6 +96,12 @@ wine:
 	  DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends wine64 >/dev/null 2>&1; } || \
 	  echo "no Wine was found or installed; the proof of FMUs for Windows will be skipped"
 
+# The Modelica export is compiled by Rumoca. Without it these proofs are skipped, and say so.
+rumoca: $(READY)
+	@$(BIN)/python -c "import rumoca" >/dev/null 2>&1 || \
+	  $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps rumoca==0.10.2 >/dev/null 2>&1 || \
+	  echo "Rumoca was not found or installed; the proofs that compile the Modelica export will be skipped"
+
 demo: $(READY)
 	$(BIN)/dampyr demo --out out/demo
 	@echo "dampyr doctor --warm compiles ahead what further commands need, in about two minutes, once"
@@ -103,7 +109,7 @@ demo: $(READY)
 test: $(READY) compiler firmware-tools octave blas chromium axe
 	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "not prove and not by_hand"
 
-prove: $(READY) compiler firmware-tools octave blas chromium axe wine
+prove: $(READY) compiler firmware-tools octave blas chromium axe wine rumoca
 	$(BIN)/python -m pytest -n $(WORKERS) --dist worksteal -m "prove and not by_hand"
 
 endure: $(READY) compiler firmware-tools octave blas chromium axe wine

@@ -227,7 +227,12 @@ def test_the_fits_are_told_as_they_are(campaign_folder: Path) -> None:
     for record in read_campaign(campaign_folder):
         scores.setdefault(f"{record.voltage:g} V", []).append(fit(record, "dahl").scores[record.name].l1)
     computed = [[volts, str(len(l1)), f"{100 * np.mean(l1):.1f} %"] for volts, l1 in scores.items()]
-    assert [table_of(page, "| coil | records |") for page in FIGURES] == [computed, computed]
+    assert table_of(FIGURES[1], "| coil | records |") == computed
+    told = re.search(r"A Dahl model fitted .* in the\s+mean", FIGURES[0].read_text(encoding="utf-8"), re.DOTALL)
+    assert told
+    assert re.findall(r"([\d.]+ %) \(\w+ at ([\d.]+ V)\)", " ".join(told[0].split())) == [
+        (row[2], row[0]) for row in computed
+    ]
 
 
 def test_the_building_is_told_as_it_is() -> None:

@@ -19,10 +19,14 @@ from dampyr.errors import InputError
         "dampyr export damper.toml --to c --control clipped_optimal_lqg --out controller",
         "dampyr export damper.toml --to fmu --name rd8041 --out fmu",
         "dampyr export damper.toml --to fmu --platform win64 --platform linux64",
+        "dampyr export damper.toml --to fmu --model-exchange --out fmu",
+        "dampyr export damper.toml --to modelica --name rd8041",
     )
 )
 @click.argument("card", type=click.Path(path_type=Path))
-@click.option("--to", "kind", required=True, metavar="KIND", help="What to write: c, fmu, matlab or opensees.")
+@click.option(
+    "--to", "kind", required=True, metavar="KIND", help="What to write: c, fmu, matlab, modelica or opensees."
+)
 @click.option("--out", default=".", type=click.Path(path_type=Path), help="The folder to write into.")
 @click.option("--name", default="damper", show_default=True, help="The name of the damper in the files.")
 @click.option(
@@ -35,6 +39,9 @@ from dampyr.errors import InputError
     "--drive",
     type=click.Choice(["both", "displacement", "velocity"]),
     help="The input of the damper; for fmu. The other one is derived.  [default: both]",
+)
+@click.option(
+    "--model-exchange", is_flag=True, help="Write the differential equation for the master's own solver; for fmu."
 )
 @click.option(
     "--platform",
@@ -65,6 +72,7 @@ def command(
     history: int | None,
     fmi: str | None,
     drive: str | None,
+    model_exchange: bool,
     platforms: tuple[str, ...],
     inverse: bool,
     control: str | None,
@@ -91,6 +99,7 @@ def command(
         "history": history,
         "fmi": int(fmi) if fmi else None,
         "drive": drive,
+        "model_exchange": model_exchange or None,
         "platforms": platforms or None,
         "inverse": inverse or None,
     }

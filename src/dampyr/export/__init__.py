@@ -37,7 +37,8 @@ def export(
 
     ``name`` is its name there. Inputs outside the calibrated range are refused by what is written, unless
     ``allow_extrapolation``. ``options`` are those of the kind, the keywords of its ``write``: ``single`` and ``history`` of
-    ``c``; ``fmi``, ``drive`` and ``platforms`` of ``fmu``; of both ``inverse``, ``control``, ``structure`` and ``place``.
+    ``c``; ``fmi``, ``drive``, ``model_exchange`` and ``platforms`` of ``fmu``; of both ``inverse``, ``control``, ``structure``
+    and ``place``.
     Raises :class:`~dampyr.errors.InputError` for an unknown kind, an option that it does not have, or a name that the target
     cannot use.
 

@@ -20,6 +20,7 @@ from dampyr.models.inverse import REASONS
 UNITS = {
     "m": 'm="1"', "m/s": 'm="1" s="-1"', "m/s^2": 'm="1" s="-2"',
     "N": 'kg="1" m="1" s="-2"', "V": 'kg="1" m="2" s="-3" A="-1"', "A": 'A="1"',
+    "V/s": 'kg="1" m="2" s="-4" A="-1"', "A/s": 'A="1" s="-1"',
     "s": 's="1"', "kg": 'kg="1"', "1/m": 'm="-1"', "1/s": 's="-1"', "N/m": 'kg="1" s="-2"', "N s/m": 'kg="1" s="-1"',
     "m/N": 'kg="-1" s="2"', "N s/m^3": 'kg="1" m="-2" s="-1"',
 }  # fmt: skip
@@ -90,19 +91,28 @@ def model_description(
     damper: Damper, name: str, fmi: int, drive: str, token: str, version: str, inverse: bool = False
 ) -> str:
     """The text of modelDescription.xml."""
-    origin = f". {notice}" if (notice := damper.origin.notice) else ""
-    about = quoteattr(f"Damper: {damper.composition}{origin}. {before_use(damper)}".removesuffix(". "))
-    head = f'modelName={quoteattr(name)} description={about} generationTool="dampyr {version}"'
+    head = f'modelName={quoteattr(name)} description={about_damper(damper)} generationTool="dampyr {version}"'
     return described(name, head, token, fmi, variables(damper, drive, inverse), 0.0 if inverse else damper.range[0])
+
+
+def unit_definitions(listed: list[Variable]) -> str:
+    """The units of the variables, in powers of those of SI."""
+    used = sorted({variable.unit for variable in listed if variable.unit})
+    return "\n".join(
+        f"    <Unit name={quoteattr(unit)}>" + (f"<BaseUnit {UNITS[unit]}/>" if unit in UNITS else "") + "</Unit>"
+        for unit in used
+    )
+
+
+def about_damper(damper: Damper) -> str:
+    """Its model, its origin and what is to be known before it is used, as an attribute of XML."""
+    origin = f". {notice}" if (notice := damper.origin.notice) else ""
+    return quoteattr(f"Damper: {damper.composition}{origin}. {before_use(damper)}".removesuffix(". "))
 
 
 def described(name: str, head: str, token: str, fmi: int, listed: list[Variable], start: float) -> str:
     """The text of modelDescription.xml for these variables; ``start`` is that of the variable of reference 2."""
-    used = sorted({variable.unit for variable in listed if variable.unit})
-    units = "\n".join(
-        f"    <Unit name={quoteattr(unit)}>" + (f"<BaseUnit {UNITS[unit]}/>" if unit in UNITS else "") + "</Unit>"
-        for unit in used
-    )
+    units = unit_definitions(listed)
     if fmi == 2:
         return _description_2(name, head, token, units, listed, start)
     return _description_3(name, head, token, units, listed, start)
@@ -268,6 +278,10 @@ static void set_inputs(Moment *m, const unsigned *refs, size_t n, const double *
 {
     for (size_t k = 0; k < n; k++) m->in[refs[k]] = values[k] - m->slope[refs[k]]*(m->now - m->begun);
 }
+
+enum { KIND = 1 }; /* co-simulation */
+
+static void begin_at(Unit *unit, double start) { unit->m.begun = unit->m.now = unit->m.at = start; }
 
 static int goes_forward(const Unit *unit, double t, double h)
 {
@@ -439,7 +453,7 @@ static Moment *copied(const Moment *from, void *into)
 }
 """
 
-FMI_2 = r"""
+FMI_2_COMMON = r"""
 typedef const char *Text;
 typedef void (*Logger)(void *, Text, int, Text, Text, ...);
 typedef struct { Logger logger; void *allocate, *release, *finished, *environment; } Callbacks;
@@ -457,13 +471,13 @@ API int fmi2SetDebugLogging(void *c, int on, size_t n, const Text *s) { (void)c;
 API void *fmi2Instantiate(Text name, int kind, Text guid, Text place, const Callbacks *callbacks, int visible, int logging)
 {
     (void)place; (void)visible; (void)logging;
-    return kind == 1 ? made(name, guid, NULL, (void *)(size_t)callbacks) : NULL; /* 1: co-simulation */
+    return kind == KIND ? made(name, guid, NULL, (void *)(size_t)callbacks) : NULL;
 }
 API void fmi2FreeInstance(void *c) { free(c); }
 API int fmi2SetupExperiment(void *c, int has_tolerance, double tolerance, double start, int has_end, double end)
 {
     (void)has_tolerance; (void)tolerance; (void)has_end; (void)end;
-    ((Unit *)c)->m.begun = ((Unit *)c)->m.now = ((Unit *)c)->m.at = start;
+    begin_at(c, start);
     return 0;
 }
 API int fmi2EnterInitializationMode(void *c) { (void)c; return 0; }
@@ -514,6 +528,9 @@ API int fmi2GetDirectionalDerivative(void *c, const unsigned *z, size_t nz, cons
     say(c, 3, "directional derivatives are not given");
     return 3;
 }
+"""
+
+FMI_2_STEPS = r"""
 API int fmi2SetRealInputDerivatives(void *c, const unsigned *r, size_t n, const int *order, const double *v)
 {
     for (size_t k = 0; k < n; k++) {
@@ -544,6 +561,8 @@ API int fmi2GetBooleanStatus(void *c, int kind, int *v) { (void)c; (void)kind; *
 API int fmi2GetStringStatus(void *c, int kind, Text *v) { (void)c; (void)kind; *v = ""; return 2; }
 """
 
+FMI_2 = FMI_2_COMMON + FMI_2_STEPS
+
 _UNUSED_3 = "".join(
     f"API int fmi3Get{kind}(void *c, const unsigned *r, size_t n, {type_} *v, size_t m)"
     " { (void)c; (void)r; (void)v; (void)m; return n ? 3 : 0; }\n"
@@ -556,21 +575,37 @@ _UNUSED_3 = "".join(
     )
 )  # fmt: skip
 
-_REFUSED_3 = "".join(
-    f"API int fmi3{name}(void *c, ...) {{ (void)c; return 3; }}\n"
-    for name in (
-        "ActivateModelPartition", "CompletedIntegratorStep", "EnterConfigurationMode", "EnterContinuousTimeMode",
-        "EvaluateDiscreteStates", "ExitConfigurationMode", "GetAdjointDerivative", "GetClock", "GetContinuousStateDerivatives",
-        "GetContinuousStates", "GetDirectionalDerivative", "GetEventIndicators", "GetIntervalDecimal", "GetIntervalFraction",
-        "GetNominalsOfContinuousStates", "GetNumberOfContinuousStates", "GetNumberOfEventIndicators",
-        "GetNumberOfVariableDependencies", "GetShiftDecimal", "GetShiftFraction", "GetVariableDependencies", "SetClock",
-        "SetContinuousStates", "SetIntervalDecimal", "SetIntervalFraction", "SetShiftDecimal", "SetShiftFraction", "SetTime",
-        "UpdateDiscreteStates",
-    )
+_EXCHANGE_3 = (
+    "CompletedIntegratorStep", "EnterContinuousTimeMode", "GetContinuousStateDerivatives", "GetContinuousStates",
+    "GetEventIndicators", "GetNominalsOfContinuousStates", "GetNumberOfContinuousStates", "GetNumberOfEventIndicators",
+    "SetContinuousStates", "SetTime", "UpdateDiscreteStates",
 )  # fmt: skip
-"""What the standard has a library export, and this description does not offer: each answers with an error."""
+"""What model exchange has beside co-simulation."""
 
-FMI_3 = (
+STEPS_3 = ("EnterStepMode", "GetOutputDerivatives", "DoStep")
+"""What co-simulation has beside model exchange."""
+
+
+def refused(names: tuple[str, ...]) -> str:
+    """What the standard has a library export, and this description does not offer: each answers with an error."""
+    return "".join(f"API int fmi3{name}(void *c, ...) {{ (void)c; return 3; }}\n" for name in names)
+
+
+def refused_kind(*names: str) -> str:
+    """An instance of another kind than the FMU is."""
+    return "".join(
+        f"API void *fmi3Instantiate{name}(Text name, ...) {{ (void)name; return NULL; }}\n" for name in names
+    )
+
+
+_REFUSED_3 = (
+    "ActivateModelPartition", "EnterConfigurationMode", "EvaluateDiscreteStates", "ExitConfigurationMode",
+    "GetAdjointDerivative", "GetClock", "GetDirectionalDerivative", "GetIntervalDecimal", "GetIntervalFraction",
+    "GetNumberOfVariableDependencies", "GetShiftDecimal", "GetShiftFraction", "GetVariableDependencies",
+    "SetClock", "SetIntervalDecimal", "SetIntervalFraction", "SetShiftDecimal", "SetShiftFraction",
+)  # fmt: skip
+
+FMI_3_COMMON = (
     r"""
 #include <stdbool.h>
 typedef const char *Text;
@@ -585,28 +620,14 @@ static void say(const Unit *unit, int status, const char *text)
 
 API const char *fmi3GetVersion(void) { return "3.0"; }
 API int fmi3SetDebugLogging(void *c, bool on, size_t n, const Text *s) { (void)c; (void)on; (void)n; (void)s; return 0; }
-API void *fmi3InstantiateCoSimulation(Text name, Text token, Text place, bool visible, bool logging, bool events, bool early,
-    const unsigned *required, size_t n, void *environment, Logger logger, void *intermediate)
-{
-    void *stored;
-    (void)place; (void)visible; (void)logging; (void)events; (void)early; (void)required; (void)n; (void)intermediate;
-    memcpy(&stored, &logger, sizeof stored);
-    return made(name, token, environment, stored);
-}
-API void *fmi3InstantiateModelExchange(Text a, Text b, Text c, bool d, bool e, void *f, Logger g)
-{
-    (void)a; (void)b; (void)c; (void)d; (void)e; (void)f; (void)g;
-    return NULL;
-}
 API void fmi3FreeInstance(void *c) { free(c); }
 API int fmi3EnterInitializationMode(void *c, bool has_tolerance, double tolerance, double start, bool has_end, double end)
 {
     (void)has_tolerance; (void)tolerance; (void)has_end; (void)end;
-    ((Unit *)c)->m.begun = ((Unit *)c)->m.now = ((Unit *)c)->m.at = start;
+    begin_at(c, start);
     return 0;
 }
 API int fmi3ExitInitializationMode(void *c) { (void)c; return 0; }
-API int fmi3EnterEventMode(void *c) { (void)c; return 3; }
 API int fmi3Terminate(void *c) { (void)c; return 0; }
 API int fmi3Reset(void *c) { begin(c); return 0; }
 API int fmi3GetFloat64(void *c, const unsigned *r, size_t n, double *v, size_t m)
@@ -619,8 +640,7 @@ API int fmi3SetFloat64(void *c, const unsigned *r, size_t n, const double *v, si
 }
 """
     + _UNUSED_3
-    + _REFUSED_3
-    + "API void *fmi3InstantiateScheduledExecution(Text name, ...) { (void)name; return NULL; }\n"
+    + refused(_REFUSED_3)
     + r"""
 API int fmi3GetBinary(void *c, const unsigned *r, size_t n, size_t *s, const unsigned char **v, size_t m)
 {
@@ -660,6 +680,22 @@ API int fmi3DeserializeFMUState(void *c, const unsigned char *bytes, size_t size
     if (!*state) return 3;
     memcpy(*state, bytes, sizeof(Moment));
     return 0;
+}
+"""
+)
+
+FMI_3 = (
+    FMI_3_COMMON
+    + refused_kind("ModelExchange", "ScheduledExecution")
+    + refused(("EnterEventMode", *_EXCHANGE_3))
+    + r"""
+API void *fmi3InstantiateCoSimulation(Text name, Text token, Text place, bool visible, bool logging, bool events, bool early,
+    const unsigned *required, size_t n, void *environment, Logger logger, void *intermediate)
+{
+    void *stored;
+    (void)place; (void)visible; (void)logging; (void)events; (void)early; (void)required; (void)n; (void)intermediate;
+    memcpy(&stored, &logger, sizeof stored);
+    return made(name, token, environment, stored);
 }
 API int fmi3EnterStepMode(void *c) { (void)c; return 0; }
 API int fmi3GetOutputDerivatives(void *c, const unsigned *r, size_t n, const int *order, double *v, size_t m)

@@ -120,6 +120,16 @@ class Part:
         return getattr(self.module, "RISES_IN_SERIES", False)
 
     @cached_property
+    def rates(self) -> Formula | None:
+        """The formula of the time derivatives of the states at x and v, if they follow a differential equation."""
+        return read(self.module.rates, f"{self.name}_rates") if hasattr(self.module, "rates") else None
+
+    @cached_property
+    def switches(self) -> Formula | None:
+        """The formula, one return, of what changes its sign where the rates have a kink, if they have any."""
+        return read(self.module.switches, f"{self.name}_switches") if hasattr(self.module, "switches") else None
+
+    @cached_property
     def stretch(self) -> Formula | None:
         """The formula of the stretch in series with the other parts, if the part has one."""
         return read(self.module.stretch, f"{self.name}_stretch") if hasattr(self.module, "stretch") else None

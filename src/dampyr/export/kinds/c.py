@@ -285,9 +285,6 @@ def _source(
     prefix = f"{name}_"
     formulas, whole = function_trees(damper)
     names = {tree.name for tree in (*formulas, *whole)}
-    laws = []
-    if damper.has_input:
-        laws = [_law(law, f"{prefix}law_{k}", key, precision) for k, (key, law) in enumerate(damper.all_laws.items())]
     functions = [function(tree, prefix, names, precision=precision) for tree in formulas]
     functions += [function(tree, prefix, names, ARRAYS, precision) for tree in whole]
     search = _search(prefix, precision) if inverse else ""
@@ -299,11 +296,10 @@ def _source(
             [
                 *([f"/* {notice}. */"] if (notice := damper.origin.notice) else []),
                 f'#include "{name}.h"\n#include <math.h>',
-                *laws,
-                _values(damper, prefix, precision),
+                *parameter_functions(damper, prefix, precision),
                 *helpers,
                 *functions,
-                *([_in_range(damper, prefix, allow_extrapolation, precision)] if damper.has_input else []),
+                *([range_function(damper, prefix, allow_extrapolation, precision)] if damper.has_input else []),
                 *([_late(prefix, precision, history)] if damper.composition.has_delay else []),
                 _calls(damper, prefix, precision),
                 *([_inverse(damper, prefix, precision, search)] if inverse else []),
@@ -328,6 +324,13 @@ static float PREFIXlog1p(float x)
     return y == 1.0f ? x : logf(y)*x/(y - 1.0f);
 }""",
 }  # W. Kahan's, to a few units of the last digit
+
+
+def parameter_functions(damper: Damper, prefix: str, precision: Precision = DOUBLE) -> list[str]:
+    """The laws, one function each where there is an input, and the function that fills all parameters."""
+    laws = list(damper.all_laws.items()) if damper.has_input else []
+    functions = [_law(law, f"{prefix}law_{k}", key, precision) for k, (key, law) in enumerate(laws)]
+    return [*functions, _values(damper, prefix, precision)]
 
 
 def _law(law: Law, function_name: str, key: str, precision: Precision) -> str:
@@ -370,7 +373,8 @@ def _values(damper: Damper, prefix: str, precision: Precision) -> str:
     return "\n".join([head, f"void {prefix}parameters({real} u, {real} *p)", "{", *lines, "}"])
 
 
-def _in_range(damper: Damper, prefix: str, allow_extrapolation: bool, precision: Precision) -> str:
+def range_function(damper: Damper, prefix: str, allow_extrapolation: bool, precision: Precision = DOUBLE) -> str:
+    """The function that says whether an input is in the calibrated range."""
     low, high = damper.range
     slack = (1e-9 if precision == DOUBLE else 1e-6) * max(abs(low), abs(high), 1.0)
     limits = f"u >= {precision.number(low - slack)} && u <= {precision.number(high + slack)}"

@@ -1,4 +1,4 @@
-"""FMU: a functional mock-up unit for co-simulation, FMI 2.0 or 3.0, with native code and no Python in it."""
+"""FMU: a functional mock-up unit for co-simulation or model exchange, FMI 2.0 or 3.0, in native code without Python."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from xml.sax.saxutils import quoteattr
 
 from dampyr.atomic_write import whole_file
 from dampyr.errors import InputError
-from dampyr.export import fmi_text
+from dampyr.export import fmi_exchange, fmi_text
 from dampyr.export.c_law import law_files
 from dampyr.export.c_text import DOUBLE
 from dampyr.export.fmi_law import law_description, law_wrapper
@@ -36,6 +36,7 @@ def write(
     *,
     fmi: int = 2,
     drive: str = "both",
+    model_exchange: bool = False,
     inverse: bool = False,
     platforms: Sequence[str] = (),
     control: Any = None,
@@ -45,8 +46,9 @@ def write(
     """Write ``name.fmu``: force [N] from displacement [m], velocity [m/s] and the input at the coil [V or A].
 
     ``fmi`` is the version of the standard, 2 or 3. ``drive`` says what drives it: "both"; "displacement", whose slope since the
-    last step is the velocity; or "velocity", which is integrated by the trapezoidal rule from 0. ``inverse`` takes a wanted
-    force [N] in the place of the input, and gives the input that it found beside the force (`dampyr.models.inverse`).
+    last step is the velocity; or "velocity", which is integrated by the trapezoidal rule from 0. ``model_exchange`` writes the
+    differential equation for the master's own solver (`dampyr.export.fmi_exchange`) in the place of steps. ``inverse`` takes
+    a wanted force [N] in the place of the input, and gives the input that it found beside it (`dampyr.models.inverse`).
     ``control``, a control law for the damper at ``place`` of ``structure``, adds ``name_law.fmu`` (`dampyr.export.fmi_law`).
     The code of the C export is compiled for this machine, or for the ``platforms`` (`dampyr.export.fmu_libraries`): "linux64",
     "win64", "darwin64", "linux-arm64" of FMI 3, or "all"; it lies in the archive as source too. Raises :class:`InputError` for
@@ -57,7 +59,11 @@ def write(
         raise InputError(f"fmi = {fmi} is not a version that is written; choose 2 or 3")
     if drive not in DRIVES:
         raise InputError(f"drive = {drive!r} is not known; choose from {', '.join(DRIVES)}")
-    c = c_source(damper, name, allow_extrapolation, inverse=inverse)
+    if model_exchange:
+        code = _exchange_code(damper, name, allow_extrapolation, drive, inverse, control)
+    else:
+        c = c_source(damper, name, allow_extrapolation, inverse=inverse)
+        code = {f"{name}.h": c.header, f"{name}.c": c.source}
     if isinstance(platforms, str):
         raise InputError(f"platforms = {platforms!r} is one name; give a list of names, such as ['{platforms}']")
     compile_for = partial(compile_libraries, fmi=fmi, platforms=check_platforms(platforms, fmi))
@@ -66,14 +72,32 @@ def write(
         raise InputError(
             f"{describe_law(control)} measures nothing, so that its FMU would have no inputs; hold the damper's input instead"
         )
-    wrapper = fmi_text.wrapper(damper, name, fmi, drive, inverse)
-    description = partial(fmi_text.model_description, damper, name, fmi, drive, version=full_version(), inverse=inverse)
-    paths = [
-        _archive(folder, name, fmi, {f"{name}.h": c.header, f"{name}.c": c.source}, wrapper, description, compile_for)
-    ]
+    about: Callable[..., str]
+    if model_exchange:
+        wrapper = fmi_exchange.exchange_wrapper(damper, name, fmi, drive)
+        about = fmi_exchange.exchange_description
+    else:
+        wrapper = fmi_text.wrapper(damper, name, fmi, drive, inverse)
+        about = partial(fmi_text.model_description, inverse=inverse)
+    description = partial(about, damper, name, fmi, drive, version=full_version())
+    paths = [_archive(folder, name, fmi, code, wrapper, description, compile_for)]
     if designed is not None:
         paths.append(_law(folder, name, fmi, damper, *designed, compile_for, allow_extrapolation))
     return paths
+
+
+def _exchange_code(
+    damper: Damper, name: str, allow_extrapolation: bool, drive: str, inverse: bool, control: Any
+) -> dict[str, str]:
+    """The sources for model exchange; InputError for what only steps can do."""
+    if drive == "displacement":
+        raise InputError(
+            "drive = 'displacement' has no velocity, which model exchange needs at every time; choose both or velocity"
+        )
+    if inverse or control is not None:
+        which = "the inverse is" if inverse else "a control law is"
+        raise InputError(f"{which} found step by step, and has no model exchange; write it for co-simulation")
+    return fmi_exchange.exchange_source(damper, name, allow_extrapolation)
 
 
 def _law(

@@ -15,7 +15,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterable
 
-from dampyr.models.codegen.formula import Formula, tangents
+from dampyr.models.codegen.formula import Formula, InPlace, tangents
 from dampyr.models.codegen.layout import SIGNATURES, SITE, Function, Layout, Slot, call
 from dampyr.models.codegen.syntax_trees import expression_of
 
@@ -154,14 +154,6 @@ def _calls(formula: Formula, available: Iterable[str]) -> list[ast.Call]:
     return calls
 
 
-class _Placed(ast.NodeTransformer):
-    def __init__(self, places: dict[str, str]) -> None:
-        self.places = places
-
-    def visit_Name(self, node: ast.Name) -> ast.expr:
-        return expression_of(self.places.get(node.id, node.id)).body
-
-
 def _quickly(text: str, places: dict[str, str]) -> str:
     """The text of a call with its arguments in their places and the function in its quick form."""
-    return ast.unparse(_Placed(places | QUICK).visit(expression_of(text)))
+    return ast.unparse(InPlace(places | QUICK).visit(expression_of(text)))

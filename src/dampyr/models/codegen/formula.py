@@ -114,6 +114,16 @@ def multiplied(formula: Formula, factor: Formula, name: str, prefix: str) -> For
     return Formula(name, names, ast.fix_missing_locations(tree), {**factor.namespace, **formula.namespace})
 
 
+class InPlace(ast.NodeTransformer):
+    """Writes each name as the expression that stands for it."""
+
+    def __init__(self, places: dict[str, str]) -> None:
+        self.places = places
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        return expression_of(self.places.get(node.id, node.id)).body
+
+
 class _Renamed(ast.NodeTransformer):
     def __init__(self, names: dict[str, str]) -> None:
         self.names = names

@@ -98,6 +98,20 @@ def advance(
     return s * y / rho
 
 
+def rates(
+    z: float, x: float, v: float, rho: float, n: float, b2: float, b3: float, b4: float, b5: float, b6: float
+) -> float:
+    s = copysign(1.0, v)
+    side = copysign(1.0, x)
+    r = copysign(1.0, z)
+    psi = s * r + b2 * side * s + b3 * side * r + b4 * s + b5 * r + b6 * side
+    return v * (1.0 - abs(rho * z) ** n * psi)
+
+
+def switches(x: float, v: float) -> tuple[float, float]:
+    return x, v
+
+
 def force(z: float, x: float, v: float, c0: float, k0: float, kw: float, rho: float) -> float:
     return c0 * v + k0 * x + kw * rho * z
 

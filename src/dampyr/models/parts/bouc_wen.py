@@ -53,6 +53,15 @@ def advance(w: float, x0: float, x1: float, rho: float, sigma: float, n: float) 
     return s * flow(s * w, rho * abs(x1 - x0), n, 2.0 * sigma - 1.0)
 
 
+def rates(w: float, v: float, rho: float, sigma: float, n: float) -> float:
+    h = abs(w) ** n
+    return rho * (v - sigma * abs(v) * copysign(h, w) + (sigma - 1.0) * v * h)
+
+
+def switches(v: float) -> float:
+    return v
+
+
 def force(w: float, x: float, v: float, c0: float, k0: float, kw: float) -> float:
     return c0 * v + k0 * x + kw * w
 

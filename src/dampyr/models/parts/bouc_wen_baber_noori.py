@@ -101,6 +101,24 @@ def advance(
     return end, e + (x1 - x0) * (w + 4.0 * half + end) / 6.0
 
 
+def rates(
+    w: float, e: float, v: float, rho: float, sigma: float, n: float, zetas: float, q: float, p: float,
+    Shi: float, deltaShi: float, lamda: float, deltanu: float, deltaeta: float,
+) -> tuple[float, float]:  # fmt: skip
+    worn = abs(e)
+    nu = 1.0 + deltanu * worn
+    taken = zetas * (1.0 - exp(-p * worn))
+    spread = (Shi + deltaShi * worn) * (lamda + taken)
+    h = 1.0 - taken * exp(-(((w * copysign(1.0, v) - q * exp(-log(nu) / n)) / spread) ** 2))
+    y = nu * abs(w) ** n
+    slope = rho * h / (1.0 + deltaeta * worn)
+    return slope * (v - sigma * abs(v) * copysign(y, w) + (sigma - 1.0) * v * y), w * v
+
+
+def switches(v: float) -> float:
+    return v
+
+
 def force(w: float, x: float, k0: float, kw: float) -> float:
     return k0 * x + kw * w
 

@@ -36,6 +36,14 @@ def advance(w: float, x0: float, x1: float, rho: float) -> float:
     return s + (w - s) * exp(-rho * abs(x1 - x0))
 
 
+def rates(w: float, v: float, rho: float) -> float:
+    return rho * (v - abs(v) * w)
+
+
+def switches(v: float) -> float:
+    return v
+
+
 def force(w: float, v: float, kx: float, kw: float) -> float:
     return kx * v + kw * w
 

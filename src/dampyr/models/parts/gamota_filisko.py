@@ -78,6 +78,18 @@ def advance(
     return end, end - d * w
 
 
+def rates(q: float, e: float, v: float, d: float, vc: float, r: float, tau: float) -> tuple[float, float]:
+    w = (q - e) / d
+    slides = 0.0
+    if abs(w) > 1.0:
+        slides = vc * (w - copysign(1.0, w))
+    return v - slides, (q - e - r * e) / tau
+
+
+def switches(q: float, e: float, d: float) -> tuple[float, float]:
+    return (q - e) / d - 1.0, (q - e) / d + 1.0
+
+
 def force(q: float, e: float, fc: float, d: float) -> float:
     return fc * (q - e) / d
 

@@ -58,6 +58,10 @@ def advance(e1: float, e2: float, e3: float, x0: float, x1: float, dt: float, ta
     )
 
 
+def rates(e1: float, e2: float, e3: float, v: float, tau: float) -> tuple[float, float, float]:
+    return v - e1 / tau, v - 0.1 * e2 / tau, v - 0.01 * e3 / tau
+
+
 def force(e1: float, e2: float, e3: float, x: float, k0: float, k1: float, k2: float, k3: float) -> float:
     return k0 * x + k1 * e1 + k2 * e2 + k3 * e3
 

@@ -65,6 +65,15 @@ def advance(z: float, x0: float, x1: float, rho: float, h: float, n: float) -> f
     return s * two_sided_flow(s * rho * z, rho * abs(x1 - x0), n, h, 2.0 + h) / rho
 
 
+def rates(z: float, v: float, rho: float, h: float, n: float) -> float:
+    y = abs(rho * z) ** n
+    return v + (1.0 + h) * v * y - abs(v) * copysign(y, z)
+
+
+def switches(v: float) -> float:
+    return v
+
+
 def force(z: float, x: float, v: float, c0: float, k0: float, kw: float, rho: float) -> float:
     return c0 * v + k0 * x + kw * rho * z
 

@@ -62,6 +62,15 @@ def advance(w: float, x0: float, x1: float, v0: float, v1: float, rho: float, e:
     return s * h1 + (w - s * h0) * decay - s * (h1 - h0) * lag
 
 
+def rates(w: float, v: float, rho: float, e: float, vs: float) -> float:
+    h = (1.0 + e * exp(-((v / vs) ** 2))) / (1.0 + e)
+    return rho / (1.0 + e) * (v - abs(v) * w / h)
+
+
+def switches(v: float) -> float:
+    return v
+
+
 def force(w: float, v: float, fc: float, sigma1: float, sigma2: float, e: float, vs: float) -> float:
     h = (1.0 + e * exp(-((v / vs) ** 2))) / (1.0 + e)
     return fc * (1.0 + e) * w + sigma1 * (v - abs(v) * w / h) + sigma2 * v

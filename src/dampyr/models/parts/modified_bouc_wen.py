@@ -84,6 +84,18 @@ def advance(
     return s * (end + held_rate(end, n, c) * (xi - near)), e + s * xi / rho
 
 
+def rates(
+    w: float, e: float, v: float, vc: float, r: float, kappa: float, rho: float, sigma: float, n: float
+) -> tuple[float, float]:
+    u = (v - vc * (w + kappa * e)) / (1.0 + r)
+    h = abs(w) ** n
+    return rho * (u - sigma * abs(u) * copysign(h, w) + (sigma - 1.0) * u * h), u
+
+
+def switches(w: float, e: float, v: float, vc: float, kappa: float) -> float:
+    return v - vc * (w + kappa * e)
+
+
 def force(w: float, e: float, x: float, v: float, kw: float, k1: float, vc: float, r: float, kappa: float) -> float:
     return kw * (w + kappa * e + r * v / vc) / (1.0 + r) + k1 * x
 

@@ -52,6 +52,14 @@ def advance(z: float, x0: float, x1: float, ell: float) -> float:
     return s + (z - s) * exp(-abs(x1 - x0) / ell)
 
 
+def rates(z: float, v: float, ell: float) -> float:
+    return (v - abs(v) * z) / ell
+
+
+def switches(v: float) -> float:
+    return v
+
+
 def force(z: float, v: float, g: float, y0: float, ell: float, vf: float) -> float:
     return g * ((ell * z - y0) / REACH) ** 2 * tanh(v / vf)
 

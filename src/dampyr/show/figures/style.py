@@ -52,6 +52,18 @@ CASES = (
     SKY,
 )
 """Of things that are compared; grey is what they are compared with."""
+DASHES: dict[str, Any] = {
+    VERMILLION: (0, (5.0, 1.6)),
+    GREEN: (0, (6.0, 1.5, 1.2, 1.5)),
+    PURPLE: (0, (1.2, 1.4)),
+    ORANGE: (0, (9.0, 2.0)),
+    SKY: (0, (6.0, 1.5, 1.2, 1.5, 1.2, 1.5)),
+}
+MARKERS = {BLUE: "o", VERMILLION: "s", GREEN: "^", PURPLE: "D", ORANGE: "v", SKY: "P", MUTED: "X"}
+"""Of a case's line and of its points, where greys are too near to tell it from another case."""
+APART = 12.0  # of lightness (CIE L*): greys that a reader of a print tells apart where the lines do not meet
+SHAPES = 12  # on a line that goes back over its own way
+PALE = 0.68  # opacity of what others are compared with, where that is as dark as one of them
 WIDTH = 6.9  # inches: as wide as the text of a printed page
 THIRD, HALF, TWO_THIRDS = 1 / 3, 1 / 2, 2 / 3  # of it: of figures that stand beside one another on a page
 ENTRY, CHARACTER = 0.55, 0.078  # inches of a legend: of an entry's mark and gaps, and of a letter in the middle
@@ -158,6 +170,7 @@ def panels(
         if title:
             fig.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold", color=INK)
         yield fig, axes
+        tell_apart_in_grey(fig)
 
 
 @contextmanager
@@ -283,6 +296,74 @@ def fit_legend(fig: Figure, scale: float = 1.0) -> None:
     names = [name for column in range(columns) for name in names[column::columns]]
     size = scale * _RC["legend.fontsize"]
     fig.legend([handles[name] for name in names], names, loc=loc, ncols=columns, fontsize=size)
+
+
+def lightness(colour: Any, opacity: float | None = None) -> float:
+    """CIE L* of a colour on white paper, 0 to 100."""
+    from matplotlib.colors import to_rgba
+
+    *rgb, alpha = to_rgba(colour)
+    on_paper = 1.0 - alpha * (1.0 if opacity is None else opacity) * (1.0 - np.array(rgb))
+    linear = np.where(on_paper <= 0.04045, on_paper / 12.92, ((on_paper + 0.055) / 1.055) ** 2.4)
+    luminance = float(linear @ (0.2126, 0.7152, 0.0722))
+    return float(116.0 * np.cbrt(luminance) - 16.0 if luminance > (6 / 29) ** 3 else luminance * (29 / 3) ** 3)
+
+
+def alike_in_grey(lines: Iterable[Any]) -> bool:
+    """Whether two of the lines, of one dash or one kind of points, have colours of which the greys are nearer than `APART`."""
+    from matplotlib.colors import to_hex
+
+    looks = {(to_hex(each.get_color()), _mark(each)): lightness(each.get_color(), each.get_alpha()) for each in lines}
+    return any(
+        colour != other and mark == its and abs(grey - its_grey) < APART
+        for (colour, mark), grey in looks.items()
+        for (other, its), its_grey in looks.items()
+    )
+
+
+def _mark(each: Any) -> str:
+    """What a line has beside its colour: its dash, or the shape of its points."""
+    dash = each.get_linestyle()
+    return each.get_marker() if dash == "None" else f"{dash} {each._dash_pattern} {each.get_marker()}"
+
+
+def tell_apart_in_grey(fig: Figure) -> None:
+    """Give lines of different colours that print as one grey dashes, and points shapes: what they are compared with is paler.
+
+    A figure whose greys are apart stays as it is, and so does what was drawn with a dash or another shape.
+    """
+    from matplotlib.colors import to_hex
+
+    changed = False
+    for axes in fig.axes:
+        drawn = [each for each in axes.lines if each.get_visible()]
+        lines = [each for each in drawn if each.get_linestyle() == "-"]
+        points = [each for each in drawn if each.get_linestyle() == "None" and each.get_marker() == "o"]
+        if alike_in_grey(lines):
+            changed = True
+            for each in lines:
+                if to_hex(each.get_color()) == MUTED and each.get_alpha() is None:
+                    each.set_alpha(PALE)
+        if alike_in_grey(lines):
+            for each in lines:
+                _mark_line(each, to_hex(each.get_color()))
+        if alike_in_grey(points):
+            changed = True
+            for each in points:
+                each.set_marker(MARKERS.get(to_hex(each.get_color()), "o"))
+    if changed:
+        fit_legend(fig)  # its samples have the dashes
+
+
+def _mark_line(each: Any, colour: str) -> None:
+    """A dash, or where a line goes back over its own way, as the cycles of a loop do, whose dashes would fill, shapes on it."""
+    if colour not in DASHES:
+        return
+    x = np.asarray(each.get_xdata(), dtype=float)
+    if bool(np.all(np.diff(x) >= 0.0)):
+        each.set_linestyle(DASHES[colour])
+    else:
+        each.set(marker=MARKERS[colour], markersize=4.0, markevery=max(1, x.size // SHAPES))
 
 
 def thin(x: ArrayLike, y: ArrayLike, limit: int = POINTS) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
