@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from itertools import count
 from pathlib import Path
 
@@ -53,6 +54,16 @@ def test_a_kernel_is_cached_and_an_edited_model_is_compiled_anew(tmp_path: Path)
     assert (hits, misses) == (0, 1)
 
 
+@pytest.fixture
+def no_kernels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A folder without kernels in the place of the user's."""
+    monkeypatch.setenv("DAMPYR_CACHE", str(tmp_path))
+    kernels.cache_folder.cache_clear()
+    yield
+    kernels.cache_folder.cache_clear()
+
+
+@pytest.mark.usefixtures("no_kernels")
 def test_the_garbage_collector_rests_while_a_kernel_is_compiled_and_works_again_after_it() -> None:
     resting: list[bool] = []
 

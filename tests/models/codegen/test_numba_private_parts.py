@@ -24,6 +24,7 @@ PRIVATE = {
         "_optimize_final_module", "_finalize_final_module", "_ensure_finalized", "get_pointer_to_function", "codegen",
     ),
     "numba.core.compiler.Compiler": ("define_pipelines",),
+    "numba.core.event.Listener": ("on_start", "on_end"),
 }  # fmt: skip
 """The classes, and of each what `dampyr.models.codegen.kernels` overrides or calls."""
 OPTIONS = ("_nrt", "forceinline", "no_cpython_wrapper", "no_cfunc_wrapper", "error_model", "fastmath", "nogil")

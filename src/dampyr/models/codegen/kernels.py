@@ -153,9 +153,9 @@ def _inner_compiler() -> Any:
 @lru_cache(maxsize=1)
 def _pause_garbage_collection() -> None:
     """Let Python's collector rest while numba compiles: a tenth of that time went into looking through what is still in use."""
-    from numba.core import event
+    from numba.core.event import Listener, register
 
-    class Pause(event.Listener):
+    class Pause(Listener):
         depth, resumes = 0, False  # functions that are being compiled, one within another; whether the collector was on
 
         def on_start(self, event: Any) -> None:
@@ -169,7 +169,7 @@ def _pause_garbage_collection() -> None:
             if self.depth == 0 and self.resumes:
                 gc.enable()
 
-    event.register("numba:compile", Pause())
+    register("numba:compile", Pause())
 
 
 @lru_cache(maxsize=1)

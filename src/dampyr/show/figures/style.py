@@ -203,6 +203,7 @@ def panel_mosaic(height: float, layout: list[list[str]], **ratios: Any) -> Itera
         for panel in axes.values():
             panel.patch.set_alpha(0.0)
         yield fig, axes
+        tell_apart_in_grey(fig)
 
 
 def _empty(size: tuple[float, float]) -> Figure:
