@@ -55,6 +55,40 @@ def test_a_record_is_uploaded_fitted_and_its_card_saved(page, data, campaign_fol
     accessible(page)
 
 
+@pytest.mark.prove
+def test_a_published_card_is_validated_on_records_in_four_clicks(page, campaign_folder, accessible):
+    """From the empty page: the page, the records that are shown, the card, the button."""
+    go(page, "records", "?source=labcontrol")
+    page.get_by_role("link", name="Identify").click()
+    page.get_by_label("Source").select_option("labcontrol")
+    page.get_by_label("Filter").fill("ensaio.A.")
+    page.get_by_role("button", name="All shown").click()
+    page.get_by_role("button", name="Validate").click()
+    page.get_by_text("Choose a card first").wait_for()
+    page.get_by_label("Card", exact=True).select_option("raminelli_2020")
+    page.get_by_text("Scoring options").click()
+    page.get_by_label(re.compile("^Settling")).last.fill("3")  # that of the scores: a fit has one of its own
+    page.get_by_role("button", name="Validate").click()
+    page.get_by_role("heading", name="raminelli_2020: dahl").wait_for(timeout=120_000)
+    page.get_by_text(re.compile("Mean L1 .* over 10 records")).wait_for()
+    page.get_by_role("img", name=re.compile("Measured and modelled force of ensaio.A.1 over time")).wait_for()
+    page.get_by_label("Record", exact=True).select_option("ensaio.A.10")
+    page.get_by_role("img", name=re.compile("Measured and modelled force of ensaio.A.10 over velocity")).wait_for()
+    scores = page.locator("section", has=page.get_by_role("heading", name="Scores"))
+    assert scores.locator("tr", has_text="ensaio.A.4").first.locator("td").nth(1).inner_text() == "3.212"
+    with page.expect_download() as download:
+        page.get_by_role("link", name="Save the whole page").click()
+    assert "raminelli_2020" in download.value.path().read_text("utf-8")
+    page.reload()
+    page.get_by_role("heading", name="raminelli_2020: dahl").wait_for()
+    page.get_by_role("link", name=re.compile("validation of raminelli_2020, 10 records")).wait_for()
+    page.get_by_text("10 chosen").wait_for()  # the form is that of the job
+    assert page.get_by_label("Card", exact=True).input_value() == "raminelli_2020"
+    page.get_by_text("Scoring options").click()
+    assert page.get_by_label(re.compile("^Settling")).last.input_value() == "3"
+    accessible(page)
+
+
 def test_records_are_filtered_and_overlaid_from_the_keyboard(page, campaign_folder):
     go(page, "records", "?source=labcontrol")
     page.get_by_text("39 of 39 records").wait_for()

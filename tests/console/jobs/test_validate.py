@@ -1,5 +1,7 @@
 """The job that validates a card, in this process: the scores are those of the library, and its page is written."""
 
+import json
+
 import pytest
 
 pytest.importorskip("fastapi")
@@ -8,7 +10,7 @@ from tests.identification.synthetic import sine
 
 from dampyr import identification, records
 from dampyr.console.identify_schemas import ValidateRequest
-from dampyr.console.jobs import DATA, PAGE, validate
+from dampyr.console.jobs import CURVES, DATA, PAGE, validate
 from dampyr.console.safe_paths import OWN
 from dampyr.errors import InputError
 from dampyr.models import Constant, Damper
@@ -38,6 +40,13 @@ def test_a_force_that_is_a_tenth_too_strong_is_missed_by_an_eleventh(data, folde
     expected = identification.validate(CARD, [records.read(data / "strong.h5")])
     assert score["l1"] == pytest.approx(expected.scores["strong"].l1, rel=1e-9)
     assert score["l1"] == pytest.approx(0.1 / 1.1, rel=0.02)  # of the measured force
+    assert result["card"] == "mine.toml"
+    assert result["verdict"][0] == f"Mean L1 {100 * score['l1']:.2f} % over 1 record."
+    assert result["tables"][0]["rows"][0][0] == "strong"
+    lines = json.loads((folder / CURVES).read_text("utf-8"))["strong"]
+    both = lines["time"]
+    assert max(both["measured"]["y"]) == pytest.approx(1.1 * max(both["model"]["y"]), rel=0.01)
+    assert both["measured"]["x"][0] == both["model"]["x"][0] > 1.9, "only what is scored"
     page = (folder / PAGE).read_text("utf-8")
     assert "mine" in page
     assert "strong" in page

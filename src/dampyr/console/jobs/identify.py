@@ -99,7 +99,7 @@ def _summarise(fit: Fit) -> dict[str, Any]:
 def _curves(fit: Fit) -> dict[str, Any]:
     """Lines by record: measured and modelled force over time, displacement and velocity, and the residual."""
     lines = {
-        piece.name: _lines(piece.t, piece.x, piece.v, piece.force, force)
+        piece.name: curves.measured_and_modelled(piece.t, piece.x, piece.v, piece.force, force)
         for piece, force in zip(fit.problem.pieces, fit.forces, strict=True)
     }
     for record in fit.validation_records if fit.damper is not None else ():
@@ -110,17 +110,5 @@ def _curves(fit: Fit) -> dict[str, Any]:
             continue
         v = record.velocity if record.velocity is not None else np.gradient(record.displacement, record.time)
         channels = (record.time, record.displacement, v, record.force, force + scored.offset)
-        lines[record.name] = _lines(*(values[scored.window.slice] for values in channels))
+        lines[record.name] = curves.measured_and_modelled(*(values[scored.window.slice] for values in channels))
     return dict(plain(lines))
-
-
-def _lines(t: Any, x: Any, v: Any, measured: Any, model: Any) -> dict[str, Any]:
-    def both(over: Any) -> dict[str, Any]:
-        return {"measured": curves.line(over, measured).model_dump(), "model": curves.line(over, model).model_dump()}
-
-    return {
-        "time": both(t),
-        "displacement": both(x),
-        "velocity": both(v),
-        "residual": curves.line(t, measured - model).model_dump(),
-    }

@@ -5,20 +5,21 @@ from __future__ import annotations
 import json
 from typing import Annotated, Any
 
-from fastapi import APIRouter, HTTPException, Query
+from fastapi import APIRouter, HTTPException, Query, Request
 from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, Field
 
 from dampyr.console import record_sources, safe_paths
 from dampyr.console.damper_files import export_kinds, zipped_export
-from dampyr.console.dampers import CARDS, damper_of, title_of
+from dampyr.console.dampers import CARDS, DamperLink, damper_of, list_dampers, title_of
 from dampyr.console.identify_schemas import IdentifyRequest, ValidateRequest
 from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import CARD, CURVES, PAGE
+from dampyr.console.limits import READING
 from dampyr.console.option_schemas import form_of
 from dampyr.console.state import AppState, CurrentApp
 from dampyr.errors import InputError, MissingData
-from dampyr.identification import FitOptions
+from dampyr.identification import FitOptions, ScoreOptions
 from dampyr.models import Damper, available_parts
 from dampyr.models.part import part
 from dampyr.phrases import counted
@@ -30,11 +31,14 @@ router = APIRouter()
 
 
 class IdentifyChoices(BaseModel):
-    """What can be chosen: models, add-ons, the options of a fit, and kinds of export with their words."""
+    """What can be chosen: models, add-ons, the options of a fit, kinds of export with their words; cards to validate, and the
+    options of that."""
 
     models: list[str]
     add_ons: list[str]
     options: list[dict[str, Any]]
+    dampers: list[DamperLink]
+    score_options: list[dict[str, Any]]
     exports: dict[str, str]
 
 
@@ -51,13 +55,16 @@ class SavedCard(BaseModel):
 
 
 @router.get("/choices")
-def list_choices() -> IdentifyChoices:
+async def list_choices(app: CurrentApp, request: Request) -> IdentifyChoices:
     """Allowed values of a request."""
+    links = [DamperLink(**link) for link in await app.workers.run(request, READING, list_dampers, app.data)]
     names = {name: part(name).add_on for name in available_parts()}
     return IdentifyChoices(
         models=[name for name, add_on in names.items() if not add_on],
         add_ons=[name for name, add_on in names.items() if add_on],
         options=form_of(FitOptions),
+        dampers=links,
+        score_options=form_of(ScoreOptions),
         exports=export_kinds(),
     )
 
@@ -83,9 +90,9 @@ def start_validation(app: CurrentApp, request: ValidateRequest) -> JobState:
 @router.get("/jobs/{id}/curves")
 def read_curves(app: CurrentApp, id: Id, record: Annotated[str, Query(max_length=200)]) -> dict[str, Any]:
     """Measured and modelled force of one record: over time, displacement and velocity; and the residual over time."""
-    curves = json.loads((_done(app, id) / CURVES).read_text("utf-8"))
+    curves = json.loads((_done(app, id, (KIND, VALIDATION)) / CURVES).read_text("utf-8"))
     if record not in curves:
-        raise MissingData(f"{record!r} is not among the records of this fit")
+        raise MissingData(f"{record!r} is not among the records of this job")
     return dict(curves[record])
 
 

@@ -1,5 +1,6 @@
 // Records judged by a reference damper: the request, the band with its points, and the points outside.
 import { get, query as asQuery } from "./api.js";
+import { cardGroups, groupedOptions } from "./cards.js";
 import { chart, charts as drawCharts, COLOURS } from "./chart.js";
 import { field, h, number, section, short } from "./dom.js";
 import { attempt, say } from "./notice.js";
@@ -45,15 +46,12 @@ export async function acceptance(keys, request, changed, charts) {
 function asking(keys, dampers, request, changed) {
   const reference = h("select", {}, h("option", { value: "" }, "choose …"));
   const groups = [
-    ["Cards", dampers.filter((damper) => damper.name.startsWith("cards/")).map((damper) => [damper.name, damper.title])],
-    ["Published dampers", dampers.filter((damper) => !damper.name.startsWith("cards/")).map((damper) => [damper.name, damper.title.replace("published: ", "")])],
+    ...cardGroups(dampers),
     ["Records shown", [...(keys.length > 1 ? [[OTHERS, "each by the others"]] : []), ...keys.map((key) => [key, short(key)])]],
   ];
   const offered = groups.flatMap(([, all]) => all.map(([value]) => value));
   if (request.reference && !offered.includes(request.reference)) groups[2][1].push([request.reference, short(request.reference)]);
-  for (const [label, all] of groups) {
-    if (all.length) reference.append(h("optgroup", { label }, all.map(([value, words]) => h("option", { value }, words))));
-  }
+  reference.append(...groupedOptions(groups));
   reference.value = request.reference;
   const form = optionsForm(request.options, request.values, () => {
     try {

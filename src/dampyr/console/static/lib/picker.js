@@ -5,7 +5,7 @@ import { attempt } from "./notice.js";
 import { originBadge } from "./origin.js";
 import { table } from "./table.js";
 
-/** picker(chosen keys, changed): an element, and `chosen()` the keys. */
+/** picker(chosen keys, changed): an element, `chosen()` the keys, and `choose(keys)` others. */
 export async function picker(start, changed) {
   const sources = await get("records/sources");
   const taken = new Set(start);
@@ -60,6 +60,15 @@ export async function picker(start, changed) {
     listed = (await attempt(() => get(`records/list?${asQuery({ source: source.value })}`))) ?? [];
     fill();
   }
+  async function choose(keys) {
+    taken.clear();
+    for (const key of keys) taken.add(key);
+    const of = keys[0]?.split("/")[0];
+    if (of === source.value || !sources.some(({ name }) => name === of)) return fill();
+    source.value = of;
+    return load();
+  }
+
   await load();
-  return { element, chosen: () => [...taken] };
+  return { element, chosen: () => [...taken], choose };
 }

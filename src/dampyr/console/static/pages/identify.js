@@ -1,7 +1,9 @@
-// Identify: records and a model on the left, the result on the right. A fit is a job that continues without the page.
+// Identify: records and a model, or a card that is there, on the left; the result on the right. Both are jobs that continue
+// without the page.
 import { setAddress } from "../lib/address.js";
 import { download, get, post, query as asQuery } from "../lib/api.js";
 import { before } from "../lib/before.js";
+import { cardGroups, groupedOptions } from "../lib/cards.js";
 import { charts as drawCharts } from "../lib/chart.js";
 import { button, choice, field, h, number, section, tick } from "../lib/dom.js";
 import { watch } from "../lib/jobs.js";
@@ -19,37 +21,64 @@ export async function show(root, query) {
   const records = await picker(query.getAll("record"), () => {});
   const model = choice(choices.models, { value: "dahl" });
   const ons = choices.add_ons.map((name) => [name, tick(name)]);
-  const options = optionsForm(choices.options);
+  const fitting = form(choices.options);
   const progress = h("div");
   const sheet = h("div");
-  const past = before("identify", ["identify"], follow);
+  const card = h("select", {}, h("option", { value: "" }, "choose …"), groupedOptions(cardGroups(choices.dampers)));
+  const scoring = form(choices.score_options);
+  const past = before("identify", ["identify", "validate"], reopen);
   root.append(h("div", { class: "split" },
     h("div", { class: "side" },
       records.element,
       h("fieldset", {}, h("legend", {}, "Model"), field("Hysteresis", model),
         h("div", { class: "row", role: "group", "aria-label": "Added to it" }, ons.map(([, box]) => box))),
-      h("details", {}, h("summary", {}, "Fit options"), options.element),
+      h("details", {}, h("summary", {}, "Fit options"), fitting.element),
       h("div", { class: "row" }, button("Identify", () => start(composed()), { class: "main" }), button("Find the best model", () => start(null), { title: "Every model of the catalogue is tried: minutes" })),
+      h("fieldset", {}, h("legend", {}, "Or a card that is there"), field("Card", card, "What it predicts of the chosen records, none of which is fitted"),
+        h("div", { class: "row" }, button("Validate", validate))),
+      h("details", {}, h("summary", {}, "Scoring options"), scoring.element),
       past.element),
     h("div", {}, progress, sheet)));
   const open = query.get("job");
-  if (open) follow(open);
-  else sheet.append(h("p", { class: "blank" }, "Choose records and a model, then identify. The result appears here."));
+  if (open) reopen(open);
+  else sheet.append(h("p", { class: "blank" }, "Choose records and a model, then identify; or a card, then validate. The result appears here."));
 
   const composed = () => [model.value, ...ons.filter(([, box]) => box.firstChild.checked).map(([name]) => name)].join(" + ");
 
-  async function start(wanted) {
-    const request = { records: records.chosen(), model: wanted };
+  const start = (wanted) => submit("identify/jobs", { model: wanted }, fitting);
+
+  function validate() {
+    if (!card.value) return say("Choose a card first.", "bad");
+    return submit("identify/validations", { card: card.value }, scoring);
+  }
+
+  async function submit(where, what, form) {
+    const request = { records: records.chosen(), ...what };
     try {
-      Object.assign(request, options.values());
+      Object.assign(request, form.values());
     } catch (problem) {
       return say(problem.message, "bad");
     }
     if (!request.records.length) return say("Choose one record or more first.", "bad");
-    const job = await attempt(() => post("identify/jobs", request));
+    const job = await attempt(() => post(where, request));
     if (job) {
       follow(job.id);
       past.look();
+    }
+  }
+
+  /** A job of before, and the form as it was when it was started. */
+  async function reopen(id) {
+    follow(id);
+    const job = await attempt(() => get(`jobs/${id}`));
+    if (!job) return;
+    records.choose(job.request.records);
+    (job.kind === "validate" ? scoring : fitting).fill(job.request);
+    if (job.kind === "validate") card.value = job.request.card;
+    else if (job.request.model) {
+      const [first, ...added] = job.request.model.split(" + ");
+      model.value = first;
+      for (const [name, box] of ons) box.firstChild.checked = added.includes(name);
     }
   }
 
@@ -61,7 +90,7 @@ export async function show(root, query) {
     sheet.replaceChildren();
     stop = watch(progress, id, (job) => {
       past.look();
-      if (job.state === "done") showResult(job);
+      if (job.state === "done") (job.kind === "validate" ? showValidation : showResult)(job);
     });
   }
 
@@ -76,8 +105,6 @@ export async function show(root, query) {
       const saved = await attempt(() => post(`identify/jobs/${id}/card`, { name: name.value }));
       if (saved) say(`Saved the card ${saved.name}.`);
     };
-    const plots = h("div");
-    const which = choice(r.records, { onchange: () => draw(which.value) });
     const verdict = r.verdict ?? { kind: r.converged ? "" : "bad", words: `The search ${r.reason}.` }; // of jobs of before
     sheet.replaceChildren(
       section(r.model,
@@ -90,15 +117,37 @@ export async function show(root, query) {
           h("a", { class: "button", href: `/api/identify/jobs/${id}/page`, download: "" }, "Save the whole page")),
         r.warnings_of_fit.length ? h("details", {}, h("summary", {}, "Before you trust the numbers"), h("ul", {}, r.warnings_of_fit.map((warning) => h("li", {}, warning)))) : null),
       r.data.leaderboard ? board(r.data.leaderboard.entries, r.choice) : "",
-      section("Measured and modelled", field("Record", which), plots),
+      measuredAndModelled(id, r),
       section("Parameters", r.parameters.map((shown) => table({
         caption: shown.caption, columns: shown.columns.map((words) => ({ name: words })), rows: shown.rows }))),
       section("Goodness of fit by record", table({ columns: r.scores.columns.map((words, k) => ({ name: words, unit: r.scores.units[k], digits: 3 })), rows: r.scores.rows, caption: `From ${number(r.settling, 3)} s after the motion starts, each record's own offset taken` })),
       section("Residuals", r.findings.map((finding) => h("p", {}, `${finding.charAt(0).toUpperCase()}${finding.slice(1)}.`))),
     );
-    draw(which.value);
+  }
 
-    async function draw(record) {
+  function showValidation({ id, result: r }) {
+    if (!r.tables) return sheet.replaceChildren(h("a", { class: "button", href: `/api/identify/jobs/${id}/page`, download: "" }, "Save the whole page")); // of an earlier version
+    sheet.replaceChildren(
+      section(`${r.card}: ${r.model}`,
+        r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : null,
+        r.verdict.map((words) => h("p", { class: "verdict" }, words)),
+        h("div", { class: "row" }, h("a", { class: "button", href: `/api/identify/jobs/${id}/page`, download: "" }, "Save the whole page")),
+        r.warnings.length ? h("details", {}, h("summary", {}, "Before you trust the numbers"), h("ul", {}, r.warnings.map((warning) => h("li", {}, warning)))) : null),
+      measuredAndModelled(id, r),
+      section("Scores", r.tables.map((shown) => table({
+        caption: shown.caption, columns: shown.columns.map((words, k) => ({ name: words, unit: shown.units[k], digits: words === "input" ? 5 : 3 })), rows: shown.rows }))),
+    );
+    return undefined;
+  }
+
+  function measuredAndModelled(id, r) {
+    const plots = h("div");
+    const which = choice(r.records, { onchange: draw });
+    draw();
+    return section("Measured and modelled", field("Record", which), plots);
+
+    async function draw() {
+      const record = which.value;
       const lines = await attempt(() => get(`identify/jobs/${id}/curves?${asQuery({ record })}`));
       if (!lines) return;
       clear();
@@ -123,6 +172,15 @@ export async function show(root, query) {
     past.clear();
     clear();
   };
+}
+
+/** A form of options that can be filled in anew: `element`, `values()`, `fill(values)`. */
+function form(options) {
+  const element = h("div");
+  let shown;
+  const fill = (chosen) => element.replaceChildren((shown = optionsForm(options, chosen)).element);
+  fill({});
+  return { element, fill, values: () => shown.values() };
 }
 
 const scaled = ({ x, y }, factor) => ({ x: x.map((value) => factor * value), y });
