@@ -9,6 +9,7 @@ pytest.importorskip("fastapi")
 from tests.stories.test_a_damper_without_an_input import sine, spoken
 
 from dampyr import records
+from dampyr.models import Damper
 
 
 @pytest.fixture
@@ -139,6 +140,25 @@ def test_a_building_is_shaken_and_the_response_survives_a_reload(page, accessibl
     page.wait_for_function("was => document.querySelector('input[type=range]').value !== was", arg=before)
     page.get_by_role("button", name="Stop").click()
     accessible(page)
+
+
+@pytest.mark.prove
+def test_a_card_is_added_and_chosen(address, new_page, data, tmp_path, accessible):
+    page = new_page(address, refused=400)
+    Damper("dahl", {"dahl.kx": 900.0, "dahl.kw": 150.0, "dahl.rho": 3000.0}).save(tmp_path / "from the lab.toml")
+    (tmp_path / "broken.toml").write_text("parts = ", "utf-8")
+    go(page, "building")
+    page.get_by_text("Add a card, a structure or a motion").click()
+    page.get_by_label("File to add").set_input_files(tmp_path / "broken.toml")
+    page.get_by_role("button", name="Add", exact=True).click()
+    page.get_by_text(re.compile("broken.toml: this is not a TOML file", re.IGNORECASE)).wait_for()
+    accessible(page)
+    page.get_by_label("File to add").set_input_files(tmp_path / "from the lab.toml")
+    page.get_by_role("button", name="Add", exact=True).click()
+    page.get_by_text("Added from the lab.toml to the cards").wait_for()
+    page.get_by_label("Card or published damper").select_option("cards/from the lab.toml")
+    assert (data / "cards" / "from the lab.toml").is_file()
+    assert not (data / "cards" / "broken.toml").exists()
 
 
 @pytest.mark.quick

@@ -342,11 +342,11 @@ def test_each_export_says_it(made: Made, tmp_path: Path, kind: str) -> None:
         with zipfile.ZipFile(files[0]) as archive:
             texts = [archive.read("modelDescription.xml").decode()]
     else:
-        with_heads = ("damper.h", "damper.c", "damper.m", "damper.py", "damper.tcl")
+        with_heads = ("damper.h", "damper.c", "damper.m", "damper.py", "damper.tcl", "damper.mo")
         texts = [path.read_text("utf-8") for path in files if path.name in with_heads]
     assert texts
     assert all(NOTICE in text for text in texts)
-    heads = [" ".join(re.sub(r"\n *[*%#]", " ", text).split()) for text in texts]
+    heads = [" ".join(re.sub(r"\n *([*%#]|//)", " ", text).split()) for text in texts]
     stated = "operator: operator on duty; specimen: MR-7; session: mounting 3;"
     assert any(stated in head and all(digits[:12] in head for digits in made.files.values()) for head in heads)
 

@@ -4,24 +4,21 @@ from __future__ import annotations
 
 import os
 import shutil
-import tempfile
 import time
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any
 
-from anyio import to_thread
 from fastapi import APIRouter, HTTPException, Query, Request
 from fastapi import Path as InPath
 from pydantic import BaseModel, Field
 
 from dampyr import records
 from dampyr.console import record_answers, record_notes, record_sources, safe_paths
+from dampyr.console.incoming_files import BODY, incoming, receive
 from dampyr.console.limits import READING
 from dampyr.console.option_schemas import form_of, request_of
 from dampyr.console.record_formats import PLAIN_TEXT, SUFFIXES
-from dampyr.console.security import MAX_UPLOAD
 from dampyr.console.state import AppState, CurrentApp
 from dampyr.errors import FileError, InputError
 from dampyr.records import ReadOptions
@@ -33,12 +30,6 @@ UPLOADS = "uploads"
 ORIGINALS = f"{safe_paths.OWN}/originals"
 """Uploads as they were before they were described anew; nothing lists them."""
 MAX_SHOWN = 6  # rows of a preview
-BODY = {
-    "requestBody": {
-        "required": True,
-        "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
-    }
-}
 Name = Annotated[str, InPath(max_length=255, description="The file's name; its suffix gives the format.")]
 UPLOAD_LEAVES_OUT = ("units", "columns", "factors", "offsets", "cut")
 """Options of reading that an upload has in another form, and the one that makes several records of a file."""
@@ -123,8 +114,8 @@ async def take(app: CurrentApp, request: Request, name: Name, query: Annotated[U
     target = safe_paths.inside(app.data, f"{UPLOADS}/{Path(stored).stem}.h5")
     if target.exists():
         raise HTTPException(409, f"there is a record {target.stem!r} already; rename the file, and upload it again")
-    async with _incoming(app.data) as folder:
-        await _receive(request, folder / stored, app.data, app.quota)
+    async with incoming(app.data) as folder:
+        await receive(request, folder / stored, app.data, app.quota)
         written = folder / "read.h5"
         taken = await app.uploads.run(
             request, READING, record_answers.take_upload, folder / stored, written, options, ticket=query.ticket
@@ -153,8 +144,8 @@ async def preview(
     stored = _name_of_upload(name)
     if Path(stored).suffix.lower() not in PLAIN_TEXT:
         return Preview(problem="the file names its channels itself")
-    async with _incoming(app.data) as folder:
-        await _receive(request, folder / stored, app.data, app.quota)
+    async with incoming(app.data) as folder:
+        await receive(request, folder / stored, app.data, app.quota)
         shown = await app.workers.run(request, READING, columns_of, folder / stored, header, part)
     return Preview(**shown)
 
@@ -173,7 +164,7 @@ async def edit(app: CurrentApp, request: Request, body: Edit) -> Taken:
     if not changes:
         raise InputError("nothing is changed; enter what is known of the record")
     safe_paths.check_quota(app.data, path.stat().st_size, app.quota)
-    async with _incoming(app.data) as folder:
+    async with incoming(app.data) as folder:
         written = folder / "read.h5"
         await app.uploads.run(request, READING, edited, path, written, changes, time.strftime("%Y-%m-%d %H:%M"))
         with safe_paths.ALONE:
@@ -300,31 +291,3 @@ def _pairs(texts: list[str]) -> dict[str, str]:
         if "=" not in pair or len(pair) > 120:
             raise InputError(f"{pair[:60]!r} is not a pair; write it as in displacement=mm")
     return dict(pair.split("=", 1) for pair in texts)
-
-
-@asynccontextmanager
-async def _incoming(data: Path) -> AsyncIterator[Path]:
-    """A folder for one file that comes in; gone afterwards."""
-    folder = Path(tempfile.mkdtemp(prefix="incoming-", dir=data / safe_paths.OWN))
-    try:
-        yield folder
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
-
-
-async def _receive(request: Request, path: Path, data: Path, quota: int) -> None:
-    """Write the body to ``path`` as it comes, within the limits."""
-    free_bytes = quota - await to_thread.run_sync(safe_paths.used, data)
-    size = 0
-    with path.open("wb") as file:
-        async for piece in request.stream():
-            size += len(piece)
-            if size > MAX_UPLOAD:
-                raise HTTPException(413, f"too large; at most {MAX_UPLOAD // 2**20} MiB are taken")
-            if 2 * size > free_bytes:
-                raise HTTPException(
-                    413, "the data folder is full; delete what is not needed, or start with a larger --quota"
-                )
-            file.write(piece)
-    if size == 0:
-        raise InputError("the file is empty; choose another")

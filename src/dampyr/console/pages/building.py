@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from pathlib import Path
+from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, HTTPException, Request
+from fastapi import Path as InPath
 from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, Field
 
-from dampyr import structures
+from dampyr import ground_motions, structures
 from dampyr.console import safe_paths
 from dampyr.console.building_schemas import (
     LIMITS,
@@ -20,12 +22,14 @@ from dampyr.console.building_schemas import (
     ResponseRequest,
 )
 from dampyr.console.dampers import CARDS, DamperLink, damper_of, list_dampers
+from dampyr.console.incoming_files import BODY, incoming, receive
 from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import CURVES, PAGE
 from dampyr.console.limits import READING
 from dampyr.console.option_schemas import form_of
 from dampyr.console.state import CurrentApp
-from dampyr.errors import MissingData
+from dampyr.errors import DampyrError, FileError, InputError, MissingData
+from dampyr.models import Damper
 from dampyr.options import options_of
 from dampyr.structures.building_options import InstallationOptions
 from dampyr.studies import THESIS, available_structures
@@ -48,6 +52,18 @@ class BuildingChoices(BaseModel):
     ensemble_options: list[dict[str, Any]]
 
 
+class AddedFile(BaseModel):
+    """A file that was added: its folder in the data folder, and its name."""
+
+    kind: str
+    name: str
+
+
+FileName = Annotated[
+    str, InPath(max_length=100, description="The file's name; its suffix gives the format of a motion.")
+]
+
+
 @router.get("/choices")
 async def list_choices(app: CurrentApp, request: Request) -> BuildingChoices:
     """Dampers, control laws and ground motions that can be chosen."""
@@ -65,6 +81,55 @@ async def list_choices(app: CurrentApp, request: Request) -> BuildingChoices:
         response_options=form_of(structures.RespondOptions, shared),
         ensemble_options=form_of(structures.EnsembleOptions, shared, LIMITS),
     )
+
+
+@router.put("/files/{kind}/{name}", status_code=201, openapi_extra=BODY)
+async def add_file(
+    app: CurrentApp, request: Request, kind: Literal["cards", "structures", "motions"], name: FileName
+) -> AddedFile:
+    """Add a damper's card, a structure or a ground motion; it is read first, and one that is there is not replaced."""
+    suffixes = MOTION_SUFFIXES if kind == MOTIONS else (".toml",)
+    if Path(name).suffix.lower() not in suffixes:
+        raise InputError(f"{name[:60]!r} is no file of {kind}; it must end in {', '.join(suffixes)}")
+    if not safe_paths.is_new_name(name):
+        raise InputError(f"{name[:60]!r} is not a file name; use letters, digits, space and .()+@=-_")
+    target = safe_paths.inside(app.data, f"{kind}/{name}")
+    taken = HTTPException(409, f"there is a file {name!r} among the {kind} already; rename it, and add it again")
+    if target.exists():
+        raise taken
+    async with incoming(app.data) as folder:
+        await receive(request, folder / name, app.data, app.quota)
+        await app.uploads.run(request, READING, check_file, kind, folder / name)
+        target.parent.mkdir(exist_ok=True)
+        with safe_paths.ALONE:
+            if target.exists():
+                raise taken
+            (folder / name).replace(target)
+    return AddedFile(kind=kind, name=name)
+
+
+def check_file(kind: str, path: Path) -> None:
+    """Read a file as the page will; an error of it names the file and not its place."""
+    try:
+        if kind == CARDS:
+            Damper.load(path)
+        elif kind == STRUCTURES:
+            structures.load(path)
+        else:
+            _check_motion(path)
+    except FileError as problem:
+        raise InputError(str(problem).replace(f"{path}", path.name)) from None
+
+
+def _check_motion(path: Path) -> None:
+    """A motion whose file does not state its unit is told one on the page."""
+    try:
+        ground_motions.read(path)
+    except DampyrError as problem:
+        try:
+            ground_motions.read(path, units="m/s2")
+        except DampyrError:
+            raise problem from None
 
 
 @router.post("/responses", status_code=202)

@@ -30,7 +30,7 @@ def published_beside_ours(deviations: Mapping[str, Sequence[tuple[float, str]]],
     >>> figure.axes[0].get_xlabel()
     'ours less published [% of published]'
     """
-    with style.single_panel(0.75 + 0.155 * len(deviations), title) as (fig, panel):
+    with style.single_panel(0.9 + 0.17 * len(deviations), title) as (fig, panel):
         for row, numbers in enumerate(deviations.values()):
             for outcome, look in LOOKS.items():
                 x = [deviation for deviation, judged in numbers if judged == outcome]
