@@ -48,6 +48,9 @@ NOT_RUN = {
     ("docs/how-to/console.md", "pip install"): "serves until it is stopped: tests/console",
     ("docs/how-to/console.md", "dampyr console"): "serves until it is stopped: tests/console",
     ("docs/how-to/console.md", "curl"): "asks the server: tests/console/test_api.py",
+    ("docs/how-to/ensembles.md", "dampyr ensemble damper.toml --synthetic 1000 --limit 12mm --cluster"): (
+        "needs a cluster; on this machine tests/structures/test_cluster.py"
+    ),
     ("docs/how-to/ensembles.md", "from distributed"): "needs a cluster; on this machine tests/structures/test_cluster.py",
     ("docs/how-to/export.md", "cc "): "test_the_c_of_the_how_to_compiles_and_runs",
     ("docs/how-to/firmware.md", "avrdude"): "needs an Uno",

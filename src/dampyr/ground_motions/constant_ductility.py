@@ -116,7 +116,7 @@ def inelastic_spectrum(
     Examples
     --------
     >>> import dampyr as dp
-    >>> found = dp.ground_motions.constant_ductility(dp.ground_motions.el_centro(), [1.0, 4.0], [0.5, 1.0])
+    >>> found = dp.ground_motions.inelastic_spectrum(dp.ground_motions.el_centro(), [1.0, 4.0], [0.5, 1.0])
     >>> found.strength.round(2).tolist()
     [[9.01, 4.46], [1.76, 1.01]]
     """

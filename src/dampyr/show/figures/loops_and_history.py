@@ -53,13 +53,15 @@ def loops_and_history(
     >>> [panel.get_xlabel() for panel in figure.axes]
     ['displacement [mm]', 'velocity [mm/s]', '', 'time [s]']
     """
-    ratios = {"width_ratios": (1, 1, 1.7), "height_ratios": (2.2, 1)}
+    ratios = {"width_ratios": (1.2, 1.2, 1.5), "height_ratios": (2.2, 1)}
     with style.panel_mosaic(2.35, LAYOUT, **ratios) as (fig, panels):
         early = t <= t[0] + seconds
         for key, over, axis in (("displacement", x, DISPLACEMENT), ("velocity", v, VELOCITY)):
             style.line(panels[key], axis.of(over), FORCE.of(measured), color=style.MEASURED, lw=1.2)
             panels[key].plot(*style.thin(axis.of(over), FORCE.of(model)), color=style.VERMILLION, lw=1.0)
             panels[key].set_xlabel(axis.label)
+            panels[key].locator_params(axis="x", nbins=3)
+            panels[key].tick_params(axis="x", labelsize=8)
             panels[key].sharey(panels["time"])
         panels["displacement"].set_ylabel(FORCE.label)
         top, rest = panels["time"], panels["residual"]

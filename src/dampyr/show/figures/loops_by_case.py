@@ -30,7 +30,7 @@ def loops_by_case(loops: Mapping[str, tuple[ArrayLike, ArrayLike]], colours: Map
     >>> phase = np.linspace(0.0, 2 * np.pi, 200)
     >>> x, force = 0.01 * np.sin(phase), 90.0 * np.cos(phase)
     >>> figure = loops_by_case({"0 V": (x, force), "1.98 V": (0.4 * x, 5.0 * force)})
-    >>> [panel.get_title() for panel in figure.axes]
+    >>> [panel.get_title(loc="left") for panel in figure.axes]
     ['0 V', '1.98 V']
     """
     count = len(loops)

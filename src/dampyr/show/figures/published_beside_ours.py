@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LINEAR = 1e-3  # of the published number: smaller differences are drawn to scale, larger ones by their logarithm
-TICKS = (-1.0, -0.1, -0.01, -1e-3, 0.0, 1e-3, 0.01, 0.1, 1.0, 100.0)
+TICKS = (-1.0, -0.01, 0.0, 0.01, 1.0)
 LOOKS = {
     "agrees": {"marker": "o", "color": style.GREEN, "ms": 4.5},
     "differs": {"marker": "D", "color": style.VERMILLION, "ms": 4.5, "mfc": "none", "mew": 1.2},
@@ -30,7 +30,7 @@ def published_beside_ours(deviations: Mapping[str, Sequence[tuple[float, str]]],
     >>> figure.axes[0].get_xlabel()
     'ours less published [% of published]'
     """
-    with style.single_panel(0.9 + 0.17 * len(deviations), title) as (fig, panel):
+    with style.single_panel(max(0.9 + 0.17 * len(deviations), 3.0), title) as (fig, panel):
         for row, numbers in enumerate(deviations.values()):
             for outcome, look in LOOKS.items():
                 x = [deviation for deviation, judged in numbers if judged == outcome]

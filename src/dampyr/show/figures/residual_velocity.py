@@ -23,6 +23,7 @@ def residual_velocity(panels: Mapping[str, Bands], title: str = "") -> Figure:
         for panel, (name, bands) in zip(axes, panels.items(), strict=True):
             _panel(panel, bands)
             panel.set_title(name)
+            panel.locator_params(axis="x", nbins=4)
         for panel in axes[::columns]:
             panel.set_ylabel(RESIDUAL.label)
         for panel in axes[-columns:]:
