@@ -39,12 +39,13 @@ def test_every_option_of_a_fit_has_a_control_and_what_is_entered_is_asked_for(ad
         page.get_by_text(opened, exact=True).click()
     page.get_by_label("Source").select_option("data")
     page.get_by_label("Choose r0").check()
+    form = page.locator("details", has=page.get_by_text("Fit options", exact=True)).first  # not that of scoring a card
     for option in options_of(FitOptions):
         label = label_of(option)
         several = option.several and option.choices
-        control = page.get_by_role("group", name=label) if several else page.get_by_label(label, exact=True)
+        control = form.get_by_role("group", name=label) if several else form.get_by_label(label, exact=True)
         assert control.count() == 1, option.name
-        assert page.get_by_text(option.words, exact=True).count() == 1, option.name
+        assert form.get_by_text(option.words, exact=True).count() == 1, option.name
         if option.name not in ENTERED:
             continue
         typed, _ = ENTERED[option.name]
