@@ -2,20 +2,11 @@
 out. A process of its own, as a fault in OpenSees would end the tests.
 """
 
-import importlib
 import json
 import sys
 
 import numpy as np
-
-
-def opensees():
-    for name in ("openseespylinux.opensees", "openseespy.opensees"):
-        try:
-            return importlib.import_module(name)
-        except (ImportError, RuntimeError):
-            continue
-    raise ImportError("OpenSees cannot be loaded")
+from opensees_module import opensees
 
 
 def main(r):

@@ -5,20 +5,11 @@ Each floor is a node at its centre of mass, free along x and to turn, with rigid
 one plane.
 """
 
-import importlib
 import json
 import sys
 
 import numpy as np
-
-
-def opensees():
-    for name in ("openseespylinux.opensees", "openseespy.opensees"):
-        try:
-            return importlib.import_module(name)
-        except (ImportError, RuntimeError):
-            continue
-    raise ImportError("OpenSees cannot be loaded")
+from opensees_module import opensees
 
 
 def main(r):

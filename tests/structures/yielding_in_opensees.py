@@ -4,21 +4,13 @@ OpenSees would end the tests.
 With heights each storey has a vertical truss of the weight above it whose ends OpenSees turns exactly (corotational): P-delta.
 """
 
-import importlib
 import json
 import sys
 from itertools import pairwise
 
+from opensees_module import opensees
+
 STIFF = 1e13  # N, of a truss that only turns
-
-
-def opensees():
-    for name in ("openseespylinux.opensees", "openseespy.opensees"):
-        try:
-            return importlib.import_module(name)
-        except (ImportError, RuntimeError):
-            continue
-    raise ImportError("OpenSees cannot be loaded")
 
 
 def main(r):

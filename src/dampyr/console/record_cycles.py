@@ -14,6 +14,7 @@ from dampyr.console import record_sources
 from dampyr.console.equivalent_commands import cycles_command
 from dampyr.console.limits import READING
 from dampyr.console.option_schemas import form_of, request_of
+from dampyr.console.page_tables import page_table
 from dampyr.console.page_words import in_page_words
 from dampyr.console.record_acceptance import MAX_RECORDS, Key, page_to_keep
 from dampyr.console.state import CurrentApp
@@ -22,8 +23,6 @@ from dampyr.records.cycle_analysis.cycle_figures import CycleFigures
 from dampyr.show.pages.how_made import made_by
 from dampyr.show.pages.result_page import write_page
 from dampyr.show.records.cycle_figures import named_tables
-from dampyr.show.table import Table
-from dampyr.to_json import plain
 
 router = APIRouter()
 
@@ -76,7 +75,7 @@ def answer_of(data: Path, query: CyclesRequest) -> dict[str, Any]:
     """A `CycleAnswer` as plain values."""
     result = _figures(data, query)
     return {
-        "tables": [_as_table(name, table) for name, table in named_tables(result).items()],
+        "tables": [{"name": name} | page_table(table) for name, table in named_tables(result).items()],
         "notes": [in_page_words(finding.sentence) for finding in result.findings],
         "data": result.as_dict(),
     }
@@ -91,14 +90,3 @@ def page_of(data: Path, query: CyclesRequest) -> str:
 
 def _figures(data: Path, query: CyclesRequest) -> CycleFigures:
     return cycles(record_sources.read_all(data, query.key), query.options())
-
-
-def _as_table(name: str, table: Table) -> dict[str, Any]:
-    return {
-        "name": name,
-        "caption": table.caption,
-        "columns": list(table.columns),
-        "units": list(table.units or [""] * len(table.columns)),
-        "rows": plain(table.rows),
-        "notes": list(table.notes),
-    }

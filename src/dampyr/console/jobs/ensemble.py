@@ -14,13 +14,13 @@ from dampyr.console.building_schemas import EnsembleRequest, files_read
 from dampyr.console.dampers import damper_of
 from dampyr.console.equivalent_commands import ensemble_command
 from dampyr.console.jobs import DATA, PAGE
+from dampyr.console.page_tables import page_table
 from dampyr.console.safe_paths import data_of
 from dampyr.show.figures.fragility import axis_of
 from dampyr.show.pages.how_made import made_by
 from dampyr.show.pages.result_page import write_page
 from dampyr.show.structures.ensemble_result import peak_table, trust
 from dampyr.show.structures.fragility import LEVEL, comparisons, curve_table, limit_in_words
-from dampyr.show.table import Table
 from dampyr.structures import EnsembleResult
 from dampyr.structures import ensemble as run_ensemble
 from dampyr.structures.ensembles.fragility import Fragility, FragilityCurve
@@ -55,7 +55,7 @@ def _summarise(result: EnsembleResult) -> dict[str, Any]:
         "notice": result.origin.notice,
         "cases": dataset.attrs["cases"],
         "motions": dataset.sizes["motion"],
-        "peaks": _as_columns(peak_table(dataset)),
+        "peaks": page_table(peak_table(dataset)),
         "trust": [*(finding.sentence for finding in result.findings), *trust(dataset)],
         "fragilities": [_fragility(curves) for curves in result.curves],
     }
@@ -68,14 +68,10 @@ def _fragility(curves: Fragility) -> dict[str, Any]:
     return {
         "limit": limit_in_words(curves),
         "axis": {"words": axis.words, "unit": axis.unit, "factor": axis.per_si},
-        "table": _as_columns(curve_table(curves)),
+        "table": page_table(curve_table(curves)),
         "remarks": comparisons(curves),
         "curves": [_curve(curve) for curve in curves.curves],
     }
-
-
-def _as_columns(table: Table) -> dict[str, Any]:
-    return {"columns": list(table.columns), "units": list(table.units), "rows": table.rows}
 
 
 def _curve(curve: FragilityCurve) -> dict[str, Any]:

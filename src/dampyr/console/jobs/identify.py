@@ -16,6 +16,7 @@ from dampyr.console import curves, record_sources
 from dampyr.console.equivalent_commands import identify_command
 from dampyr.console.identify_schemas import IdentifyRequest
 from dampyr.console.jobs import CARD, CURVES, DATA, PAGE
+from dampyr.console.page_tables import page_table
 from dampyr.console.page_words import in_page_words
 from dampyr.console.safe_paths import data_of
 from dampyr.errors import InputError
@@ -54,7 +55,6 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
 
 def _summarise(fit: Fit) -> dict[str, Any]:
     """What the page shows in its own form, besides the data."""
-    scores = score_table(fit.scores)
     l1 = [score.l1 for score in fit.scores.values()]
     return {
         "model": str(fit.problem.composition),
@@ -66,17 +66,10 @@ def _summarise(fit: Fit) -> dict[str, Any]:
         "warnings_of_fit": [in_page_words(finding.sentence) for finding in besides(fit.findings, [fit.verdict.words])],
         "findings": list(findings(fit.residuals)),
         "mean_l1": float(np.mean(l1)),
-        "parameters": [
-            {"columns": list(table.columns), "rows": [list(row) for row in table.rows], "caption": table.caption}
-            for table in parameter_tables(fit)
-        ],
+        "parameters": [page_table(table) for table in parameter_tables(fit)],
         "choice": choice_in_words(fit.leaderboard) if fit.leaderboard else [],
         "settling": fit.settling,
-        "scores": {
-            "columns": list(scores.columns),
-            "units": list(scores.units),
-            "rows": [list(r) for r in scores.rows],
-        },
+        "scores": page_table(score_table(fit.scores)),
         "records": [record.name for record in (*fit.records, *fit.validation_records)],
         "held": [
             {"record": name, "l1": math.nan, "problem": score}

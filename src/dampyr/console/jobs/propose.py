@@ -8,6 +8,7 @@ from typing import Any
 
 from dampyr.console.equivalent_commands import plan_command
 from dampyr.console.jobs import DATA
+from dampyr.console.page_tables import page_table
 from dampyr.console.page_words import in_page_words
 from dampyr.console.proposals import ProposalRequest
 from dampyr.console.rigs import rig_file
@@ -20,7 +21,6 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
     """``request`` is a `ProposalRequest`."""
     parsed, data = ProposalRequest(**request), data_of(folder)
     result = propose(parsed.evidence(data), rig_file(data, parsed.rig), parsed.options(), progress, peak=parsed.peak())
-    table = interval_table(result)
     return {
         DATA: result.as_dict(),
         "text": result.text,
@@ -28,9 +28,5 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
         "notice": result.origin.notice,
         "notes": [in_page_words(note) for note in result.notes],
         "findings": [in_page_words(finding.sentence) for finding in result.findings],
-        "intervals": {
-            "columns": list(table.columns),
-            "rows": [list(row) for row in table.rows],
-            "caption": table.caption,
-        },
+        "intervals": page_table(interval_table(result)),
     }

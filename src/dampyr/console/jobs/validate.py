@@ -15,6 +15,7 @@ from dampyr.console.dampers import damper_of, title_of
 from dampyr.console.equivalent_commands import validate_command
 from dampyr.console.identify_schemas import ValidateRequest
 from dampyr.console.jobs import CURVES, DATA, PAGE
+from dampyr.console.page_tables import page_table
 from dampyr.console.page_words import in_page_words
 from dampyr.console.safe_paths import data_of
 from dampyr.identification import validate
@@ -48,15 +49,7 @@ def _summarise(result: Validated) -> dict[str, Any]:
         "verdict": [in_page_words(sentence) for sentence in shown.verdict],
         "warnings": [in_page_words(finding.sentence) for finding in result.findings],
         "records": [record.name for record in result.records],
-        "tables": [
-            {
-                "caption": " ".join(filter(None, (table.caption, *table.notes))),
-                "columns": list(table.columns),
-                "units": list(table.units),
-                "rows": plain([list(row) for row in table.rows]),
-            }
-            for table in (make() for make in shown.tables)
-        ],
+        "tables": [page_table(make()) for make in shown.tables],
     }
 
 

@@ -38,7 +38,7 @@ def peak_velocity_band(
     ``points`` whether inside (True, False, or None where not judged) -> peak speeds m/s and forces N.
     ``share``: of the page's width.
     """
-    with style.single_panel(3.1 if share == 1.0 else 2.5, title, share) as (fig, panel):
+    with style.single_panel(3.1, title, share) as (fig, panel):
         tables = [np.asarray(rows, dtype=float).reshape(-1, 4) for rows in bands]
         widest = max([float(np.max(x, initial=0.0)) for x, _ in points.values()] + [1e-3])
         for rows in tables:

@@ -21,7 +21,7 @@ POINTS = 160  # of one curve: dozens of records lie over one another, and the fi
 
 def memory(records: Sequence[tuple[ArrayLike, ArrayLike]], correlation_time: float, title: str = "") -> Figure:
     """``records``: (lags s, autocorrelations) of each, from lag 0; ``correlation_time`` s of all together."""
-    with style.single_panel(2.3, title, style.THIRD) as (fig, panel):
+    with style.single_panel(2.8, title, style.THIRD) as (fig, panel):
         panel.axhline(0.0, color=style.MUTED, lw=0.8)
         for lags, rho in records:
             x, y = style.thin(lags, rho, POINTS)

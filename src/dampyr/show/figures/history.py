@@ -54,9 +54,9 @@ def history(
     ['force [N]', 'residual [N]']
     """
     drawing = (
-        style.panels(2.6 if share == 1.0 else 2.1, title=title, share=share)
+        style.panels(2.6, title=title, share=share)
         if model is None
-        else style.panels(3.2 if share == 1.0 else 2.4, 2, 1, title, share, sharex=True, height_ratios=(2.4, 1))
+        else style.panels(3.2, 2, 1, title, share, sharex=True, height_ratios=(2.4, 1))
     )
     with drawing as (fig, axes):
         top = axes[0, 0]

@@ -60,7 +60,7 @@ def loops(
     ['displacement [mm]', 'velocity [mm/s]']
     """
     panels = [(displacement, DISPLACEMENT)] + ([(velocity, VELOCITY)] if velocity is not None else [])
-    with style.panels(2.6 if share == 1.0 else 2.4, 1, len(panels), title, share, sharey=True) as (fig, axes):
+    with style.panels(2.6, 1, len(panels), title, share, sharey=True) as (fig, axes):
         for panel, (values, axis) in zip(axes[0], panels, strict=True):
             x = axis.of(values)
             if measured is not None:

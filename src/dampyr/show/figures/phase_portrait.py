@@ -28,7 +28,7 @@ def phase_portrait(
 
     ``share``: of the page's width.
     """
-    with style.single_panel(2.6 if share == 1.0 else 2.1, title, share) as (fig, panel):
+    with style.single_panel(2.6, title, share) as (fig, panel):
         for colour, (name, (across, up)) in zip(cycle(style.SERIES[1:]), curves.items(), strict=False):
             style.line(panel, x.of(across), y.of(up), color=colour, label=name)
         for name, level in (limits or {}).items():

@@ -29,7 +29,7 @@ def residual_sizes(
     ``colours`` name -> colour are those of the page. Without an ``axis`` there is no input, and no panel of it.
     """
     across_axes = (axis, STROKE, FREQUENCY) if axis else (STROKE, FREQUENCY)
-    with style.panels(2.3, 1, len(across_axes), title, style.TWO_THIRDS, sharey=True) as (fig, axes):
+    with style.panels(2.8, 1, len(across_axes), title, style.TWO_THIRDS, sharey=True) as (fig, axes):
         for look, (name, (*across, size)) in zip(looks(groups, colours), groups.items(), strict=True):
             for panel, x, values in zip(axes[0], across_axes, across[-len(across_axes) :], strict=True):
                 panel.plot(x.of(values), SIZE.of(size), ls="", ms=4.5, alpha=0.85, label=name, **look)

@@ -66,6 +66,7 @@ SHAPES = 12  # on a line that goes back over its own way
 PALE = 0.68  # opacity of what others are compared with, where that is as dark as one of them
 WIDTH = 6.9  # inches: as wide as the text of a printed page
 THIRD, HALF, TWO_THIRDS = 1 / 3, 1 / 2, 2 / 3  # of it: of figures that stand beside one another on a page
+LOWER = 0.82  # of the height that a figure has at the full width: such figures are lower, too
 ENTRY, CHARACTER = 0.55, 0.078  # inches of a legend: of an entry's mark and gaps, and of a letter in the middle
 POINTS = 2400  # of a line: more than a page has pixels across
 
@@ -159,10 +160,12 @@ def style() -> Iterator[None]:
 def panels(
     height: float, rows: int = 1, columns: int = 1, title: str = "", share: float = 1.0, **subplots: Any
 ) -> Iterator[tuple[Figure, NDArray[Any]]]:
-    """A figure, a ``share`` of the page wide and ``height`` inches high, and its axes ``(rows, columns)``; drawn within, they
-    have dampyr's style."""
+    """A figure, a ``share`` of the page wide, and its axes ``(rows, columns)``; drawn within, they have dampyr's style.
+
+    ``height``: in inches, of a figure as wide as the page.
+    """
     with style():
-        fig = _empty((share * WIDTH, height))
+        fig = _empty((share * WIDTH, height if share == 1.0 else LOWER * height))
         fig.patch.set_alpha(0.0)
         axes = fig.subplots(rows, columns, squeeze=False, **subplots)
         for panel in axes.flat:

@@ -28,7 +28,7 @@ def theta(
     ``marks`` name -> (m, N) are the points chosen on it (where theta is zero, and the second one); ``exact``
     (m, N) is a closed form to compare with. ``share``: of the page's width.
     """
-    with style.single_panel(2.6 if share == 1.0 else 2.1, title, share) as (fig, panel):
+    with style.single_panel(2.6, title, share) as (fig, panel):
         style.line(panel, DISPLACEMENT.of(displacement), FORCE.of(values), color=style.BLUE, label="θ")
         if exact is not None:
             x, y = DISPLACEMENT.of(exact[0]), FORCE.of(exact[1])

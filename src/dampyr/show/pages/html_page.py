@@ -5,10 +5,9 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from html import unescape
 from importlib.resources import files
 from itertools import chain, count
 from pathlib import Path
@@ -27,7 +26,7 @@ from dampyr.show.pages.svg import inline_svg
 from dampyr.show.pages.typography import as_html, raised, with_powers
 from dampyr.show.table import Cell, Table, Verdict
 from dampyr.source_digest import full_version
-from dampyr.source_file import SHOWN_DIGITS
+from dampyr.source_file import SHOWN_DIGITS, SourceFile
 
 DASH = "–"
 STYLES = ("look.css", "page.css")
@@ -37,9 +36,6 @@ WIDE, CROWDED = 8, 12  # columns, beyond which they stand closer, and closer sti
 PROSE = 60  # letters of a cell that is read as a sentence
 MAX_PLACES = 6  # decimals of a column; smaller numbers have powers of ten
 MARGIN = 64  # letters of the title at the foot of a printed page
-_CHECKSUM = re.compile(
-    r'<li><span>([^<]*)</span> <code>([0-9a-f]+)<span class="rest">([0-9a-f]+)</span>'
-)  # of a file, as the template has it
 _SHARES = {style.THIRD: "third", style.HALF: "half", style.TWO_THIRDS: "two-thirds", 1.0: ""}
 _MARKS = {
     "agrees": "✓", "differs": "≠", "cannot be checked": "?",
@@ -56,6 +52,18 @@ class _Shown:
     verdict: Verdict | None = None
 
 
+class PageText(str):
+    """The text of a page, and the data files that it names."""
+
+    files: tuple[SourceFile, ...]
+
+    def __new__(cls, text: str, files: Iterable[SourceFile]) -> PageText:
+        """``text`` and ``files``."""
+        self = super().__new__(cls, text)
+        self.files = tuple(files)
+        return self
+
+
 def page(
     title: str,
     sections: Sequence[Section],
@@ -65,7 +73,7 @@ def page(
     facts: Mapping[str, str] | None = None,
     call: str = "",
     origin: Origin = NOT_STATED,
-) -> str:
+) -> PageText:
     """The page as a string of HTML. All text is escaped: none of it is taken for HTML.
 
     Parameters
@@ -122,8 +130,9 @@ def page(
         keep(figure, number, anchor)
     stated = {"": provenance} if isinstance(provenance, str) else dict(provenance)
     source, date = how_made(call), moment()
+    read = sorted({*origin.sources, *source.files})
     short_title = title if len(title) <= MARGIN else title[: MARGIN - 1].rstrip() + "…"
-    return str(
+    return PageText(
         template.render(
             title=title,
             notice=origin.notice,
@@ -136,10 +145,11 @@ def page(
             version=full_version(),
             facts=origin.facts() | dict(facts or {}),
             command=source.command,
-            files=sorted({*origin.sources, *source.files}),
+            files=read,
             digits=SHOWN_DIGITS,
             margin=_css_string(f"{short_title} · {date}"),
-        )
+        ),
+        read,
     )
 
 
@@ -177,9 +187,8 @@ def write_html(path: str | Path, html: str) -> Path:
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, html)
-    checksums = "".join(f"{first}{rest}  {unescape(name)}\n" for name, first, rest in _CHECKSUM.findall(html))
-    if checksums:
-        write_whole(path.with_suffix(".sha256"), checksums)
+    if isinstance(html, PageText) and html.files:
+        write_whole(path.with_suffix(".sha256"), "".join(f"{file}\n" for file in html.files))
     return path
 
 
@@ -221,9 +230,9 @@ def _block(block: Block, prefix: str, labels: Iterator[str]) -> dict[str, Any]:
 
     match block:
         case Text():
-            return {"kind": "text", "paragraphs": block.paragraphs, "share": ""}
+            return {"kind": "text", "paragraphs": block.paragraphs}
         case Verdict():
-            return {"kind": "verdict", "verdict": block, "share": ""}
+            return {"kind": "verdict", "verdict": block}
         case FigureBlock():
             svg = inline_svg(block.figure, with_powers(block.alt or block.caption), prefix)
             return {"kind": "figure", "svg": Markup(svg), "caption": block.caption, "share": _share(block)}
@@ -248,7 +257,6 @@ def _table(table: Table) -> dict[str, Any]:
     ]
     return {
         "kind": "table",
-        "share": "",
         "kinds": " ".join(_kinds(table)),
         "caption": " ".join(filter(None, (table.caption, *table.notes))),
         "columns": [{"name": n, "unit": u, "side": s} for n, u, s in zip(table.columns, units, sides, strict=True)],

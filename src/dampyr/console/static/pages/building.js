@@ -1,9 +1,9 @@
 // Building: building, motion and damper on the left, the response on the right. Responses and ensembles are jobs.
-import { adding } from "../lib/adding.js";
 import { setAddress } from "../lib/address.js";
 import { get, post } from "../lib/api.js";
 import { before } from "../lib/before.js";
 import { charts, COLOURS } from "../lib/chart.js";
+import { dataFileForm } from "../lib/data_files.js";
 import { button, choice, field, h, number, section, tick } from "../lib/dom.js";
 import { watch } from "../lib/jobs.js";
 import { attempt, say } from "../lib/notice.js";
@@ -32,7 +32,7 @@ export async function show(root, query) {
     h("div", { class: "side" }, form.element,
       h("details", {}, h("summary", {}, "Options of a simulation"), form.settings),
       h("div", { class: "row" }, button("Simulate", () => start("building/responses", form.response), { class: "main" })),
-      h("details", {}, h("summary", {}, "Add a card, a structure or a motion"), adding(() => dispatchEvent(new Event("hashchange")))),
+      h("details", {}, h("summary", {}, "Add a card, a structure or a motion"), dataFileForm(() => dispatchEvent(new Event("hashchange")))),
       h("details", {}, h("summary", {}, "Many earthquakes"), form.many, h("div", { class: "row" }, button("Run the ensemble", () => start("building/ensembles", form.ensemble)))),
       past.element),
     h("div", {}, progress, sheet)));

@@ -135,7 +135,7 @@ export async function show(root, query) {
         r.warnings.length ? h("details", {}, h("summary", {}, "Before you trust the numbers"), h("ul", {}, r.warnings.map((warning) => h("li", {}, warning)))) : null),
       measuredAndModelled(id, r),
       section("Scores", r.tables.map((shown) => table({
-        caption: shown.caption, columns: shown.columns.map((words, k) => ({ name: words, unit: shown.units[k], digits: words === "input" ? 5 : 3 })), rows: shown.rows }))),
+        caption: [shown.caption, ...shown.notes].join(" "), columns: shown.columns.map((words, k) => ({ name: words, unit: shown.units[k], digits: words === "input" ? 5 : 3 })), rows: shown.rows }))),
     );
     return undefined;
   }

@@ -5,8 +5,8 @@ import { attempt, say } from "./notice.js";
 
 const KINDS = [["cards", "a damper's card (.toml)"], ["structures", "a structure (.toml)"], ["motions", "a ground motion"]];
 
-/** adding(added): the form; `added(kind, name)` is called when a file is there. */
-export function adding(added) {
+/** dataFileForm(stored): the form; `stored()` is called when a file is there. */
+export function dataFileForm(stored) {
   const kind = choice(KINDS);
   const file = h("input", { type: "file" });
 
@@ -17,7 +17,7 @@ export function adding(added) {
     const taken = await attempt(() => upload(`building/files/${kind.value}/${encodeURIComponent(chosen.name)}`, chosen));
     if (!taken) return undefined;
     say(`Added ${taken.name} to the ${taken.kind}.`);
-    return added(taken.kind, taken.name);
+    return stored();
   }
 
   return h("form", { onsubmit: send }, field("What it is", kind), field("File to add", file, "It is read first; one of the same name is not replaced"),
