@@ -54,10 +54,8 @@ NEAR = (0.95, 0.9, 0.95, 0.9)  # of the code: smaller peaks have no row; of one 
 SHORTEST = 4.0  # samples: an oscillator that is shorter does not see what is between them
 EDGE, EDGE_SHARE = 1.0, 0.05  # s and share of the record over which wavelets rise and fall at its ends
 DAMPED, LEAST_DAMPED, MORE, LESS, TRIES = 0.1, 1e-3, 2.5, 0.5, 10  # lambda: its start and least, and how it follows
-NORM, RECENT = (
-    6,
-    4,
-)  # of the ratios less 1: a step has to lower the largest norm of the last ones, so that one may go up
+NORM = 6  # the power of the ratios less 1 whose sum a step has to lower
+RECENT = 4  # steps, below the largest sum of which it has to be, so that a single one may go up
 MAX_DESIGN_DAMPING = 0.5
 
 

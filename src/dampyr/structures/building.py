@@ -93,9 +93,14 @@ class Building(Shown):
         return storey - 1
 
     @property
+    def floors_below(self) -> tuple[int, ...]:
+        """What each storey stands on, see `floor_below`."""
+        return tuple(self.floor_below(storey) for storey in range(1, self.n_floors + 1))
+
+    @property
     def is_stack(self) -> bool:
         """Whether each floor stands on the one before it."""
-        return all(self.floor_below(k) == k - 1 for k in range(1, self.n_floors + 1))
+        return self.floors_below == tuple(range(self.n_floors))
 
     def _storey(self, storey: Any) -> int:
         if isinstance(storey, bool) or not isinstance(storey, int | np.integer) or not 1 <= storey <= self.n_floors:

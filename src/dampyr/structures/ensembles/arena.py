@@ -9,9 +9,9 @@ is the share of cases in which the criterion x, the largest peak of a quantity, 
 of one drawn damper are no independent ones. The 90 % band is therefore that of a bootstrap that draws motions and dampers
 anew, each by themselves and with replacement, which for two-way data is on the wide side ([Owen2007]_); and it reaches at
 least as far as the 5 % bound :math:`0.05^{1/N}` of N motions (or dampers, where these are more) without an exception, as
-a bootstrap cannot draw what did not happen. Where it holds 1/2, the laws are not told apart. Were P what it is found to be, a
-band of half width h :math:`\sqrt{N/n}` would with n motions lie apart from 1/2 in 95 of 100 ensembles where P is two such
-half widths from it, the 5 % points of the band and of P being alike: about :math:`n = N (2h/(P - 1/2))^2` are needed.
+a bootstrap cannot draw what did not happen. Where it holds 1/2, the laws are not told apart. With n motions half the band is
+about :math:`h\sqrt{N/n}`, h being that with N. Two laws are told apart in 95 of 100 ensembles where P is two of these halves
+from 1/2: one is the band's, the other the scatter of P itself. About :math:`n = N (2h/(P - 1/2))^2` motions are needed.
 
 References
 ----------

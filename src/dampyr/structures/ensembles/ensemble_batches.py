@@ -304,10 +304,9 @@ def _engine_of(
         building = refinements(whole, connections(whole, sites))[0]
     ground = building.ground_terms()[0]
     matrices = tuple(a.tobytes() for a in (building.M, building.C, building.K, building.influence, ground))
-    stands_on = tuple(building.floor_below(k + 1) for k in range(building.n_floors))
     key = (
         matrices,
-        stands_on,
+        building.floors_below,
         kind[1],
         compositions,
         dt,

@@ -187,7 +187,7 @@ def _left_out(building: Building) -> tuple[Any, ...]:
 
 def _storeys(building: Building) -> tuple[int, ...]:
     """What each storey stands on, where floors do not stand one on the other."""
-    return () if building.is_stack else tuple(building.floor_below(k + 1) for k in range(building.n_floors))
+    return () if building.is_stack else building.floors_below
 
 
 def _plain(placement: Mapping[Any, Any]) -> list[Any]:
