@@ -23,7 +23,7 @@ from dampyr.show.pages.blocks import Block, FigureBlock, Text
 from dampyr.show.pages.residual_section import size_table
 from dampyr.show.table import Table
 
-PANELS = 6  # of laws in one figure: three rows of two, half of a printed page
+PANELS = 9  # of laws in one figure: three rows of three, half of a printed page
 PAIRS = 8  # of parameters listed in words; the matrix shows all
 
 if TYPE_CHECKING:
@@ -100,7 +100,7 @@ def law_figures(fit: Fit, damper: Damper) -> list[Figure]:
     axis = input_axis(damper.input)
     count = -(-len(panels) // PANELS)
     size = -(-len(panels) // count)
-    size += size % 2 if count > 1 else 0  # an even number fills the rows of two
+    size += -size % 3 if count > 1 else 0  # rows of three are filled
     parts = [panels[k : k + size] for k in range(0, len(panels), size)]
     return [parameters_against_input(part, damper.range, axis) for part in parts]
 
