@@ -2,6 +2,7 @@
 
 import os
 import socket
+import threading
 import time
 from collections.abc import Callable
 
@@ -12,6 +13,7 @@ from tests.rig_time import HANG
 from dampyr.errors import RigFault
 from dampyr.rig import Rig
 from dampyr.rig.firmware.protocol import State
+from dampyr.rig.loop import SILENT
 
 
 def test_the_interlock_there_stops_it_and_says_so_here() -> None:
@@ -39,6 +41,33 @@ def test_blocks_that_nobody_takes_stop_the_rig_at_last(served: Served, monkeypat
 
     with pytest.raises(RigFault, match=r"blocks waited for 0\.4 s to be stored; is the disk too slow"):
         wait_for_nothing()
+
+
+def test_the_reason_arrives_behind_blocks_that_left_no_place_for_it(
+    served: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The host takes them late, as where its disk has paused: it had waited for more, and was told that none came."""
+    monkeypatch.setattr("dampyr.rig.loop.HELD", 0.4)
+    sent = served.server.blocks
+    paused = threading.Event()
+
+    class Slow:
+        def send(self, message: object) -> None:
+            paused.wait(HANG)
+            sent.send(message)
+
+    monkeypatch.setattr(served.server, "blocks", Slow())
+
+    def resume() -> None:
+        wait_for(lambda: served.server.loop is not None and served.server.loop.stopped is not None)
+        wait_for(lambda: not served.server.loop.reading)  # type: ignore[union-attr]
+        paused.set()
+
+    threading.Thread(target=resume, daemon=True).start()
+    start = time.monotonic()
+    with pytest.raises(RigFault, match=r"blocks waited for 0\.4 s to be stored"), served.rig.armed() as table:
+        table.rest(60.0)
+    assert time.monotonic() - start < SILENT
 
 
 def test_a_fault_of_the_uno_since_the_last_block_is_told_where_the_host_asks_for_the_reason(served: Served) -> None:

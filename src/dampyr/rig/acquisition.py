@@ -145,6 +145,11 @@ class Acquisition:
         """Whether it was ended."""
         return self._over.is_set()
 
+    @property
+    def reading(self) -> bool:
+        """Whether its thread still reads."""
+        return bool(self._thread and self._thread.is_alive())
+
     def blocks(self) -> Iterator[Samples]:
         """Blocks as they arrive, without end."""
         while True:

@@ -142,7 +142,9 @@ class LoopServer:
         """Send blocks; they wait in the loop's queue where the host does not take them."""
         with suppress(OSError):  # the host is gone: `serve` sees it
             while not (loop.over and not loop.waiting):
-                block = loop.waiting.poll(0.05)
+                block: Samples | RigFault | None = loop.waiting.poll(0.05)
+                if block is None and loop.stopped and not loop.reading and not loop.waiting:
+                    block = loop.stopped  # the blocks before it had left no place for it
                 if isinstance(block, RigFault):
                     self.blocks.send(as_sent(block))
                     return
