@@ -34,6 +34,7 @@ from dampyr.cli import cli
 from dampyr.cli._examples import examples_of
 from dampyr.cli._options import OptionsCommand
 from dampyr.config import origin, split
+from dampyr.console.command_words import places
 from dampyr.models import published
 from dampyr.models.part import part
 from dampyr.options import Option, Thresholds, options_of
@@ -415,6 +416,19 @@ def command_table() -> str:
     return table(["command", "what"], rows)
 
 
+def command_places() -> str:
+    """Where the console has each command, or why it has not."""
+    rows = [
+        [
+            f"`dampyr {name}`",
+            f"{page.capitalize()}{' and Commands' if page != 'commands' and not why else ''}" if page else "–",
+            cell(why) or "–",
+        ]
+        for name, page, why in places()
+    ]
+    return table(["command", "page", "why not"], rows)
+
+
 def command_sections() -> str:
     """Each command that has no section in the page of the commands yet: its help and its options."""
     page = MARKS.sub("", (CHECKOUT / COMMANDS_PAGE).read_text(encoding="utf-8"))
@@ -554,6 +568,7 @@ LISTS: dict[str, Callable[[], str]] = {
     "study-sections": lambda: sections_of(STUDIES),
     "commands": lambda: ", ".join(f"`{name.replace('_', '-')}`" for name in registry.names(COMMANDS)),
     "command-table": command_table,
+    "command-places": command_places,
     "command-examples": command_examples,
     "command-sections": command_sections,
     "option-sections": option_sections,

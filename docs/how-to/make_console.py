@@ -142,6 +142,17 @@ def fragility(page: Any) -> None:
     page.locator("canvas").first.wait_for()
 
 
+def commands(page: Any) -> None:
+    """A motion's peaks and spectra."""
+    page.locator("#command").select_option("motion")
+    page.locator("#perform[data-command='motion']").wait_for()
+    page.locator("form summary", has_text="Options").click()
+    page.get_by_label("Pga", exact=True).fill("0.3g")
+    page.locator("#perform").click()
+    page.get_by_role("heading", name="Figures").wait_for(timeout=MAX_WAIT)
+    page.wait_for_timeout(1000)
+
+
 @dataclass(frozen=True)
 class Shot:
     """A picture: of which page, after what was done there, in which colours and on which screen."""
@@ -161,6 +172,7 @@ SHOTS = {
     "identify": Shot("identify", identify),
     "building": Shot("building", building, "dark"),
     "fragility": Shot("building", fragility),
+    "commands": Shot("commands", commands),
 }
 
 

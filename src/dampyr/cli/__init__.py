@@ -36,6 +36,7 @@ fault of dampyr and shows its traceback. Progress belongs on stderr, so that ``-
 stdout.
 """
 
+from dampyr.cli._forms import check_command, command_forms, perform_command
 from dampyr.cli._frame import cli, main
 
-__all__ = ["cli", "main"]
+__all__ = ["check_command", "cli", "command_forms", "main", "perform_command"]

@@ -24,6 +24,7 @@ from dampyr.cli._control import (
     temperature_option,
 )
 from dampyr.cli._motion import acceleration, component_option
+from dampyr.cli._progress import is_followed, stages
 from dampyr.errors import InputError
 
 if TYPE_CHECKING:
@@ -204,6 +205,10 @@ def shard(text: str) -> tuple[int, int]:
 @contextmanager
 def counting(before: int = 0) -> Iterator[Callable[[int, int], None]]:
     """A function ``(cases done, all)`` that shows rate and time left on stderr; ``before`` were there already."""
+    if is_followed():
+        with stages() as show:
+            yield lambda done, size: show(f"{done} of {size} cases", done / size)
+        return
     if not sys.stderr.isatty():
         yield _lines(before)
         return

@@ -6,13 +6,36 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 
+Show = Callable[[str, float], None]
 QUIET = 5.0  # s between two lines about one stage in a log; with 4 s between two reports, less than ten
 
 
+_followed: ContextVar[Show | None] = ContextVar("who is told of progress instead of stderr", default=None)
+
+
 @contextmanager
-def stages() -> Iterator[Callable[[str, float], None]]:
+def followed(show: Show) -> Iterator[None]:
+    """Within it, ``show(stage, fraction done)`` is told of progress, and nothing of it goes to stderr."""
+    before = _followed.set(show)
+    try:
+        yield
+    finally:
+        _followed.reset(before)
+
+
+def is_followed() -> bool:
+    """Whether this is within `followed`."""
+    return _followed.get() is not None
+
+
+@contextmanager
+def stages() -> Iterator[Show]:
     """A function ``(stage, fraction done)`` that shows one bar per stage, or prints one line per stage into a log."""
+    if (show := _followed.get()) is not None:
+        yield show
+        return
     if not sys.stderr.isatty():
         yield _lines()
         return
@@ -23,15 +46,15 @@ def stages() -> Iterator[Callable[[str, float], None]]:
     with Progress(*columns, console=Console(stderr=True)) as bars:
         tasks: dict[str, int] = {}
 
-        def show(stage: str, done: float) -> None:
+        def draw(stage: str, done: float) -> None:
             if stage not in tasks:
                 tasks[stage] = bars.add_task(stage, total=1.0)
             bars.update(tasks[stage], completed=done)  # type: ignore[arg-type]
 
-        yield show
+        yield draw
 
 
-def _lines() -> Callable[[str, float], None]:
+def _lines() -> Show:
     reported: set[str] = set()
     start = last = time.monotonic()
 

@@ -30,6 +30,11 @@ def _command(*words: str, note: str = "") -> str:
     return f"{shlex.join(['dampyr', *words])} ({'; '.join([WHERE, *([note] if note else [])])})"
 
 
+def typed_command(words: Sequence[str]) -> str:
+    """A command of these words."""
+    return _command(*words)
+
+
 def _paths(keys: Iterable[str]) -> list[str]:
     return [key.removeprefix(f"{OWN}/") for key in keys]
 

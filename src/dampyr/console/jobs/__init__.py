@@ -9,3 +9,4 @@ MEMBERS = "kinds of jobs"
 
 DATA = "data"  # of a result: the ``as_dict()`` of the job's result, which the command prints with --json
 CARD, PAGE, CURVES = "card.toml", "page.html", "curves.json"  # what jobs leave in their folders
+FIGURES, FILES = "figures", "files"  # folders of a job: the figures of its page, and what a command writes

@@ -90,6 +90,11 @@ class JudgedByCriteria:
         return "passed" if self.cycles and not self.unjudged else "not judged"
 
 
+def available_criteria() -> list[str]:
+    """The names of the criteria that are shipped, such as ``ntc_2018_viscous``."""
+    return sorted(path.stem for path in SHIPPED.glob("*.toml") if path.stem != "template")
+
+
 def read_criteria(name: str | Path) -> tuple[Criterion, ...]:
     """The criteria of a file or of a shipped name (``ntc_2018_viscous``); FileError where a row has no limit or source."""
     path = Path(name)
