@@ -55,6 +55,17 @@ def test_a_brace_lets_the_building_move_more():
     assert flexible["no damper"]["sites"] == []
 
 
+def test_a_damper_in_each_of_several_storeys():
+    both = simulate("--storey", "1", "--storey", "2")["1.98 V"]
+    damper = raminelli_2020.damper()
+    ours = respond(two_storey(), el_centro(), {1: damper, 2: damper}, voltage=1.98)
+    assert both["peak_displacement_m"] == pytest.approx(ours.peak_displacement, rel=1e-9)
+    assert len(both["sites"]) == 2
+    twice = CliRunner().invoke(cli, ["simulate", "--voltage", "0", "--storey", "1", "--storey", "1"])
+    assert "--storey 1 is given twice" in twice.stderr
+    assert twice.exit_code == 2
+
+
 def test_one_place_is_enough():
     done = CliRunner().invoke(cli, ["simulate", "--voltage", "0", "--storey", "1", "--between", "0", "2"])
     assert done.exit_code == 2

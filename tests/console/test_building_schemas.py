@@ -84,3 +84,10 @@ def test_the_files_that_a_request_reads_are_named(data):
 def test_numbers_that_cannot_be_computed_with_are_refused(wrong):
     with pytest.raises(ValidationError):
         BuildingRequest(kind="shear", **wrong)
+
+
+def test_a_storey_has_one_damper():
+    damper = raminelli_2020.damper()
+    assert DamperRequest(storeys=[1, 2]).placed(damper) == {1: damper, 2: damper}
+    with pytest.raises(InputError, match="names one twice"):
+        DamperRequest(storeys=[2, 2]).placed(damper)

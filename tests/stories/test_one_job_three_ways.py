@@ -229,16 +229,16 @@ def test_simulate(data: Path, client: TestClient, done: Any) -> None:
     damper = Damper.load(data / "cards" / "mine.toml")
     inputs = [0.0, 1.5, structures.control_law("on_off", high=2.0, period=0.01)]
     motion = el_centro().scaled_to_pga(2.0)
-    ours = structures.respond(structures.two_storey(), motion, {2: damper}, voltage=inputs)
+    ours = structures.respond(structures.two_storey(), motion, {1: damper, 2: damper}, voltage=inputs)
     with show.made_by("a script", [data / "cards" / "mine.toml"]):
         show.write_page(ours, data / "ours.html")
     said = command(
         "simulate", data / "cards" / "mine.toml", "--voltage", "0", "--voltage", "1.5", "--control", "on_off:period=10ms",
-        "--storey", "2", "--pga", "2 m/s^2", "--report", data / "said.html",
+        "--storey", "1", "--storey", "2", "--pga", "2 m/s^2", "--report", data / "said.html",
     )  # fmt: skip
     request = {
         "motion": {"pga": 2.0},
-        "damper": {"name": "cards/mine.toml", "storey": 2, "inputs": [0.0, 1.5], "laws": ["on_off:period=10ms"]},
+        "damper": {"name": "cards/mine.toml", "storeys": [1, 2], "inputs": [0.0, 1.5], "laws": ["on_off:period=10ms"]},
     }
     id, request = done("building/responses", request)
     assert said == request == plain(ours.as_dict())

@@ -97,6 +97,27 @@ def damper_of(card: Path | None, temperature: float | None = None, allow_extrapo
     return damper.at_temperature(temperature, allow_extrapolation)
 
 
+storeys_option = click.option(
+    "--storey",
+    "storeys",
+    multiple=True,
+    type=int,
+    metavar="I",
+    help="The storey of the damper, between floors I-1 and I; repeat it for one each.  [default: 1]",
+)
+
+
+def placed(damper: Damper, storeys: tuple[int, ...], between: tuple[str, str] | None) -> dict[Any, Damper]:
+    """The damper at each place where one stands: storeys, the first without any option, or a pair of floors."""
+    if len(storeys) < 2:
+        return {place_of(storeys[0] if storeys else None, between): damper}
+    if between is not None:
+        place_of(storeys[0], between)
+    if twice := next((storey for k, storey in enumerate(storeys) if storey in storeys[:k]), None):
+        raise InputError(f"--storey {twice} is given twice; a storey has one damper here, so give each storey once")
+    return dict.fromkeys(storeys, damper)
+
+
 def place_of(storey: int | None, between: tuple[str, str] | None) -> Any:
     """Where the damper stands: a storey, the first without any option, or a pair of floors."""
     if storey is not None and between is not None:

@@ -18,7 +18,8 @@ from dampyr.cli._control import (
     control_option,
     damper_of,
     inputs_by_kind,
-    place_of,
+    placed,
+    storeys_option,
     structure_of,
     structure_option,
     temperature_option,
@@ -44,7 +45,7 @@ class EnsembleCommand:
     voltages: tuple[float, ...]
     currents: tuple[float, ...]
     controls: tuple[str, ...]
-    storey: int | None
+    storeys: tuple[int, ...]
     between: tuple[str, str] | None
     without_damper: bool
     motions: tuple[Path, ...]
@@ -60,11 +61,10 @@ class EnsembleCommand:
     def cases(self, options: EnsembleOptions, any_input: bool = False) -> dict[str, Any]:
         """The arguments of `dampyr.structures.ensemble` that say which cases there are; with ``any_input`` without one, too."""
         damper = damper_of(self.card, self.temperature, options.allow_extrapolation)
-        placed = {place_of(self.storey, self.between): damper}
         return {
             "buildings": structure_of(self.structure),
             "motions": self._motions(options.seed),
-            "dampers": [*([None] if self.without_damper else []), placed],
+            "dampers": [*([None] if self.without_damper else []), placed(damper, self.storeys, self.between)],
             "scales": scales(self.scales),
             "options": options,
             **self._inputs(damper, any_input),
@@ -92,7 +92,7 @@ CASE_OPTIONS = (
     click.option("--voltage", "voltages", multiple=True, type=float, help="Voltage at the coil in V; may be repeated."),
     click.option("--current", "currents", multiple=True, type=float, help="Current in A, for a card over the current."),
     control_option,
-    click.option("--storey", type=int, help="The storey in which the damper stands.  [default: 1]"),
+    storeys_option,
     click.option("--between", nargs=2, metavar="I J", help="Two floors that the damper joins instead."),
     click.option("--without-damper", is_flag=True, help="Run the building without damper, too."),
     click.option(

@@ -11,7 +11,8 @@ from dampyr.cli._control import (
     control_option,
     damper_of,
     inputs_by_kind,
-    place_of,
+    placed,
+    storeys_option,
     structure_of,
     structure_option,
     temperature_option,
@@ -49,9 +50,7 @@ if TYPE_CHECKING:
 )
 @click.option("--current", "currents", multiple=True, type=float, help="Current in A, for a card over the current.")
 @control_option
-@click.option(
-    "--storey", type=int, help="The storey in which the damper stands; i joins floors i-1 and i.  [default: 1]"
-)
+@storeys_option
 @click.option("--between", nargs=2, metavar="I J", help="Two floors that the damper joins instead; 0 is the ground.")
 @click.option(
     "--motion",
@@ -81,7 +80,7 @@ def command(
     voltages: tuple[float, ...],
     currents: tuple[float, ...],
     controls: tuple[str, ...],
-    storey: int | None,
+    storeys: tuple[int, ...],
     between: tuple[str, str] | None,
     options: RespondOptions,
     reading: MotionReadOptions,
@@ -109,7 +108,7 @@ def command(
     if without_damper:
         _refuse_damper(context)
     damper = None if without_damper else damper_of(card, temperature, options.allow_extrapolation)
-    dampers = None if damper is None else {place_of(storey, between): damper}
+    dampers = None if damper is None else placed(damper, storeys, between)
     inputs: dict[str, Any] = {"voltage": []} if damper is None else inputs_by_kind(damper, voltages, currents, controls)
     if load_unit is not None and loads_file is None:
         raise InputError("--load-unit is of the table of --loads; give that, or leave the unit out")
@@ -138,7 +137,7 @@ OF_A_DAMPER = (
     "voltages",
     "currents",
     "controls",
-    "storey",
+    "storeys",
     "between",
     "brace",
     "temperature",

@@ -103,12 +103,21 @@ class MotionRequest(Strict):
 
 
 class DamperRequest(Strict):
-    """A card of the data folder (``cards/NAME.toml``) or a published set by its name; where it stands, and its inputs."""
+    """A card of the data folder (``cards/NAME.toml``) or a published set by its name; where one stands, each with the same
+    input, and the inputs."""
 
     name: str = Field(default=THESIS, max_length=200)
-    storey: int = Field(default=1, ge=1, le=40)
+    storeys: list[Annotated[int, Field(ge=1, le=40)]] = Field(default=[1], min_length=1, max_length=40)
     inputs: list[Annotated[float, Field(allow_inf_nan=False)]] = Field(default=[], max_length=6)
     laws: list[Annotated[str, Field(max_length=40)]] = Field(default=[], max_length=5)
+
+    def placed(self, damper: Damper) -> dict[int, Damper]:
+        """The damper in each of the storeys."""
+        if len(set(self.storeys)) < len(self.storeys):
+            raise InputError(
+                f"storeys = {self.storeys} names one twice; a storey has one damper here, so give each once"
+            )
+        return dict.fromkeys(self.storeys, damper)
 
     def inputs_by_kind(self, damper: Damper) -> dict[str, Any]:
         """The argument ``voltage`` or ``current`` of a response: the numbers, then the control laws; None where there is no

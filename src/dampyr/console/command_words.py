@@ -69,7 +69,7 @@ REQUIRED = {"hybrid": ("delay",)}
 ALWAYS = {"calibrate": ("--yes",), "export": ("--out", FILES), "reproduce": ("--out", FILES), "demo": ("--out", FILES)}
 """Words that are always typed; `FILES` stands for the folder of what is written."""
 
-WRITTEN = ("out", "save", "forces")
+WRITTEN = ("out", "save", "forces", "demands")
 """Parameters that name a file or folder to write: in the job's folder."""
 
 KIND_OF_FILE = {

@@ -95,8 +95,8 @@ def ensemble_command(request: EnsembleRequest) -> str:
 def _damper(request: DamperRequest) -> list[str]:
     inputs = [word for value in request.inputs for word in ("--voltage", f"{value:g}")]
     laws = [word for law in request.laws for word in ("--control", law)]
-    storey = ["--storey", str(request.storey)] if request.storey != 1 else []  # 1 as usual
-    return [request.name, *inputs, *laws, *storey]
+    storeys = [word for storey in request.storeys for word in ("--storey", str(storey))]
+    return [request.name, *inputs, *laws, *(storeys if request.storeys != [1] else [])]  # 1 as usual
 
 
 def _structure(request: BuildingRequest) -> Sequence[str]:

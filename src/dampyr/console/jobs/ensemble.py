@@ -17,11 +17,12 @@ from dampyr.console.jobs import DATA, PAGE
 from dampyr.console.page_tables import page_table
 from dampyr.console.safe_paths import data_of
 from dampyr.show.figures.fragility import axis_of
+from dampyr.show.pages.ensemble_page import FRACTIONS
 from dampyr.show.pages.how_made import made_by
 from dampyr.show.pages.result_page import write_page
 from dampyr.show.structures.ensemble_result import peak_table, trust
 from dampyr.show.structures.fragility import LEVEL, comparisons, curve_table, limit_in_words
-from dampyr.structures import EnsembleResult
+from dampyr.structures import EnsembleResult, incremental
 from dampyr.structures import ensemble as run_ensemble
 from dampyr.structures.ensembles.fragility import Fragility, FragilityCurve
 from dampyr.to_json import plain
@@ -35,7 +36,7 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
         result = run_ensemble(
             parsed.building.building(data),
             parsed.synthetic_or_one(data),
-            [None, {parsed.damper.storey: damper}],
+            [None, parsed.damper.placed(damper)],
             **parsed.damper.inputs_by_kind(damper),
             scales=parsed.scales,
             executor=pool,
@@ -58,8 +59,30 @@ def _summarise(result: EnsembleResult) -> dict[str, Any]:
         "peaks": page_table(peak_table(dataset)),
         "trust": [*(finding.sentence for finding in result.findings), *trust(dataset)],
         "fragilities": [_fragility(curves) for curves in result.curves],
+        "incremental": _incremental(result),
     }
     return dict(plain(summary))
+
+
+def _incremental(result: EnsembleResult) -> dict[str, Any] | None:
+    """The fractiles of the largest drift over the intensity, as the page of the command draws them; SI."""
+    if result.dataset.sizes["scale"] < 2 or "drift" not in result.dataset:
+        return None
+    analysis = incremental(result.dataset, "drift", result.intensity, fractions=FRACTIONS)
+    axis = axis_of(analysis.intensity)
+    return {
+        "axis": {"words": axis.words, "unit": axis.unit, "factor": axis.per_si},
+        "sweeps": [
+            {
+                "name": sweep.name,
+                "levels": sweep.levels,
+                "fractiles": np.where(np.isfinite(sweep.fractiles), sweep.fractiles, np.nan),
+                "unbounded": sweep.unbounded,
+                "bent_back": sweep.bent_back,
+            }
+            for sweep in analysis.sweeps
+        ],
+    }
 
 
 def _fragility(curves: Fragility) -> dict[str, Any]:

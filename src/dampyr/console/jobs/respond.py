@@ -36,7 +36,7 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
     result = respond_to(
         parsed.building.building(data),
         parsed.motion.motion(data),
-        {parsed.damper.storey: damper},
+        parsed.damper.placed(damper),
         **parsed.damper.inputs_by_kind(damper),
         options=parsed.options(),
         progress=progress,

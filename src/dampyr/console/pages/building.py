@@ -176,7 +176,9 @@ def _check(data: Any, request: ResponseRequest | EnsembleRequest) -> None:
     options = request.options()
     if isinstance(request, EnsembleRequest):
         options.checked_limits()
-    request.damper.inputs_by_kind(damper_of(data, request.damper.name))
+    damper = damper_of(data, request.damper.name)
+    request.damper.placed(damper)
+    request.damper.inputs_by_kind(damper)
 
 
 def _inputs(request: ResponseRequest | EnsembleRequest) -> str:

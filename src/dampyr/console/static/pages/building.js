@@ -86,7 +86,7 @@ export async function show(root, query) {
 
   const page = (id) => h("a", { class: "button", href: `/api/building/jobs/${id}/page`, download: "" }, "Save the whole page");
 
-  async function response({ id, result: r }) {
+  async function response({ id, result: r, request }) {
     const curves = await attempt(() => get(`building/responses/${id}/curves`));
     if (!curves) return;
     const names = r.cases.map((response) => response.name);
@@ -114,8 +114,8 @@ export async function show(root, query) {
       section(r.title, r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : null, (r.findings ?? []).map((finding) => h("p", { class: `verdict ${finding.severity === "wrong" ? "bad" : "fair"}` }, finding.sentence)), moving.element),
       section("Peaks", peaks(r), r.note ? h("p", { class: "soft" }, r.note) : "", h("div", { class: "row" }, page(id))),
       section("Histories", field("Floor", floor), lines),
-      damped.length ? section("The damper", plot({ label: `Damper force over stroke, ${damped.join(", ")}`, x: { words: "stroke", unit: "mm", pad: 0.04 }, y: { words: "force", unit: "N" }, height: 340,
-        series: damped.map((name) => ({ name, always: true, colour: colourOf(name), y: curves.cases[name].loops[0].y, x: curves.cases[name].loops[0].x.map((v) => 1e3 * v) })) })) : "",
+      damped.length ? section(curves.cases[damped[0]].loops.length > 1 ? "The dampers" : "The damper", plot({ label: `Damper force over stroke, ${damped.join(", ")}`, x: { words: "stroke", unit: "mm", pad: 0.04 }, y: { words: "force", unit: "N" }, height: 340,
+        series: damped.flatMap((name) => curves.cases[name].loops.map((loop, k, { length }) => ({ name: length > 1 ? `${name}, storey ${request.damper.storeys[k]}` : name, always: true, colour: colourOf(name), dash: DASHES[k % DASHES.length], y: loop.y, x: loop.x.map((v) => 1e3 * v) }))) })) : "",
       section("Energy", field("Case", chosen), energy, energyTable(r)),
       section("Ground motion", plot({ label: "Ground acceleration over time", x: TIME, y: { words: "acceleration", unit: "m/s²" }, height: 180, series: [{ name: "ground", colour: "muted", ...curves.ground }] })));
     histories();
@@ -127,9 +127,17 @@ export async function show(root, query) {
     const notice = () => (r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : null);
     const row = () => h("div", { class: "row" }, page(id));
     const all = r.fragilities ?? [{ ...r, axis: { words: "peak ground acceleration", unit: "g", factor: 1 / G } }]; // of jobs of before
+    const colourAt = (name, k) => (name === "no damper" ? "muted" : COLOURS[(k - 1 + COLOURS.length) % COLOURS.length]); // as in a response
+    const growing = ({ axis, sweeps }) => {
+      const series = sweeps.flatMap((sweep, k) => sweep.fractiles.map((peaks, j) => ({ name: j === 1 ? sweep.name : "", of: sweep.name, always: true, colour: colourAt(sweep.name, k), width: j === 1 ? 2.2 : 1, dash: j === 1 ? undefined : "dashed",
+        x: sweep.levels.map((v) => axis.factor * v), y: peaks.map((v) => (v === null ? null : 1e3 * v)) })));
+      const remarks = sweeps.map(({ name, bent_back: bent, unbounded }) => `${name}: ${bent ? `${bent} of ${r.motions} motions have a smaller drift at a greater intensity somewhere` : "every drift grows with the intensity"}${unbounded ? `; ${unbounded} cases grew without bound, and lines end where they reach them` : ""}.`);
+      return section("Incremental analysis", notice(), plot({ label: `Largest drift over ${axis.words}`, x: { words: axis.words, unit: axis.unit, pad: 0.03 }, y: { words: "largest drift", unit: "mm" }, height: 380, zero: true, series }),
+        h("p", { class: "soft" }, "Medians over the motions, dashed the fractiles of 16 and 84 %."), remarks.map((remark) => h("p", {}, remark)));
+    };
     const fragility = ({ limit, axis, curves, table: medians, remarks }) => {
       const series = curves.flatMap((curve, k) => {
-        const colour = curve.name === "no damper" ? "muted" : COLOURS[(k - 1 + COLOURS.length) % COLOURS.length]; // as in a response
+        const colour = colourAt(curve.name, k);
         const line = (y, more) => (y ? [{ colour, x: curve.x.map((v) => axis.factor * v), y: y.map((v) => (v === null ? null : 100 * v)), ...more }] : []);
         return [...line(curve.y, { name: curve.name, always: true, width: 2.2 }), ...line(curve.low, { of: curve.name, dash: "dashed", width: 1 }), ...line(curve.high, { of: curve.name, dash: "dashed", width: 1 }),
           { name: curve.y ? "" : curve.name, of: curve.name, always: true, colour, points: true, x: curve.counted.x.map((v) => axis.factor * v), y: curve.counted.y.map((v) => 100 * v) }];
@@ -140,6 +148,7 @@ export async function show(root, query) {
     };
     sheet.replaceChildren(
       ...(all.length ? all.map(fragility) : [section("Ensemble", notice(), row())]),
+      r.incremental ? growing(r.incremental) : "",
       section("Peaks", shown({ ...r.peaks, caption: "Across motions, of the worst storey and floor" }, 4)),
       section("Accuracy", r.trust.map((sentence) => h("p", {}, sentence))));
   }
@@ -151,6 +160,7 @@ export async function show(root, query) {
   };
 }
 
+const DASHES = [undefined, "dashed", "dotted", "long"]; // of one case, by storey
 const WIDE = 8; // floors that a table has columns for
 
 function peaks(r) {
@@ -208,7 +218,7 @@ function asking(choices) {
   const element = h("div", {},
     h("fieldset", {}, h("legend", {}, "Building"), field("Structure", building), own),
     h("fieldset", {}, h("legend", {}, "Ground motion"), field("Motion", motion), h("div", { class: "fields" }, field("Peak, g", pga), seeded, united)),
-    h("fieldset", {}, h("legend", {}, "Damper"), field("Card or published damper", damper), range, h("div", { class: "fields" }, field("Storey", storey), cases),
+    h("fieldset", {}, h("legend", {}, "Damper"), field("Card or published damper", damper), range, h("div", { class: "fields" }, field("Storeys", storey, "a damper in each"), cases),
       controls,
       h("details", {}, h("summary", {}, "Options of all cases"), shared.element)));
   const many = h("div", {}, h("div", { class: "fields" }, field("Synthetic motions", count), field("Scales", scales)), manySettings.element);
@@ -221,7 +231,7 @@ function asking(choices) {
       building: building.value.startsWith("named:") ? named(building.value.slice(6)) : building.value === "shear" ? { kind: "shear", masses: several("Masses", masses), stiffnesses: several("Stiffnesses", stiffnesses), damping: single("Damping", damping) / 100 } : {},
       motion: chosen,
       ...shared.values(),
-      damper: { name: damper.value, storey: single("Storey", storey), inputs: passive() ? [] : several("Inputs", inputs), laws: passive() ? [] : laws.filter(([, box]) => box.firstChild.checked).map(([name]) => name) },
+      damper: { name: damper.value, storeys: several("Storeys", storey), inputs: passive() ? [] : several("Inputs", inputs), laws: passive() ? [] : laws.filter(([, box]) => box.firstChild.checked).map(([name]) => name) },
     };
   };
   const ensemble = () => {
