@@ -88,14 +88,20 @@ def test_the_command_plans_runs_and_goes_on(tmp_path, monkeypatch):
     assert (tmp_path / "page.html").is_file()
     again = CliRunner().invoke(cli, [*words, "--json"])
     assert json.loads(again.stdout) == shown  # it is complete: nothing moves
+    (record,) = (tmp_path / "out").glob("*.h5")
+    told = CliRunner().invoke(cli, ["hybrid", "--record", str(record), "--json", "--report", "told.html"])
+    assert json.loads(told.stdout) == shown
+    assert (tmp_path / "told.html").is_file()
 
 
 def test_the_command_says_what_is_wrong(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for words, expected in (
         (["--delay", "0.2"], "delay = 0.2 s is not allowed"),
-        (["--delay", "0.01", "--dry-run"], "leave --rig, --out and the rig's options out"),
-        (["--delay", "0.01", "--clock", "2"], "leave --clock out"),
+        (["--delay", "0.01", "--dry-run"], "--dry-run is of a rig, and --delay computes the actuator"),
+        (["--delay", "0.01", "--clock", "2"], "--clock is of a rig"),
+        (["--record", "x.h5", "--scale", "2"], "--scale is of a test that is run"),
+        (["--record", "none.h5"], "none.h5"),
         (["--lag-error", "0.001", "--dry-run"], "--lag-error is of --delay"),
         (["--structure", "none.toml", "--dry-run"], "there is no such file"),
         (["--voltage", "9", "--duration", "2", "--dry-run"], "needs 9 V at the coil"),

@@ -25,6 +25,7 @@ from dampyr.cli._control import (
     temperature_option,
 )
 from dampyr.cli._motion import acceleration, component_option
+from dampyr.cli._options import refuse_typed
 from dampyr.cli._progress import is_followed, stages
 from dampyr.errors import InputError
 
@@ -152,17 +153,13 @@ def case_options(command: Callable[..., Any]) -> Callable[..., Any]:
     return wrapped
 
 
-def refuse_cases(context: click.Context, what: str) -> None:
+def refuse_cases(what: str) -> None:
     """Refuse options that choose cases where the cases were computed already."""
     from dampyr.options import options_of
     from dampyr.structures import EnsembleOptions
 
     names = {field.name for field in fields(EnsembleCommand)} | {option.name for option in options_of(EnsembleOptions)}
-    for parameter in context.command.params:
-        source = context.get_parameter_source(str(parameter.name))
-        if parameter.name in names - OF_THE_RESULT and source is not click.core.ParameterSource.DEFAULT:
-            name = parameter.opts[0] if isinstance(parameter, click.Option) else "CARD"
-            raise InputError(f"{name} says what to compute, and {what} takes what was computed; leave it out")
+    refuse_typed(names - OF_THE_RESULT, f"says what to compute, and {what} takes what was computed; leave it out")
 
 
 def scales(texts: tuple[str, ...]) -> list[float]:

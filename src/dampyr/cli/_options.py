@@ -12,12 +12,14 @@ packages that declare their options.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from dampyr.errors import InputError
 
 if TYPE_CHECKING:
     from dampyr.options import Option
@@ -77,6 +79,15 @@ class OptionsCommand(click.Command):
         others = {name: value for name, value in context.params.items() if name not in names}
         context.params = others | self.chosen(context.params)
         return super().invoke(context)
+
+
+def refuse_typed(names: Collection[str], why: str) -> None:
+    """Refuse the first parameter of the running command among ``names`` that was typed; ``why`` follows its name."""
+    context = click.get_current_context()
+    for parameter in context.command.params:
+        source = context.get_parameter_source(str(parameter.name))
+        if parameter.name in names and source is not click.core.ParameterSource.DEFAULT:
+            raise InputError(f"{parameter.opts[0] if isinstance(parameter, click.Option) else 'CARD'} {why}")
 
 
 def click_option(option: Option) -> click.Option:

@@ -63,9 +63,7 @@ if TYPE_CHECKING:
 @cluster_option
 @report_options()
 @as_json_option
-@click.pass_context
 def command(
-    context: click.Context,
     request: EnsembleCommand,
     options: EnsembleOptions,
     criterion: str,
@@ -105,7 +103,7 @@ def command(
     if read is None:
         result = run_cases(request, options, out, workers, cluster)
     else:
-        refuse_cases(context, "--read")
+        refuse_cases("--read")
         result = structures.read_ensemble(read)
     found = structures.arena(result, criterion, options.seed)
     if report:

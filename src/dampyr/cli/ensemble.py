@@ -55,9 +55,7 @@ if TYPE_CHECKING:
 @cluster_option
 @report_options()
 @as_json_option
-@click.pass_context
 def command(
-    context: click.Context,
     request: EnsembleCommand,
     options: EnsembleOptions,
     out: Path | None,
@@ -94,7 +92,7 @@ def command(
     if collect is None and read is None:
         result = run_cases(request, options, out, workers, cluster)
     else:
-        result = _read(context, options, out, collect, read)
+        result = _read(options, out, collect, read)
     if demands:
         from dampyr.structures import write_demands
 
@@ -130,17 +128,15 @@ def _write_part(
         click.echo(str(path))
 
 
-def _read(
-    context: click.Context, options: EnsembleOptions, out: Path | None, collect: Path | None, read: Path | None
-) -> EnsembleResult:
+def _read(options: EnsembleOptions, out: Path | None, collect: Path | None, read: Path | None) -> EnsembleResult:
     from dampyr import structures
 
     if collect is not None:
-        refuse_cases(context, "--collect")
+        refuse_cases("--collect")
         result = structures.collect(collect, out)
     else:
         assert read is not None
-        refuse_cases(context, "--read")
+        refuse_cases("--read")
         if out is not None:
             raise InputError("--read takes a finished file and --out writes one; give one of the two")
         result = structures.read_ensemble(read)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from dampyr.cli._examples import examples
+from dampyr.cli._options import refuse_typed
 from dampyr.cli._output import (
     as_json_option,
     findings_below,
@@ -28,7 +29,8 @@ if TYPE_CHECKING:
 
 @click.command(
     epilog=examples(
-        "dampyr hybrid --scale 0.5 --dry-run", "dampyr hybrid --delay 0.01 --voltage 1.98 --report hybrid.html"
+        "dampyr hybrid --scale 0.5 --dry-run",
+        "dampyr hybrid --delay 0.01 --voltage 1.98 --report hybrid.html",
     )
 )
 @click.option(
@@ -60,6 +62,12 @@ if TYPE_CHECKING:
 )
 @click.option("--control", metavar="LAW", help="With --delay: a control law sets the input, such as clipped_optimal.")
 @click.option("--lag-error", type=float, default=0.0, metavar="S", help="With --delay: the error of the assumed delay.")
+@click.option(
+    "--record",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Tell the result of a test that was recorded; nothing is run.",
+)
 @click.option("--dry-run", is_flag=True, help="Print what would be done and what is in the way; move nothing.")
 @report_options()
 @in_process_option
@@ -79,6 +87,7 @@ def command(
     delay: float | None,
     control: str | None,
     lag_error: float,
+    record: Path | None,
     dry_run: bool,
     report: Path | None,
     real_time: bool,
@@ -96,11 +105,16 @@ def command(
         "kind": "hybrid", "structure": structure, "motion": motion, "scale": scale, "storey": storey, "voltage": voltage,
         "clock": clock, "duration": duration, "model": model,
     }  # fmt: skip
+    if record is not None:
+        refuse_typed(OF_A_TEST, "is of a test that is run, and --record tells of one that was; leave it out")
+        with findings_below():
+            result = campaigns.hybrid_result(record)
+        _tell(result, report, as_json)
+        return None
     if delay is not None:
-        if rig or out or dry_run or real_time:
-            raise InputError("--delay computes the actuator too; leave --rig, --out and the rig's options out")
-        if clock != 1.0:
-            raise InputError("--delay is of the building's own time; leave --clock out")
+        refuse_typed(
+            OF_A_RIG, "is of a rig, and --delay computes the actuator too, in the building's own time; leave it out"
+        )
         with findings_below():
             result = _on_delayed_actuator(structure, motion, model, table, delay, lag_error, control)
         _tell(result, report, as_json)
@@ -128,6 +142,22 @@ def command(
         result = campaigns.hybrid_result(out / f"{test.name}.h5")
     _tell(result, report, as_json)
     return None
+
+
+OF_A_RIG = ("rig", "out", "clock", "dry_run", "real_time")
+OF_A_TEST = (
+    *OF_A_RIG,
+    "structure",
+    "motion",
+    "scale",
+    "storey",
+    "voltage",
+    "duration",
+    "model",
+    "delay",
+    "control",
+    "lag_error",
+)
 
 
 def _on_delayed_actuator(

@@ -19,7 +19,7 @@ from dampyr.cli._control import (
 )
 from dampyr.cli._examples import examples
 from dampyr.cli._motion import Ground, motion_options
-from dampyr.cli._options import OptionsCommand
+from dampyr.cli._options import OptionsCommand, refuse_typed
 from dampyr.cli._output import as_json_option, details_option, findings_below, print_answer
 from dampyr.cli._report import report_options
 from dampyr.errors import InputError
@@ -71,9 +71,7 @@ if TYPE_CHECKING:
 @report_options()
 @details_option
 @as_json_option
-@click.pass_context
 def command(
-    context: click.Context,
     card: Path | None,
     structure: str | None,
     without_damper: bool,
@@ -106,7 +104,7 @@ def command(
 
     building = structure_of(structure)
     if without_damper:
-        _refuse_damper(context)
+        refuse_typed(OF_A_DAMPER, "is of a damper, and --without-damper leaves it out; give one of the two")
     damper = None if without_damper else damper_of(card, temperature, options.allow_extrapolation)
     dampers = None if damper is None else placed(damper, storeys, between)
     inputs: dict[str, Any] = {"voltage": []} if damper is None else inputs_by_kind(damper, voltages, currents, controls)
@@ -144,12 +142,3 @@ OF_A_DAMPER = (
     "without",
     "draws",
 )
-
-
-def _refuse_damper(context: click.Context) -> None:
-    """Refuse what is of a damper where there is none."""
-    for parameter in context.command.params:
-        source = context.get_parameter_source(str(parameter.name))
-        if parameter.name in OF_A_DAMPER and source is not click.core.ParameterSource.DEFAULT:
-            name = parameter.opts[0] if isinstance(parameter, click.Option) else "CARD"
-            raise InputError(f"{name} is of a damper, and --without-damper leaves it out; give one of the two")

@@ -63,8 +63,8 @@ LEFT_OUT = {
 }
 """Parameters that a page does not offer."""
 
-REQUIRED = {"hybrid": ("delay",)}
-"""Parameters that a form needs though the command does not: without a rig there is a delay."""
+NEEDS_ONE_OF = {"hybrid": ("delay", "record")}
+"""Parameters of which a form needs one, where the command would take none of them: else it would move a table."""
 
 ALWAYS = {"calibrate": ("--yes",), "export": ("--out", FILES), "reproduce": ("--out", FILES), "demo": ("--out", FILES)}
 """Words that are always typed; `FILES` stands for the folder of what is written."""
@@ -73,7 +73,8 @@ WRITTEN = ("out", "save", "forces", "demands")
 """Parameters that name a file or folder to write: in the job's folder."""
 
 KIND_OF_FILE = {
-    "paths": "records", "records": "records", "card": "dampers", "structure": "structures", "motion": "motions",
+    "paths": "records", "records": "records", "record": "records", "card": "dampers",
+    "structure": "structures", "motion": "motions",
     "motions": "motions", "file": "motions", "rig": "rigs", "folders": "folders", "folder": "folders",
     "criteria": "criteria", "limits": "files", "design": "files", "loads_file": "files", "study": "studies",
     "name": "data sets", "reference": "references",
@@ -119,7 +120,6 @@ def _offered(command: str, form: dict[str, Any]) -> dict[str, Any]:
         | {
             "files": (kind := _kind(command, parameter["name"])),
             "label": parameter["label"] if parameter["flag"] else LABELS.get(kind, parameter["label"]),
-            "required": parameter["required"] or parameter["name"] in REQUIRED.get(command, ()),
         }
         for parameter in form["parameters"]
         if parameter["name"] not in left_out
@@ -189,6 +189,9 @@ def words_of(request: CommandRequest, data: Path, place: str) -> Words:
         raise InputError(f"`dampyr {command}` is not offered here: {why}" if why else known)
     form = forms()[command]
     parameters = {parameter["name"]: parameter for parameter in form["parameters"]}
+    if (needed := NEEDS_ONE_OF.get(command)) and not any(name in request.values for name in needed):
+        labels = " or ".join(parameters[name]["label"] for name in needed)
+        raise InputError(f"{labels} is missing; a test on a rig is a step of a campaign, and is run on the Bench")
     for name in request.values:
         if name not in parameters:
             raise InputError(f"`dampyr {command}` has no {name!r} here; {choose_from(name, list(parameters))}")

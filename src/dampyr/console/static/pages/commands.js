@@ -110,6 +110,7 @@ async function commandForm(form, files, values) {
       for (const [name, value] of Object.entries(all)) if (value === null) delete all[name];
       for (const [parameter, control] of chosen) {
         const value = control.value();
+        if (value.length > 1 && !parameter.several) throw new Error(`${parameter.label} takes one, and ${value.length} are chosen.`);
         if (value.length) all[parameter.name] = parameter.several ? value : value[0];
       }
       return all;
