@@ -164,7 +164,8 @@ def test_no_process_of_a_rig_at_10_khz_in_real_time_grows(data: Path, endurance:
     endurance.report(
         "a campaign at 10 kHz in real time on a served console, two pages looking on: memory of each of its processes",
         None,
-        f"{looked:.0f} s; they grow by {max(grown.values()):.1f} MiB in ten minutes at most, of {max(largest.values()):.0f} MiB; "
+        f"{looked:.0f} s; they grow by {max(grown.values()):.1f} MiB in ten minutes at most, "
+        f"of {max(largest.values()):.0f} MiB; "
         f"abort after {1e3 * aborted:.0f} ms; {frames:.0f} frames/s to each page",
     )
     assert len(held) >= 2  # the console, and the process of the rig

@@ -12,6 +12,7 @@ from pathlib import Path
 from dampyr.campaigns import Plan, RunControl, perform, plan, read
 from dampyr.campaigns.force_prediction import specimen
 from dampyr.campaigns.journal import NAME as JOURNAL
+from dampyr.campaigns.planned_tests import PlannedTest
 from dampyr.campaigns.run_control import Progress, exit_status
 from dampyr.campaigns.run_folders import folder_state
 from dampyr.console import safe_paths
@@ -40,6 +41,12 @@ class CampaignOrder:
     who: str = ""
 
 
+def target_words(test: PlannedTest) -> str:
+    """What a test is to do, and its peaks, for a person."""
+    peaks = f"{1e3 * test.peak_position:.3g} mm, {1e3 * test.peak_speed:.3g} mm/s, {test.peak_voltage:.3g} V"
+    return f"{test.words}; up to {peaks}; {test.duration:.0f} s"
+
+
 def records_folder(data: Path, name: str) -> Path:
     """The folder of a run in a data folder, which need not exist."""
     folder = safe_paths.inside(data, f"{RUNS}/{name}")
@@ -58,6 +65,7 @@ class CampaignRuns:
         self.reference: RunReference | None = None
         self.control, self.check = RunControl(), check_ring("", "")
         self._order: CampaignOrder | None = None
+        self._targets: dict[str, str] = {}
         self._performing = False
 
     def order(
@@ -101,6 +109,7 @@ class CampaignRuns:
         """It is this campaign's turn."""
         with self._lock:
             self._order, self.reference, self._events.run_folder = order, order.reference, order.folder
+            self._targets = {test.name: target_words(test) for test in campaign_plan.tests}
             header, queued = campaign_plan.campaign.header, order.queued
             self.run = CampaignRun(
                 queued.name, queued.folder, len(campaign_plan.tests), time_left=campaign_plan.duration,
@@ -139,6 +148,11 @@ class CampaignRuns:
         self.begin(order, campaign_plan)
         self._events.add(f"queue of {order.who}", f"starts {queued.name} into {queued.folder}")
         return campaign_plan
+
+    def targets(self, folder: str) -> dict[str, str]:
+        """What each test of the run under way, or the last one, is to do, by its name; empty for another folder."""
+        with self._lock:
+            return self._targets if self.run is not None and self.run.folder == folder else {}
 
     def abort(self, why: str) -> RunControl:
         """Abort what runs, and what begins in this moment."""

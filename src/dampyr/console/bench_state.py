@@ -114,6 +114,8 @@ class ConnectedRig:
     limits: ChartLimits
     notice: str
     """What the page says above all, as its records will, where they are not measured."""
+    velocity_lag: int
+    """Bins by which the velocity of the strips is later than the bin that it is of."""
 
 
 @dataclass(frozen=True)

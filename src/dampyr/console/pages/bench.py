@@ -205,6 +205,8 @@ class TestState(BaseModel):
     state: str
     attempt: int
     reason: str
+    words: str = ""
+    """What it does, of the run under way or the last one."""
 
 
 class Disk(BaseModel):
@@ -229,7 +231,7 @@ def read(bench: CurrentBench) -> BenchState:
 
 @router.get("/strips")
 def strips(
-    bench: CurrentBench, seconds: Annotated[float, Query(gt=0.0, le=30.0)] = 12.0
+    bench: CurrentBench, seconds: Annotated[float, Query(gt=0.0, le=60.0)] = 12.0
 ) -> dict[str, list[float | None]]:
     """The last bins of the rig, least and greatest values of 10 ms each; empty lists where nothing was sampled yet."""
     history = bench.strips
@@ -309,14 +311,21 @@ def reference(bench: CurrentBench) -> ReferenceLoop | None:
 
 
 @router.get("/tests")
-def tests(app: CurrentApp, folder: Name) -> list[TestState]:
+def tests(app: CurrentApp, bench: CurrentBench, folder: Name) -> list[TestState]:
     """The tests of a run, from its journal and its files; none where it has no journal yet."""
     place = safe_paths.inside(app.data, f"{RUNS}/{folder}")
     if not (place / JOURNAL).is_file():
         return []
     entries, _ = read_journal(place)
+    words = bench.runs.targets(folder)
     return [
-        TestState(name=entry.name, state=entry.state, attempt=entry.attempt, reason=entry.reason)
+        TestState(
+            name=entry.name,
+            state=entry.state,
+            attempt=entry.attempt,
+            reason=entry.reason,
+            words=words.get(entry.name, ""),
+        )
         for entry in entries_with_files(entries, place)
     ]
 

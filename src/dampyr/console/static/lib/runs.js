@@ -29,6 +29,7 @@ export async function campaignPanel(files, chosen) {
   const tests = h("div", {});
   let mayRun = false;
   let last = "";
+  let next = null;
   let shown = "";
   let told = "";
 
@@ -68,6 +69,7 @@ export async function campaignPanel(files, chosen) {
     if (running) {
       rows.push(["test", run.test || "–"], ["cycle", `${run.cycles.toFixed(1)} of ${run.planned_cycles.toFixed(1)}`], ["stroke", `${(run.stroke * 1e3).toFixed(2)} mm`],
         ["time left", clockOf(run.time_left)]);
+      if (next?.folder === run.folder) rows.push(["next", h("span", {}, next.name, h("small", { class: "under" }, next.words))]);
     }
     if (run.report_state) rows.push(["report", run.report_state]);
     facts.replaceChildren(...rows.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));
@@ -86,13 +88,16 @@ export async function campaignPanel(files, chosen) {
     } catch {
       return; // its journal is not there yet
     }
+    const left = states.filter((test) => test.state === "planned" && test.name !== run.test);
+    next = { folder: run.folder, name: left[0]?.name ?? "no test is left", words: left[0]?.words ?? "" };
     const action = (test) => {
       if (!may) return "";
       if (test.state === "complete") return button("Repeat", () => ask("repeat", { test: test.name }), { "aria-label": `Repeat ${test.name}` });
       if (["planned", "running"].includes(test.state)) return button("Skip", () => ask("skip", { test: test.name }), { "aria-label": `Skip ${test.name}` });
       return "";
     };
-    const rows = states.map((test) => [test.name, mark(test.state), test.attempt, test.reason, ...(may ? [action(test)] : [])]);
+    const named = (test) => (test.words ? { key: test.name, show: h("span", { title: test.words }, test.name) } : test.name);
+    const rows = states.map((test) => [named(test), mark(test.state), test.attempt, test.reason, ...(may ? [action(test)] : [])]);
     const columns = [{ name: "test" }, { name: "state" }, { name: "try" }, { name: "marks and reasons" }, ...(may ? [{ name: "", words: "action", plain: true }] : [])];
     const focused = document.activeElement?.getAttribute("aria-label");
     tests.replaceChildren(section("Tests", table({ caption: `The tests of ${run.folder}`, columns, rows })));

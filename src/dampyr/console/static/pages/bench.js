@@ -3,7 +3,7 @@ import { get, query as asQuery } from "../lib/api.js";
 import { alarmBanner, alarmsAndLog, announcer } from "../lib/alarms.js";
 import { age, ask, bench, jog, listen } from "../lib/bench.js";
 import { button, choice, field, h, number, section, tick } from "../lib/dom.js";
-import { live } from "../lib/live.js";
+import { HELD, live } from "../lib/live.js";
 import { readings, strokeBar } from "../lib/readings.js";
 import { campaignPanel, enable } from "../lib/runs.js";
 
@@ -19,7 +19,7 @@ const push = (speed) => {
 };
 
 export async function show(root, query) {
-  const [rigs, files, history] = await Promise.all([get("bench/rigs"), get("campaigns/files"), get(`bench/strips?${asQuery({ seconds: 12 })}`)]);
+  const [rigs, files, history] = await Promise.all([get("bench/rigs"), get("campaigns/files"), get(`bench/strips?${asQuery({ seconds: HELD })}`)]);
   const charts = live();
   const campaign = await campaignPanel(files, query.get("campaign"));
   const log = alarmsAndLog();
@@ -214,7 +214,7 @@ function refresh(parts) {
     parts.scale.textContent = `${number(rig.scale)} N/V, no force at ${number(rig.zero)} V (${rig.calibrated})`;
     parts.speed.max = String(rig.jog_speed * 1000);
     if (Number(parts.speed.value) > rig.jog_speed * 1000) parts.speed.value = parts.speed.max;
-    parts.charts.limits(rig.limits);
+    parts.charts.limits(rig.limits, rig.velocity_lag);
   }
   for (const control of [parts.motion, parts.manual, parts.cell, parts.tiles.element, parts.charts.element]) control.hidden = !rig;
   parts.hint.hidden = Boolean(rig);
