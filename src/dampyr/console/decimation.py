@@ -40,10 +40,10 @@ _FACTOR = np.array([factor for _, factor, _ in COLUMNS.values()])
 class MinMaxBins:
     """The last bins of a rig, numbered from 0; filled by one thread and read by any.
 
-    The velocity is that of the bin `lag` bins before, as a record has it: the slope of local cubics, without phase, 3 dB down at
-    `BANDWIDTH`; it needs what comes after it. ``first`` and ``second`` are a bin's samples of least and greatest force in the
-    order of their time, of which loops are drawn; ``target`` is what a drive asks for in its middle. nan stands where there is
-    nothing, and a bin of it where sampling began anew.
+    The velocity is that of the bin `lag` bins before, as a record has it: the slope of local cubics, without phase, 3 dB down
+    at `BANDWIDTH`; it needs what comes after it. ``first`` and ``second`` are a bin's samples of least and greatest force in
+    the order of their time, of which loops are drawn; ``target`` is what a drive asks for in its middle. nan stands where
+    there is nothing, and a bin of it where sampling began anew.
     """
 
     def __init__(self, rate: float, begin: float = 0.0) -> None:

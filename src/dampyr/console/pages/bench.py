@@ -33,7 +33,7 @@ from dampyr.console.error_responses import MAX_SENTENCE, without_places
 from dampyr.console.grid import FOLDER
 from dampyr.console.guided import Step
 from dampyr.console.rigs import rig_names, rig_settings
-from dampyr.console.run_reference import REPORT
+from dampyr.console.run_report import report_of
 from dampyr.console.state import AppState, CurrentApp
 from dampyr.console.stream import ABORTING, Stream
 from dampyr.errors import InputError
@@ -162,6 +162,13 @@ class Number(ClientRequest):
     number: int
 
 
+class InterruptedRun(ClientRequest):
+    """The folder of an interrupted run below ``runs``, and how many of its tests were shown as complete."""
+
+    folder: str = Field(max_length=100)
+    complete: int = Field(ge=0)
+
+
 class TestName(ClientRequest):
     """A test of the campaign that runs."""
 
@@ -264,9 +271,9 @@ def runs(app: CurrentApp) -> list[RunFolder]:
 
 @router.get("/runs/{folder}/report")
 def report(app: CurrentApp, folder: Annotated[str, InPath(max_length=100)]) -> FileResponse:
-    """The report that was written at the end of a run."""
-    path = safe_paths.existing(app.data, f"{RUNS}/{folder}/{REPORT}")
-    return FileResponse(path, filename=f"{folder}-{REPORT}", headers={"content-type": "text/html; charset=utf-8"})
+    """The report of a run: its acceptance, or else the figures of its protocol or of its cycles, written when asked for."""
+    path = report_of(safe_paths.existing(app.data, f"{RUNS}/{folder}/{JOURNAL}").parent)
+    return FileResponse(path, filename=f"{folder}-{path.name}", headers={"content-type": "text/html; charset=utf-8"})
 
 
 @router.get("/folder")
@@ -352,6 +359,7 @@ COMMANDS: dict[str, tuple[type[ClientRequest], Callable[..., None], str]] = {
     "start": (Start, Bench.start, "Check a campaign and run it, or what is left of it."),
     "queue": (Start, Bench.enqueue, "Run a campaign after the one under way."),
     "queue/remove": (Number, Bench.dequeue, "Take a campaign out of the queue."),
+    "runs/remove": (InterruptedRun, Bench.remove_run, "Remove an interrupted run with its records."),
     "skip": (TestName, Bench.skip, "Leave out a test, or end the one under way in order; it stays incomplete."),
     "repeat": (TestName, Bench.repeat, "Record a test once more, after those that are left."),
     "pause": (ClientRequest, Bench.pause, "Wait, armed and at rest, after the test under way."),
