@@ -141,7 +141,8 @@ def test_a_campaign_to_its_end_survives_its_page(armed: Bench, until: Until, pha
     assert progress.cycles == pytest.approx(progress.planned_cycles, abs=0.51)
     record = read(records_of(armed) / "01-sine-4mm-1Hz-0V.h5")
     assert np.ptp(record.displacement) == pytest.approx(0.008, rel=0.05)
-    assert armed.state().rings[2].words == "short: all of its 2 tests passed"
+    words = "checks a whole campaign before it moves; the last one, short: all of its 2 tests passed"
+    assert (armed.state().rings[2].state, armed.state().rings[2].words) == ("off", words)
 
 
 def test_a_page_that_vanishes_during_a_campaign_loses_control(armed: Bench, bench_time: RealTime, until: Until) -> None:

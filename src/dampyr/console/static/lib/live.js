@@ -98,8 +98,8 @@ export function live() {
     parts.force.limits(both(given.force, "limit"));
     parts.voltage.limits([{ value: given.voltage, words: "limit" }]);
     parts.temperature.limits([{ value: given.temperature, words: "limit" }]);
-    const walls = (value, words) => both(value, words).map((bound) => ({ ...bound, words, across: true }));
-    const force = [{ value: given.force, words: "limit" }, { value: -given.force, words: "" }];
+    const walls = (value, words) => both(value, words).map((bound) => ({ ...bound, across: true }));
+    const force = both(given.force, "limit");
     parts.fx.limits([...force, ...walls(given.travel * 1e3, "travel")]);
     parts.fv.limits([...force, ...walls(given.speed * 1e3, "limit")]);
   }

@@ -22,7 +22,7 @@ function colour(name) {
  * strip(host, { label, y: { words, unit, least }, series: [{ name, colour, dash }], limits: [{ value, words }], height, bare })
  *
  * It is appended to `host`, and as wide. `least` is the span of the axis, in its unit, below which it does not zoom into noise.
- * `limits` are drawn and named where the data come within 30 % of them, and named with an arrow at the axis' end where they do not. `bare` leaves out
+ * `limits` are named above it, and drawn where the data come within 30 % of them; an arrow says that they lie beyond the axis. `bare` leaves out
  * the numbers of the time: for a strip above another one.
  *
  * Returns { element, set, limits, clear }. `set({ now, span, origin, lines: [{ time, low, high }] })` shows the times from now - span
@@ -264,15 +264,15 @@ function clipped(context, { left, right, top, bottom }, paint) {
   context.restore();
 }
 
-/** A limit: a dashed line with its name, or its name with an arrow where it lies outside of the axis. */
+/** A limit: a dashed line, and its name above the frame; with an arrow where the axis does not reach it. */
 function limit(context, frame, { value, words: name }, [low, high], place, unit) {
-  const text = `${name}${name && !name.endsWith("±") ? " " : ""}${number(value)}${unit ? ` ${unit}` : ""}`;
-  if (!name && (value < low || value > high)) return undefined; // the limit on the other side names both
-  if (value < low) return words(context, `↓ ${text}`, frame.right, frame.bottom - 5, "right", "bad", true);
-  if (value > high) return words(context, `↑ ${text}`, frame.right, frame.top - 9, "right", "bad");
-  const at = Math.round(place(value)) + 0.5;
-  dashed(context, [frame.left, at], [frame.right, at], "bad", [6, 4]);
-  return words(context, text, frame.right - 4, at < frame.top + 18 ? at + 14 : at - 5, "right", "bad", true);
+  if (value >= low && value <= high) {
+    const at = Math.round(place(value)) + 0.5;
+    dashed(context, [frame.left, at], [frame.right, at], "bad", [6, 4]);
+  }
+  if (!name) return; // the limit on the other side names both
+  const where = value > high ? "↑ " : value < low ? "↓ " : "";
+  words(context, `${where}${name}${name.endsWith("±") ? "" : " "}${number(value)}${unit ? ` ${unit}` : ""}`, frame.right, frame.top - 9, "right", "bad");
 }
 
 /** A limit of x: a dashed line with its name along it, where the axis reaches it. */
@@ -282,9 +282,9 @@ function wall(context, frame, { value, words: name }, [low, high], place, unit) 
   dashed(context, [at, frame.top], [at, frame.bottom], "bad", [6, 4]);
   if (!name) return;
   context.save();
-  context.translate(at - 4, frame.top + 6);
+  context.translate(at - 5, frame.bottom - 6);
   context.rotate(-Math.PI / 2);
-  words(context, `${name} ${number(value)} ${unit}`, 0, 0, "right", "bad", true);
+  words(context, `${name}${number(value)} ${unit}`, 0, 0, "left", "bad", true);
   context.restore();
 }
 
