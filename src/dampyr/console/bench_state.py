@@ -184,6 +184,5 @@ def check_ring(checked: str, refused: str, runs: bool) -> Ring:
         return Ring("campaign check", "acted", refused)
     if runs and checked:
         return Ring("campaign check", "watching", checked)
-    return Ring(
-        "campaign check", "off", "; ".join(filter(None, (checked, "looks at a whole campaign before it moves")))
-    )
+    last = f"; the last one, {checked}" if checked else ""
+    return Ring("campaign check", "off", f"checks a whole campaign before it moves{last}")

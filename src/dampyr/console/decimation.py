@@ -126,7 +126,7 @@ def _slope(width: float) -> Array:
     reach = window(width, bandwidth)[1]
     unit = np.zeros(8 * reach + 1)
     unit[4 * reach] = 1.0
-    return differentiate(width * np.arange(unit.size), unit, bandwidth)[3 * reach : 5 * reach + 1]
+    return differentiate(width * np.arange(unit.size, dtype=np.float64), unit, bandwidth)[3 * reach : 5 * reach + 1]
 
 
 def as_lists(rows: Array) -> dict[str, list[float | None]]:
