@@ -68,10 +68,10 @@ def test_a_page_that_is_open_is_there_once_and_a_stream_that_was_given_up_ends_n
 def test_who_does_what_is_named_by_operator_or_by_address(clock: Clock) -> None:
     clients = Clients(clock)
     clients.join("a", "192.0.2.7")
-    assert clients.who("a") == "page 1 from 192.0.2.7"
+    assert (clients.who("a"), clients.titled("a")) == ("page 1 from 192.0.2.7", "page 1")
     clients.operate("a", " A. Operator ")
     clients.operate("a", "  ")  # nothing is no name
-    assert clients.who("a") == "A. Operator, page 1"
+    assert (clients.who("a"), clients.titled("a")) == ("A. Operator, page 1", "A. Operator, page 1")
     assert clients.who("b") == ""
 
 

@@ -82,7 +82,7 @@ class Bench:
                 connection.live if connection else None,
                 rings,
                 calibration.guided if calibration else None, runs.run,
-                self.clients.count, self.clients.name(self.clients.holder), connection.live_age if connection else None,
+                self.clients.count, self.clients.titled(self.clients.holder), connection.live_age if connection else None,
                 self._alarms.extremes, self._alarms.alarms, self._alarms.limits, tuple(order.queued for order in runs.waiting),
                 runs.reference.comparison if runs.reference else None, self.events.count, self.events.trouble,
             )  # fmt: skip

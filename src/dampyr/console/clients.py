@@ -101,11 +101,14 @@ class Clients:
         """Who does what a client asks for: its operator and the page, or the page and its address; empty for none."""
         with self._lock:
             entry = self._clients.get(client or "")
-            if entry is None:
-                return ""
-            if entry.operator:
-                return f"{entry.operator}, {entry.name}"
-            return f"{entry.name} from {entry.address}" if entry.address else entry.name
+            unnamed = entry is not None and entry.address and not entry.operator
+            return f"{self.titled(client)} from {entry.address}" if entry and unnamed else self.titled(client)
+
+    def titled(self, client: str | None) -> str:
+        """How a page calls a client: its operator, where one was named, and the page; empty for none."""
+        with self._lock:
+            entry = self._clients.get(client or "")
+            return "" if entry is None else ", ".join(filter(None, (entry.operator, entry.name)))
 
     def knows(self, client: str, stream: int | None = None) -> bool:
         """Whether a client has an open stream, that of a number if one is given."""

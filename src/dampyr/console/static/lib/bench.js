@@ -129,6 +129,6 @@ export async function abort() {
     if (ended) return ended - begun;
     signs.delete(sign);
   }
-  await post("bench/abort", { who: "a page" }, AbortSignal.timeout(LONGEST));
+  await post("bench/abort", { who: operator.name.slice(0, 40) || "a page" }, AbortSignal.timeout(LONGEST));
   return performance.now() - begun;
 }

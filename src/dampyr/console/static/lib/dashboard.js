@@ -22,7 +22,7 @@ export async function dashboard(root, pages) {
   const share = 1 - room.free / room.total;
   disk.replaceChildren(h("h2", {}, "Disk"), h("p", {}, `${size(room.free)} of ${size(room.total)} free`),
     h("meter", { min: "0", max: "1", high: "0.9", value: String(share), "aria-label": "Used part of the disk" }), h("p", { class: "soft" }, `data folder: ${room.folder}`));
-  runs.replaceChildren(section("Last runs", table({ caption: "The latest first", empty: "No campaign was run into this data folder yet.",
+  runs.replaceChildren(section("Last runs", table({ caption: "The latest first", empty: h("span", {}, "No campaign was run into this data folder yet: ", h("a", { href: "#/bench" }, "begin on the bench"), "."),
     columns: [{ name: "folder" }, { name: "campaign" }, { name: "state" }, { name: "tests" }, { name: "operator" }, { name: "last event, UTC" }, { name: "", words: "certificate", plain: true }],
     rows: listed.slice(0, RUNS).map((run) => [h("span", { class: "named" }, h("a", { href: run.state === "complete" ? "#/records" : "#/bench" }, run.name), originBadge(run.origin)), run.campaign, badge(run.state), `${run.complete} of ${run.tests}`,
       run.operator || "–", run.time.slice(0, 16).replace("T", " "), run.state === "complete" ? button("Certificate", () => certificate(run.name), { "aria-label": `Certificate of ${run.name}` }) : ""]) })));

@@ -80,7 +80,11 @@ export async function campaignPanel(files, chosen) {
     bar.hidden = facts.hidden = !run;
     showQueue(state, mine);
     showCycles(state.comparison, run);
-    if (!run) return;
+    if (!run) {
+      tests.replaceChildren();
+      shown = "";
+      return;
+    }
     last = run.folder;
     const share = run.outcome === "complete" ? 1 : (run.done + run.fraction * (run.phase === "testing")) / Math.max(run.tests, 1);
     bar.value = Math.min(1, share);
