@@ -93,6 +93,42 @@ def test_an_abort_meets_the_campaign_that_begins_in_this_moment(idle: Bench) -> 
     assert [control.aborted for control in controls] == [True, True]
 
 
+def test_an_interrupted_run_is_removed_and_no_other(armed: Bench, until: Until, phase: Phase) -> None:
+    start(armed)
+    until(lambda: (run := armed.state().run) is not None and run.cycles > 0.3)
+    with pytest.raises(InputError, match="folder = 'run' is running; only an interrupted run can be removed"):
+        armed.remove_run("a", "run", 0)
+    armed.stop("a")
+    phase(armed, "idle", 60.0)
+    outside = armed.data / "kept.h5"
+    outside.touch()
+    (records_of(armed) / "link").symlink_to(outside)
+    with pytest.raises(InputError, match="run has 0 complete tests by now, and not 1; look at it again"):
+        armed.remove_run("a", "run", 1)
+    armed.enqueue("a", "short", "run")
+    with pytest.raises(InputError, match="waits in the queue"):
+        armed.remove_run("a", "run", 0)
+    armed.dequeue("a", armed.state().queue[0].number)
+    with pytest.raises(InputError, match="no open stream"):
+        armed.remove_run("b", "run", 0)
+    armed.remove_run("a", "run", 0)
+    assert list((armed.data / "runs").iterdir()) == []
+    assert outside.is_file()
+    assert armed.state().run is None
+    assert armed.events.recent()[0].what == "removes the interrupted run run, 0 of its tests complete"
+    start(armed)
+    phase(armed, "campaign")
+    phase(armed, "idle", 60.0)
+    for folder, words in (
+        ("run", "is complete; only"),
+        ("../campaigns", "not a valid"),
+        ("none", "there is no such file"),
+    ):
+        with pytest.raises(DampyrError, match=words):
+            armed.remove_run("a", folder, 2)
+    assert len(list(records_of(armed).glob("*.h5"))) == 2
+
+
 def test_names_lead_to_places_in_the_data_folder(bench: Bench) -> None:
     folder = records_of(bench, "earlier")
     folder.mkdir(parents=True)

@@ -81,9 +81,9 @@ class Page(threading.Thread):
 
 
 class Bench:
-    """A served console with two pages and one simulated rig in real time, armed by the first page."""
+    """A served console with two pages and one simulated rig in real time, connected by the first page."""
 
-    def __init__(self, address: str) -> None:
+    def __init__(self, address: str, rig: str = "") -> None:
         self.http = httpx.Client(base_url=address, headers={"origin": address.rstrip("/")}, timeout=120.0)
         self.pages = [Page(address, k) for k in range(2)]
         for page in self.pages:
@@ -91,7 +91,7 @@ class Bench:
         self.page = self.pages[0]
         self.page.until(lambda state: True, 30.0)
         self.tell("control")
-        self.tell("connect", rig="", simulate=True)
+        self.tell("connect", rig=rig, simulate=True)
         self.page.until(lambda state: state["phase"] == "idle", 60.0)
 
     def __enter__(self) -> Bench:
@@ -115,6 +115,13 @@ class Bench:
     def ended(self, seconds: float) -> dict[str, Any]:
         self.page.until(lambda state: state["phase"] != "campaign", seconds)
         return dict(self.page.state["run"])
+
+    def abort(self) -> float:
+        """Abort as the page does; s until it was told that the rig has done it."""
+        begun = time.monotonic()
+        self.page.socket.send(json.dumps({"abort": 1}))
+        assert self.page.aborted.wait(5.0)
+        return time.monotonic() - begun
 
 
 @contextmanager
@@ -201,10 +208,7 @@ def test_a_campaign_in_real_time_beside_plans_uploads_fits_and_two_pages(
             assert run["outcome"] == "complete", run["reason"]
             bench.start("beside", "aborted")
             bench.page.until(lambda state: state["run"]["cycles"] > 0.5, 60.0)
-            stopped = time.monotonic()
-            bench.page.socket.send(json.dumps({"abort": 1}))
-            assert bench.page.aborted.wait(5.0)
-            stopped = time.monotonic() - stopped
+            stopped = bench.abort()
             bench.ended(30.0)
         frames = min(page.frames for page in bench.pages) / took
     journal, _ = read_journal(data / "runs" / "beside")

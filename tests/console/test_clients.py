@@ -2,7 +2,7 @@
 
 import pytest
 
-from dampyr.console.clients import MAX_CLIENTS, SILENCE, Clients
+from dampyr.console.clients import MAX_CLIENTS, SILENCE, Clients, StreamTaken
 from dampyr.errors import InputError
 
 
@@ -50,13 +50,29 @@ def test_who_leaves_loses_control_and_nobody_gets_it_unasked(clock: Clock) -> No
     assert not clients.disconnect("a")
 
 
-def test_the_same_page_twice_is_one_client_until_both_are_closed(clock: Clock) -> None:
+def test_a_page_that_is_open_is_there_once_and_a_stream_that_was_given_up_ends_no_other(clock: Clock) -> None:
     clients = Clients(clock)
-    clients.join("a")
-    clients.join("a")
-    assert not clients.disconnect("a")
+    first = clients.join("a")
+    with pytest.raises(StreamTaken, match="another page is open under this one's id"):
+        clients.join("a")
     clients.require("a")
-    assert clients.disconnect("a")
+    clock.now = SILENCE + 0.1
+    assert clients.silent()  # a lost network: its page asks again, and the old stream ends when it ends
+    second = clients.join("a")
+    assert not clients.knows("a", first)
+    assert not clients.disconnect("a", first)
+    clients.require("a")
+    assert clients.disconnect("a", second)
+
+
+def test_who_does_what_is_named_by_operator_or_by_address(clock: Clock) -> None:
+    clients = Clients(clock)
+    clients.join("a", "192.0.2.7")
+    assert (clients.who("a"), clients.titled("a")) == ("page 1 from 192.0.2.7", "page 1")
+    clients.operate("a", " A. Operator ")
+    clients.operate("a", "  ")  # nothing is no name
+    assert (clients.who("a"), clients.titled("a")) == ("A. Operator, page 1", "A. Operator, page 1")
+    assert clients.who("b") == ""
 
 
 def test_silence_is_as_good_as_gone(clock: Clock) -> None:

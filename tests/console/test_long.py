@@ -1,7 +1,6 @@
-"""Minutes of simulated time at 10 kHz on two channels, two pages looking on: nothing lost, memory flat, little work."""
+"""Minutes at 10 kHz on two channels, two pages looking on: nothing lost, memory flat in every process, little work."""
 
 import json
-import resource
 import threading
 import time
 from contextlib import ExitStack
@@ -13,7 +12,10 @@ import pytest
 pytest.importorskip("fastapi")
 
 from fastapi.testclient import TestClient
+from tests.console.conftest import served
 from tests.console.layers import state_of
+from tests.console.memory import descendants, resident
+from tests.console.test_beside_work import Bench
 from tests.endurance import Endurance
 from tests.rig_time import HANG
 
@@ -25,6 +27,14 @@ from dampyr.rig.settings import BoardSettings, Wires
 
 HERE = "http://127.0.0.1:8077"
 RATE = 10_000.0
+FAST = """
+name = "fast"
+[board]
+rate = "10 kHz"
+[wires]
+temperature = "ai1"
+"""
+MAX_GROWTH = 20.0  # MiB of each process in ten minutes
 CAMPAIGN = """
 name = "long"
 check_amplitude = 0.0
@@ -67,11 +77,6 @@ class Page(threading.Thread):
         assert not self.is_alive()
 
 
-def memory() -> int:
-    """Bytes that this process holds now."""
-    return int(Path("/proc/self/statm").read_text().split()[1]) * resource.getpagesize()
-
-
 @pytest.mark.prove
 @pytest.mark.endure
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="memory is read from /proc")
@@ -96,11 +101,11 @@ def test_minutes_at_10_khz(data: Path, endurance: Endurance) -> None:
             time.sleep(0.05)
         begun, work = time.monotonic(), time.process_time()
         bench.start(holder, "long", "long")
-        held: list[int] = []
+        held: list[float] = []
         while bench.state().phase == "campaign":
             time.sleep(0.1)
             if bench.state().run.fraction > 0.02:
-                held.append(memory())
+                held.append(resident())
         work, wall = time.process_time() - work, time.monotonic() - begun
         run = bench.state().run
     assert run is not None
@@ -110,7 +115,7 @@ def test_minutes_at_10_khz(data: Path, endurance: Endurance) -> None:
     assert np.ptp(np.diff(record.time)) < 1e-9  # no sample is missing
     assert record.time.size >= seconds * RATE
     settled = held[len(held) // 4]
-    grown = (max(held[len(held) // 4 :]) - settled) / 2**20
+    grown = max(held[len(held) // 4 :]) - settled
     share = work / record.time[-1]
     frames = [page.frames for page in pages]
     endurance.report(
@@ -123,3 +128,47 @@ def test_minutes_at_10_khz(data: Path, endurance: Endurance) -> None:
     if endurance.full:  # what a busy machine does not give
         assert min(frames) > 10 * wall
         assert share < 0.30
+
+
+@pytest.mark.prove
+@pytest.mark.endure
+def test_no_process_of_a_rig_at_10_khz_in_real_time_grows(data: Path, endurance: Endurance) -> None:
+    """Where a console and the process that simulates and reads its rig hold what nobody asks for, they grow without end."""
+    seconds = endurance.count(600, part=12)
+    for name, text in (("campaigns/long.toml", CAMPAIGN.format(cycles=seconds)), ("rigs/fast/rig.toml", FAST)):
+        (data / name).parent.mkdir(parents=True)
+        (data / name).write_text(text)
+    before = set(descendants())
+    with served(data) as address, Bench(address, "fast") as bench:
+        held: dict[int, list[float]] = {pid: [] for pid in descendants() if pid not in before}
+        bench.start("long", "long")
+        bench.page.until(lambda state: state["run"]["phase"] == "testing", 60.0)
+        begun, looked = time.monotonic(), 0.0
+        while bench.page.state["phase"] == "campaign" and bench.page.state["run"]["fraction"] < 0.97:
+            time.sleep(0.25)
+            looked = time.monotonic() - begun
+            for pid, sizes in held.items():
+                sizes.append(resident(pid))
+        frames = min(page.frames for page in bench.pages) / looked
+        aborted = bench.abort()
+        run = bench.ended(60.0)
+    assert run["outcome"] == "aborted", run["reason"]
+    # it settles in a quarter of the time; then the median of the last quarter over that of the one after the first
+    quarter = len(next(iter(held.values()))) // 4
+    ten_minutes = 600.0 / (0.5 * looked)
+    grown = {
+        pid: ten_minutes * float(np.median(sizes[-quarter:]) - np.median(sizes[quarter : 2 * quarter]))
+        for pid, sizes in held.items()
+    }
+    largest = {pid: max(sizes) for pid, sizes in held.items()}
+    endurance.report(
+        "a campaign at 10 kHz in real time on a served console, two pages looking on: memory of each of its processes",
+        None,
+        f"{looked:.0f} s; they grow by {max(grown.values()):.1f} MiB in ten minutes at most, "
+        f"of {max(largest.values()):.0f} MiB; "
+        f"abort after {1e3 * aborted:.0f} ms; {frames:.0f} frames/s to each page",
+    )
+    assert len(held) >= 2  # the console, and the process of the rig
+    assert max(grown.values()) < MAX_GROWTH, (grown, largest)
+    if endurance.full:  # as a page sees it, on a machine that has nothing else to do
+        assert aborted < 0.050

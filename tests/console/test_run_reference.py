@@ -1,17 +1,24 @@
 """The reference of a run: compared live, and a report at its end."""
 
+import os
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
 import pytest
 from tests.console.bench_runs import Phase, Until, records_of, start
+from tests.endurance import REPOSITORY
 from tests.rig_time import HANG, RealTime
 from tests.short_campaign import FIRST, SECOND
 
+from dampyr.campaigns.journal import Journal
 from dampyr.campaigns.run_control import Progress
 from dampyr.console import run_reference
 from dampyr.console.bench_session import Bench
-from dampyr.console.run_reference import REPORT, RunReference
+from dampyr.console.pages.campaigns import EXAMPLE
+from dampyr.console.run_reference import RunReference
+from dampyr.console.run_report import ACCEPTANCE, CYCLES, PROTOCOL, RunReport, report_of
+from dampyr.errors import InputError
 from dampyr.identification import accept
 from dampyr.records import Record, read_campaign
 from dampyr.rig.interlock import Samples
@@ -43,8 +50,8 @@ def test_cycles_are_compared_with_a_reference_and_a_report_is_written(armed: Ben
     RealTime().until(lambda: (run := armed.state().run) is not None and run.report_state != "writing", HANG)
     run = armed.state().run
     assert run is not None
-    assert (run.report, run.report_state) == (REPORT, "")
-    assert "<html" in (records_of(armed, "two") / REPORT).read_text()
+    assert (run.report, run.report_state) == (ACCEPTANCE, "")
+    assert "<html" in (records_of(armed, "two") / ACCEPTANCE).read_text()
 
 
 def shown(name: str, samples: object = None, phase: str = "testing") -> Progress:
@@ -112,3 +119,36 @@ def test_a_reference_that_cannot_be_read_is_told(tmp_path: Path) -> None:
     RealTime().until(lambda: reference.comparison.reason != "its reference is being read")
     assert "the folder has no records" in reference.comparison.reason
     assert (reference.loop, reference.comparison.passed, reference.comparison.failed) == (None, 0, 0)
+
+
+def test_a_report_is_written_when_it_is_asked_for_and_again_after_newer_records(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written = []
+
+    def write(report: RunReport) -> str:
+        if report.path.name == PROTOCOL:
+            return "no report: it has no figures of its own"
+        written.append(report.words)
+        report.path.write_text("<html>")
+        return ""
+
+    monkeypatch.setattr(RunReport, "write", write)
+    with closing(Journal(tmp_path)) as journal:
+        journal.set_metadata({"source": "[protocol]\nkind = 'stiffness'\n"})
+    record = tmp_path / "one.h5"
+    record.touch()
+    os.utime(record, (1e9, 1e9))
+    for _ in range(2):
+        assert report_of(tmp_path).name == CYCLES  # where a protocol has no figures of its own
+    assert written == [("cycles", str(tmp_path))]
+    os.utime(record, (4e9, 4e9))  # a test was repeated
+    report_of(tmp_path)
+    assert len(written) == 2
+    monkeypatch.setattr(RunReport, "write", lambda report: "no report: there is no record")
+    with pytest.raises(InputError, match="there is no record"):
+        report_of(tmp_path)
+
+
+def test_the_example_of_the_console_is_that_of_the_examples() -> None:
+    assert EXAMPLE.read_text("utf-8") == (REPOSITORY / "examples" / "quick_campaign.toml").read_text("utf-8")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -12,14 +13,17 @@ from pathlib import Path
 from dampyr.campaigns import Plan, RunControl, perform, plan, read
 from dampyr.campaigns.force_prediction import specimen
 from dampyr.campaigns.journal import NAME as JOURNAL
+from dampyr.campaigns.planned_tests import PlannedTest
 from dampyr.campaigns.run_control import Progress, exit_status
-from dampyr.campaigns.run_folders import folder_state
+from dampyr.campaigns.run_folders import folder_state, run_folder
 from dampyr.console import safe_paths
 from dampyr.console.bench_events import EventLog
-from dampyr.console.bench_state import CampaignRun, Queued, check_ring
+from dampyr.console.bench_state import CampaignRun, Queued, Ring, check_ring
 from dampyr.console.clients import Clients
 from dampyr.console.grid import FOLDER as CAMPAIGNS
-from dampyr.console.run_reference import REPORT, RunReference
+from dampyr.console.page_words import in_page_words
+from dampyr.console.run_reference import RunReference
+from dampyr.console.run_report import RunReport
 from dampyr.errors import InputError
 from dampyr.rig import Rig
 
@@ -40,6 +44,12 @@ class CampaignOrder:
     who: str = ""
 
 
+def target_words(test: PlannedTest) -> str:
+    """What a test is to do, and its peaks, for a person."""
+    peaks = f"{1e3 * test.peak_position:.3g} mm, {1e3 * test.peak_speed:.3g} mm/s, {test.peak_voltage:.3g} V"
+    return f"{test.words}; up to {peaks}; {test.duration:.0f} s"
+
+
 def records_folder(data: Path, name: str) -> Path:
     """The folder of a run in a data folder, which need not exist."""
     folder = safe_paths.inside(data, f"{RUNS}/{name}")
@@ -56,8 +66,9 @@ class CampaignRuns:
         self.waiting: list[CampaignOrder] = []
         self.run: CampaignRun | None = None
         self.reference: RunReference | None = None
-        self.control, self.check = RunControl(), check_ring("", "")
+        self.control, self._checked, self._refused = RunControl(), "", ""
         self._order: CampaignOrder | None = None
+        self._targets: dict[str, str] = {}
         self._performing = False
 
     def order(
@@ -89,8 +100,9 @@ class CampaignRuns:
         stated = {key: value for key in ("operator", "specimen", "note") if (value := getattr(order.queued, key))}
         campaign = replace(campaign, header=replace(campaign.header, **stated))
         campaign_plan = plan(campaign, rig.settings, specimen(rig.settings, rig.folder))
-        passed = f"{name}: all of its {len(campaign_plan.tests)} tests passed"
-        self.check = check_ring(passed, "; ".join(campaign_plan.refusals))
+        with self._lock:
+            self._refused = "; ".join(campaign_plan.refusals)
+            self._checked = f"{name}: all of its {len(campaign_plan.tests)} tests passed"
         campaign_plan.require()
         state, words = folder_state(campaign_plan, order.folder)
         if state in ("complete", "foreign", "running"):
@@ -101,6 +113,7 @@ class CampaignRuns:
         """It is this campaign's turn."""
         with self._lock:
             self._order, self.reference, self._events.run_folder = order, order.reference, order.folder
+            self._targets = {test.name: target_words(test) for test in campaign_plan.tests}
             header, queued = campaign_plan.campaign.header, order.queued
             self.run = CampaignRun(
                 queued.name, queued.folder, len(campaign_plan.tests), time_left=campaign_plan.duration,
@@ -123,6 +136,25 @@ class CampaignRuns:
         with self._lock:
             self.waiting = [waiting for waiting in self.waiting if waiting.queued.number != number]
 
+    def remove(self, folder: str, complete: int) -> None:
+        """Remove the folder of an interrupted run, in which ``complete`` tests are known to be complete."""
+        records_folder(self._data, folder)
+        place = safe_paths.existing(self._data, f"{RUNS}/{folder}/{JOURNAL}").parent
+        with self._lock:
+            if place in [waiting.folder for waiting in self.waiting]:
+                raise InputError(f"folder = {folder!r} waits in the queue; take it out of the queue first")
+            state = run_folder(place)
+            if state.state != "interrupted":
+                raise InputError(f"folder = {folder!r} is {state.state}; only an interrupted run can be removed here")
+            if state.complete != complete:
+                raise InputError(
+                    f"{folder} has {state.complete} complete tests by now, and not {complete}; look at it again"
+                )
+            gone = place.rename(place.with_name(f".removed {folder}"))
+            if self.run is not None and self.run.folder == folder:
+                self.run = None
+        shutil.rmtree(gone)  # without the lock: many records take their time
+
     def begin_next(self, rig: Rig) -> Plan | None:
         """Begin the next campaign of the queue; None where there is none, or the last one was stopped or aborted."""
         with self._lock:
@@ -139,6 +171,15 @@ class CampaignRuns:
         self.begin(order, campaign_plan)
         self._events.add(f"queue of {order.who}", f"starts {queued.name} into {queued.folder}")
         return campaign_plan
+
+    def check_ring(self, runs: bool) -> Ring:
+        """The check of campaigns before they move, as a safety layer; ``runs``: one is under way."""
+        return check_ring(self._checked, self._refused, runs)
+
+    def targets(self, folder: str) -> dict[str, str]:
+        """What each test of the run under way, or the last one, is to do, by its name; empty for another folder."""
+        with self._lock:
+            return self._targets if self.run is not None and self.run.folder == folder else {}
 
     def abort(self, why: str) -> RunControl:
         """Abort what runs, and what begins in this moment."""
@@ -159,7 +200,7 @@ class CampaignRuns:
             self._events.add("rig", "campaign complete")
             self.change(outcome="complete", fraction=1.0, done=len(campaign_plan.tests), time_left=0.0)
         except Exception as problem:
-            outcome, why = exit_status(problem), str(problem) or type(problem).__name__
+            outcome, why = exit_status(problem), in_page_words(str(problem)) or type(problem).__name__
             self._events.add("rig", f"campaign {why}" if why.startswith(outcome) else f"campaign {outcome}: {why}")
             self.change(outcome=outcome, reason=why)
             raise
@@ -167,7 +208,7 @@ class CampaignRuns:
             self._performing, self._events.run_folder = False, None
         if order.reference is not None:  # it takes a process of its own, and minutes
             self.change(report_state="writing")
-            write = partial(self._write_report, order, order.reference)
+            write = partial(self._write_report, order, order.reference.report(order.folder))
             threading.Thread(target=write, name="report", daemon=True).start()
 
     def note_energy(self, armed: bool) -> None:
@@ -190,8 +231,8 @@ class CampaignRuns:
         values = {name: getattr(progress, name) for name in ADVANCING}
         self.change(test=progress.name, paused=self.control.paused, **values)
 
-    def _write_report(self, order: CampaignOrder, reference: RunReference) -> None:
-        why = reference.write_report(order.folder)
+    def _write_report(self, order: CampaignOrder, report: RunReport) -> None:
+        why = report.write()
         with self._lock:
             if self._order is order:
-                self.change(report="" if why else REPORT, report_state=why)
+                self.change(report="" if why else report.path.name, report_state=why)

@@ -87,5 +87,5 @@ class RigConnection:
             settings.name, self.simulated, self._identity, settings.board.rate, limits.stroke, cell.scale, cell.zero, cell.how,
             fastest_jog(self.status.homed), settings.specimen.name,
             ChartLimits(limits.force, settings.travel, limits.speed, limits.voltage, limits.temperature),
-            self.rig.origin.notice,
+            self.rig.origin.notice, self.strips.lag,
         )  # fmt: skip

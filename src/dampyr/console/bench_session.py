@@ -71,13 +71,18 @@ class Bench:
             connection, runs, calibration = self._connection, self.runs, self._calibration
             status, settings = (connection.status, connection.rig.settings) if connection else (None, None)
             armed = self._table is not None or runs.control.abort_now is not None
+            rings = (
+                firmware_ring(status),
+                interlock_ring(settings, armed, self._tripped),
+                runs.check_ring(self._phase == "campaign"),
+            )
             return BenchState(
                 self._phase, self._note, self._fault, armed, bool(status and status.homed),
                 bool(status and status.state is State.JOGGING), connection.described() if connection else None,
                 connection.live if connection else None,
-                (firmware_ring(status), interlock_ring(settings, armed, self._tripped), runs.check),
+                rings,
                 calibration.guided if calibration else None, runs.run,
-                self.clients.count, self.clients.name(self.clients.holder), connection.live_age if connection else None,
+                self.clients.count, self.clients.titled(self.clients.holder), connection.live_age if connection else None,
                 self._alarms.extremes, self._alarms.alarms, self._alarms.limits, tuple(order.queued for order in runs.waiting),
                 runs.reference.comparison if runs.reference else None, self.events.count, self.events.trouble,
             )  # fmt: skip
@@ -86,10 +91,11 @@ class Bench:
 
     def take_control(self, client: str) -> None:
         """Take control, from whoever has it; what they moved stops."""
-        before = self.clients.name(self.clients.holder)
+        before = self.clients.holder
+        whose = self.clients.who(before)
         self.clients.take(client)
-        if self.clients.name(client) != before:
-            self._event(client, f"took control{f' from {before}' if before else ''}")
+        if client != before:
+            self._event(client, f"took control{f' from {whose}' if whose else ''}")
 
     def connect(self, client: str, rig: str = "", simulate: bool = True) -> None:
         """Connect to a rig of the data folder, the original one without a name."""
@@ -217,6 +223,15 @@ class Bench:
         """Take a campaign out of the queue."""
         self.clients.require(client)
         self.runs.dequeue(number)
+
+    def remove_run(self, client: str, folder: str, complete: int) -> None:
+        """Remove an interrupted run with its records, of which the person was told that ``complete`` tests are whole.
+
+        Raises :class:`~dampyr.errors.InputError` where it is not interrupted, waits in the queue, or holds another number.
+        """
+        self.clients.require(client)
+        self.runs.remove(folder, complete)
+        self._event(client, f"removes the interrupted run {folder}, {complete} of its tests complete")
 
     def skip(self, client: str, test: str) -> None:
         """Leave out a test of the campaign that runs; the one under way is ended in order and stays incomplete."""

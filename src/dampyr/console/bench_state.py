@@ -114,6 +114,8 @@ class ConnectedRig:
     limits: ChartLimits
     notice: str
     """What the page says above all, as its records will, where they are not measured."""
+    velocity_lag: int
+    """Bins by which the velocity of the strips is later than the bin that it is of."""
 
 
 @dataclass(frozen=True)
@@ -156,22 +158,31 @@ def firmware_ring(status: Status | None) -> Ring:
     if status.state is State.FAULT and status.faults != Fault.RESTARTED:
         return Ring("firmware", "acted", f"{fault_in_words(status.faults)}; arm to go on")
     words = {State.FAULT: "started; the first arming clears it"}.get(status.state, status.state.name.lower())
-    return Ring("firmware", "watching", f"{words}, {'energy on' if status.enabled else 'energy off'}")
+    if status.enabled:
+        return Ring("firmware", "watching", f"{words}, energy on")
+    return Ring("firmware", "off", f"{words}, energy off; once armed it stops at its limits and without its host")
 
 
 def interlock_ring(rig: RigSettings | None, armed: bool, acted: str) -> Ring:
     """The judge of every block of samples."""
     if acted:
         return Ring("interlock", "acted", acted)
-    if rig is None or not armed:
-        return Ring("interlock", "off", "watches while the rig is armed")
+    if rig is None:
+        return Ring("interlock", "off", "watches while a rig is armed")
     limits = rig.limits
     words = f"{limits.force:g} N, ±{limits.stroke * 500:g} mm, {limits.speed * 1e3:g} mm/s, {limits.temperature:g} °C"
-    return Ring("interlock", "watching", words)
+    return (
+        Ring("interlock", "watching", words)
+        if armed
+        else Ring("interlock", "off", f"once armed it stops beyond {words}")
+    )
 
 
-def check_ring(checked: str, refused: str) -> Ring:
-    """The check of a campaign before it moves."""
+def check_ring(checked: str, refused: str, runs: bool) -> Ring:
+    """The check of a campaign before it moves, and of what is to come while one ``runs``."""
     if refused:
         return Ring("campaign check", "acted", refused)
-    return Ring("campaign check", "watching" if checked else "off", checked or "no campaign was checked yet")
+    if runs and checked:
+        return Ring("campaign check", "watching", checked)
+    last = f"; the last one, {checked}" if checked else ""
+    return Ring("campaign check", "off", f"checks a whole campaign before it moves{last}")

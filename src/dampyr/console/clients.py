@@ -12,11 +12,16 @@ SILENCE = 3.0  # s after which a client that says nothing has vanished
 MAX_CLIENTS = 16  # pages: each costs the bench up to 22 frames a second
 
 
+class StreamTaken(InputError):
+    """A page asks by the id of another one that is open: its tab was duplicated, or its own last stream is not closed yet."""
+
+
 @dataclass
 class _Client:
     name: str
-    streams: int
+    stream: int
     heard: float
+    address: str = ""
     operator: str = ""
 
 
@@ -33,17 +38,20 @@ class Clients:
     def __post_init__(self) -> None:
         self.alone_since: float | None = self.clock()
 
-    def join(self, client: str) -> None:
-        """A client opens a stream; it gets control where nobody has it."""
+    def join(self, client: str, address: str = "") -> int:
+        """A client at ``address`` opens a stream, whose number this is; it gets control where nobody has it.
+
+        One client has one stream: two pages that hold control by one id would each believe that it is theirs.
+        """
         with self._lock:
-            entry = self._clients.get(client)
-            if entry is None and len(self._clients) >= MAX_CLIENTS:
+            if client in self._clients:
+                raise StreamTaken("another page is open under this one's id; it opens under one of its own")
+            if len(self._clients) >= MAX_CLIENTS:
                 raise InputError(f"{MAX_CLIENTS} pages look at the bench already; close one of them")
-            if entry is None:
-                self._numbered += 1
-                entry = self._clients[client] = _Client(f"page {self._numbered}", 0, self.clock())
-            entry.streams, entry.heard, self.alone_since = entry.streams + 1, self.clock(), None
-            self.holder = self.holder or client
+            self._numbered += 1
+            self._clients[client] = _Client(f"page {self._numbered}", self._numbered, self.clock(), address)
+            self.alone_since, self.holder = None, self.holder or client
+            return self._numbered
 
     def hear(self, client: str) -> None:
         """A client says that it lives."""
@@ -51,14 +59,10 @@ class Clients:
             if client in self._clients:
                 self._clients[client].heard = self.clock()
 
-    def disconnect(self, client: str) -> bool:
-        """A client closes a stream; whether it lost control by that."""
+    def disconnect(self, client: str, stream: int | None = None) -> bool:
+        """A client closes its stream, that of a number if one is given; whether it lost control by that."""
         with self._lock:
-            entry = self._clients.get(client)
-            if entry is None:
-                return False
-            entry.streams -= 1
-            return entry.streams <= 0 and self._forget(client)
+            return self.knows(client, stream) and self._forget(client)
 
     def silent(self) -> bool:
         """Forget who has said nothing for `SILENCE`; whether the holder of control was among them."""
@@ -90,19 +94,27 @@ class Clients:
     def operate(self, client: str, operator: str) -> None:
         """``operator`` works at this page from now on; nothing changes without a name."""
         with self._lock:
-            if client in self._clients and operator:
-                self._clients[client].operator = operator
+            if client in self._clients and operator.strip():
+                self._clients[client].operator = operator.strip()
 
     def who(self, client: str | None) -> str:
-        """Who does what a client asks for: its operator, where one was named, and the page; empty for none."""
+        """Who does what a client asks for: its operator and the page, or the page and its address; empty for none."""
+        with self._lock:
+            entry = self._clients.get(client or "")
+            unnamed = entry is not None and entry.address and not entry.operator
+            return f"{self.titled(client)} from {entry.address}" if entry and unnamed else self.titled(client)
+
+    def titled(self, client: str | None) -> str:
+        """How a page calls a client: its operator, where one was named, and the page; empty for none."""
         with self._lock:
             entry = self._clients.get(client or "")
             return "" if entry is None else ", ".join(filter(None, (entry.operator, entry.name)))
 
-    def knows(self, client: str) -> bool:
-        """Whether a client has an open stream."""
+    def knows(self, client: str, stream: int | None = None) -> bool:
+        """Whether a client has an open stream, that of a number if one is given."""
         with self._lock:
-            return client in self._clients
+            entry = self._clients.get(client)
+            return entry is not None and stream in (None, entry.stream)
 
     @property
     def count(self) -> int:

@@ -10,11 +10,14 @@ import threading
 import numpy as np
 from numpy.typing import NDArray
 
+from dampyr.models.numerics.differentiation import differentiate, window
+from dampyr.records.conditioning.velocity import WITHOUT_CYCLES
 from dampyr.rig.interlock import Samples
 
 Array = NDArray[np.float64]
 BINS = 100  # per second
-HISTORY = 30.0  # s that a page can look back
+HISTORY = 60.0  # s that a page can look back
+BANDWIDTH = 10.0  # Hz of the velocity: a raw difference of the encoder's counts is a staircase where the table turns
 COLUMNS = {  # what a bin holds, its unit on the page, the factor from SI, and its decimals
     "time": ("s", 1.0, 3),
     "x_low": ("mm", 1e3, 4),
@@ -29,6 +32,7 @@ COLUMNS = {  # what a bin holds, its unit on the page, the factor from SI, and i
     "force_first": ("N", 1.0, 2),
     "x_second": ("mm", 1e3, 4),
     "force_second": ("N", 1.0, 2),
+    "target": ("mm", 1e3, 4),
 }
 _FACTOR = np.array([factor for _, factor, _ in COLUMNS.values()])
 
@@ -36,18 +40,22 @@ _FACTOR = np.array([factor for _, factor, _ in COLUMNS.values()])
 class MinMaxBins:
     """The last bins of a rig, numbered from 0; filled by one thread and read by any.
 
-    A bin's velocity is that of the mean positions of its neighbours; ``first`` and ``second`` are its samples of least and
-    greatest force in the order of their time, of which loops are drawn. A bin of nan stands where sampling began anew.
+    The velocity is that of the bin `lag` bins before, as a record has it: the slope of local cubics, without phase, 3 dB down
+    at `BANDWIDTH`; it needs what comes after it. ``first`` and ``second`` are a bin's samples of least and greatest force in
+    the order of their time, of which loops are drawn; ``target`` is what a drive asks for in its middle. nan stands where
+    there is nothing, and a bin of it where sampling began anew.
     """
 
     def __init__(self, rate: float, begin: float = 0.0) -> None:
         self.size = max(1, round(rate / BINS))
         self.width = self.size / rate
+        self._slope = _slope(self.width)
+        self.lag = len(self._slope) // 2
+        """Bins by which the velocity comes later than the bin that it is of."""
         self.count = 0  # bins so far
         self.time = begin  # s at the end of the last sample
         self._rate, self._next = rate, -1
-        self._rest, self._held = np.empty((4, 0)), np.empty((0, len(COLUMNS)))
-        self._means = np.empty(0)
+        self._rest, self._means = np.empty((5, 0)), np.empty(0)
         self._ring = np.full((round(HISTORY / self.width), len(COLUMNS)), np.nan)
         self._lock = threading.Lock()
 
@@ -56,14 +64,17 @@ class MinMaxBins:
         if samples.first != self._next:
             self._begin(now)
         self._next = samples.first + samples.n
-        new = np.array([np.arange(samples.n) / self._rate, samples.displacement, samples.force, samples.voltage])
+        target = np.full(samples.n, np.nan) if samples.target is None else samples.target
+        new = np.array([
+            np.arange(samples.n) / self._rate, samples.displacement, samples.force, samples.voltage, target,
+        ])  # fmt: skip
         new[0] += self.time
         self.time += samples.n / self._rate
         rows = np.concatenate([self._rest, new], axis=1)
         whole = rows.shape[1] // self.size * self.size
         self._rest = rows[:, whole:]
         if whole:
-            self._add(rows[:, :whole].reshape(4, -1, self.size), temperature)
+            self._add(rows[:, :whole].reshape(5, -1, self.size), temperature)
 
     def since(self, number: int) -> tuple[int, Array]:
         """The bins from ``number`` on that are still known, in units of the page, and the number of the next one."""
@@ -73,37 +84,49 @@ class MinMaxBins:
             return self.count, self._ring[places] * _FACTOR
 
     def _begin(self, now: float) -> None:
-        """A new run: what was held back is let go, and a gap stands before it."""
-        if self.count or len(self._held):
+        """A new run: a gap stands before it."""
+        if self.count:
             gap = np.full((1, len(COLUMNS)), np.nan)
             gap[0, 0] = max(now, self.time)
-            self._store(np.concatenate([self._held, gap]))
+            self._store(gap)
         self.time = max(now, self.time)
-        self._rest, self._held, self._means = np.empty((4, 0)), np.empty((0, len(COLUMNS))), np.empty(0)
+        self._rest, self._means = np.empty((5, 0)), np.empty(0)
 
     def _add(self, bins: Array, temperature: float) -> None:
-        """``bins`` is (4, bins, samples); the last bin is held back until the one after it gives its velocity."""
-        time, x, force, voltage = bins
+        """``bins`` is (5, bins, samples)."""
+        time, x, force, voltage, target = bins
         low, high = force.argmin(axis=1), force.argmax(axis=1)
         row = np.arange(len(low))
         first, second = np.minimum(low, high), np.maximum(low, high)
-        rows = np.column_stack([
+        self._store(np.column_stack([
             time[:, 0], x.min(axis=1), x.max(axis=1), force[row, low], force[row, high],
-            voltage.min(axis=1), voltage.max(axis=1), np.full(len(low), temperature), np.zeros(len(low)),
-            x[row, first], force[row, first], x[row, second], force[row, second],
-        ])  # fmt: skip
-        held, means = np.concatenate([self._held, rows]), np.concatenate([self._means, x.mean(axis=1)])
-        if len(means) > 1:
-            velocity = np.gradient(means, self.width)
-            held[:, 8] = velocity[-len(held) :]
-        self._store(held[:-1])
-        self._held, self._means = held[-1:], means[-2:]
+            voltage.min(axis=1), voltage.max(axis=1), np.full(len(low), temperature), self._velocity(x.mean(axis=1)),
+            x[row, first], force[row, first], x[row, second], force[row, second], target[:, self.size // 2],
+        ]))  # fmt: skip
+
+    def _velocity(self, means: Array) -> Array:
+        """Of the bins `lag` before these, whose mean positions are ``means``; nan until there are enough of them."""
+        held = np.concatenate([self._means, means])
+        self._means = held[-2 * self.lag :]
+        velocity = np.full(len(means), np.nan)
+        if (n := len(held) - 2 * self.lag) > 0:
+            velocity[-n:] = np.convolve(held, self._slope, mode="valid")
+        return velocity
 
     def _store(self, rows: Array) -> None:
         with self._lock:
             places = np.arange(self.count, self.count + len(rows)) % len(self._ring)
             self._ring[places] = rows
             self.count += len(rows)
+
+
+def _slope(width: float) -> Array:
+    """What the means of bins of ``width`` [s] are convolved with to give the velocity: the answer of a record's filter to 1."""
+    bandwidth = min(BANDWIDTH, WITHOUT_CYCLES / width)
+    reach = window(width, bandwidth)[1]
+    unit = np.zeros(8 * reach + 1)
+    unit[4 * reach] = 1.0
+    return differentiate(width * np.arange(unit.size, dtype=np.float64), unit, bandwidth)[3 * reach : 5 * reach + 1]
 
 
 def as_lists(rows: Array) -> dict[str, list[float | None]]:

@@ -25,6 +25,10 @@ WORDS = tuple(
         (r", or ask for it by name: mixed_origins=True \(--mixed-origins\)", ""),
         (r"pass allow_extrapolation=True", "allow extrapolation"),
         (r"give another --out", "choose another folder"),
+        (
+            r"was stopped by its operator; run it again to go on",
+            "was stopped by its operator; Continue goes on with it",
+        ),
         (r"declare it, such as (--motion-unit \w+, )?units='[^']*'( or units='[^']*')?", "write it in the header"),
         (r", such as (--dt [\d.]+ or )?dt=[\d.]+", " in the first column"),
         (r"declare it, --smoothed '([^']*)'", r'declare it in reading.toml: smoothed = "\1"'),

@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-import shutil
-import subprocess
-import sys
 import threading
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from dampyr.campaigns.run_control import Progress
 from dampyr.console.bench_reference import Comparison, EarlierRun, LiveComparison, ReferenceLoop
+from dampyr.console.run_report import ACCEPTANCE, RunReport
 from dampyr.errors import DampyrError
 from dampyr.records import read_campaign
-
-REPORT = "acceptance.html"
-LIMIT = 600.0  # s that the report may take
-BEHIND = ["nice", "-n", "10"] if shutil.which("nice") else []  # the report does not hold up what runs next
 
 
 @dataclass
@@ -63,16 +57,7 @@ class RunReference:
         except (DampyrError, OSError) as problem:
             self._reason = str(problem)
 
-    def write_report(self, folder: Path) -> str:
-        """Judge the records in ``folder`` and write the report there; why that failed, empty where it did not."""
-        command = [
-            sys.executable, "-m", "dampyr", "accept", str(self.folder), str(folder), "--tolerance", f"{self.tolerance:g}",
-            "--report", str(folder / REPORT),
-        ]  # fmt: skip
-        try:
-            done = subprocess.run([*BEHIND, *command], capture_output=True, text=True, timeout=LIMIT, check=False)
-        except (OSError, subprocess.TimeoutExpired) as problem:
-            return f"no report: {problem}"
-        if done.returncode in (0, 1, 3) and (folder / REPORT).is_file():  # its verdict is in the page
-            return ""
-        return f"no report: {(done.stderr.strip().splitlines() or ['it ended without a word'])[-1]}"
+    def report(self, folder: Path) -> RunReport:
+        """The report that judges the records in ``folder``."""
+        words = ("accept", str(self.folder), str(folder), "--tolerance", f"{self.tolerance:g}")
+        return RunReport(folder / ACCEPTANCE, words)

@@ -1,6 +1,7 @@
 """The stream of a bench to one page: up to 22 frames a second, and no more than the page says that it has drawn.
 
-From the page: ``{"heard": n}`` for frame n, ``{"jog": m/s}``, ``{"abort": anything}``, each a JSON object. To the page: frames
+From the page: ``{"heard": n}`` for frame n, ``{"jog": m/s}``, ``{"abort": anything}``, ``{"operator": name}`` of who works at
+it, each a JSON object. To the page: frames
 ``{"frame": n, "next": bin, "strips": {name: [...]} or null, "state": {...} or null, "holds": whether this page has control}``,
 ``{"aborted": what was sent}`` as soon as the rig has braked and cut its coil, and ``{"refused": sentence}``.
 """
@@ -18,6 +19,7 @@ from typing import Any
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from dampyr.console.bench_session import Bench
+from dampyr.console.clients import StreamTaken
 from dampyr.console.decimation import as_lists
 from dampyr.errors import InputError
 from dampyr.to_json import plain
@@ -25,6 +27,9 @@ from dampyr.to_json import plain
 PERIOD = 0.045  # s between frames
 STATE_EVERY = 3  # frames between two looks at the state
 ALIVE = 12  # frames after which a page hears something even if nothing happens
+TAKEN, CROWDED = 4410, 4409
+"""Codes of a stream that is closed at once: another page is open by this id, or there are too many."""
+MAX_OPERATOR = 200  # characters of a name
 AHEAD = 6  # frames that a page may be behind
 _NONE = object()  # no strips were looked at yet: what is past is asked for over HTTP
 ABORTING = ThreadPoolExecutor(2, "abort")  # its own threads: nothing that is slow can stand before an abort
@@ -40,6 +45,8 @@ class Stream:
     sent: int = 0
     heard: int = 0
     bin: int = 0
+    number: int = 0
+    """Of the stream, among those of all clients."""
     _strips: Any = _NONE
     _state: str = ""
     _lock: asyncio.Lock = field(default_factory=asyncio.Lock)
@@ -48,9 +55,9 @@ class Stream:
         """Until the page is gone."""
         await self.socket.accept()
         try:
-            self.bench.clients.join(self.client)
+            self.number = self.bench.clients.join(self.client, self.socket.client.host if self.socket.client else "")
         except InputError as problem:
-            await self.socket.close(4409, str(problem)[:120])
+            await self.socket.close(TAKEN if isinstance(problem, StreamTaken) else CROWDED, str(problem)[:120])
             return
         talking = asyncio.create_task(self._talk())
         try:
@@ -59,12 +66,12 @@ class Stream:
             pass  # the page has gone: that is what this waits for
         finally:
             talking.cancel()
-            self.bench.clients.disconnect(self.client)
+            self.bench.clients.disconnect(self.client, self.number)
 
     async def _listen(self) -> None:
         while True:
             message = _object(await self.socket.receive())
-            if not self.bench.clients.knows(self.client):
+            if not self.bench.clients.knows(self.client, self.number):
                 await self.socket.close(4408, "silent for too long")
                 return
             self.bench.clients.hear(self.client)
@@ -74,6 +81,8 @@ class Stream:
                 self.heard = min(message["heard"], self.sent)
             elif "jog" in message:
                 await self._jog(_speed(message["jog"]))
+            elif type(message.get("operator")) is str:
+                self.bench.clients.operate(self.client, message["operator"][:MAX_OPERATOR])
 
     async def _abort(self, sign: Any) -> None:
         name = self.bench.clients.who(self.client)

@@ -39,6 +39,9 @@ class HybridPlayer(Player):
         """Make the run of the computed part, whose kernel may have to be compiled."""
         self.run = self.hybrid.substructure.run()
 
+    def target(self, first: int, n: int) -> None:
+        """None: what the table is sent follows from what was measured, and is known too late to be compared."""
+
     def feed(self, samples: Samples) -> None:
         """Take a block, and send the set points until the next one has come."""
         after = samples.first + samples.n

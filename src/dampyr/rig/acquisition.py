@@ -204,7 +204,7 @@ class Acquisition:
         if status.homed and not self.aligned:
             self._align(counts, status)
         self.aligned = status.homed
-        calibration = self.calibration
+        calibration, player = self.calibration, self.player
         return Samples(
             first,
             np.arange(first, first + n) / self.rig.board.rate,
@@ -217,6 +217,7 @@ class Acquisition:
             status,
             passes - round(calibration.middle),
             command,
+            None if player is None else player.target(first, n),
         )
 
     def _align(self, counts: NDArray[np.int64], status: Status) -> None:

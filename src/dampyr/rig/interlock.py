@@ -45,6 +45,8 @@ class Samples:
     """Counts from the middle at which the board has seen the encoder's index in this block."""
     command: Array = field(default_factory=lambda: np.empty(0))
     """The command [V at the coil] that was output: `voltage` as asked for, more by the warmth of the coil."""
+    target: Array | None = None
+    """The position [m] that a drive asks for, nan before and after it; None where none is played that asks for positions."""
 
     @property
     def n(self) -> int:

@@ -77,6 +77,13 @@ class Player:
         point = np.clip(np.floor(time / self.drive.period + 1e-9).astype(int), 0, self.drive.n - 1)
         return np.where(time > self.drive.duration + 1e-9, 0.0, self.drive.voltage[point])
 
+    def target(self, first: int, n: int) -> Array | None:
+        """The position [m] that is asked for at n samples from ``first`` on, nan outside of the drive; None where none is."""
+        if self.drive.standing or self.drive.reversals is not None:
+            return None
+        target: Array = self.path((np.arange(first, first + n) - self.start) / self.rig.board.rate)
+        return target
+
     def feed(self, samples: Samples) -> None:
         """Start, keep the queue filled, detect the end, after a block of samples was read."""
         now, status = samples.first + samples.n, samples.status

@@ -33,7 +33,7 @@ from dampyr.console.error_responses import MAX_SENTENCE, without_places
 from dampyr.console.grid import FOLDER
 from dampyr.console.guided import Step
 from dampyr.console.rigs import rig_names, rig_settings
-from dampyr.console.run_reference import REPORT
+from dampyr.console.run_report import report_of
 from dampyr.console.state import AppState, CurrentApp
 from dampyr.console.stream import ABORTING, Stream
 from dampyr.errors import InputError
@@ -162,6 +162,13 @@ class Number(ClientRequest):
     number: int
 
 
+class InterruptedRun(ClientRequest):
+    """The folder of an interrupted run below ``runs``, and how many of its tests were shown as complete."""
+
+    folder: str = Field(max_length=100)
+    complete: int = Field(ge=0)
+
+
 class TestName(ClientRequest):
     """A test of the campaign that runs."""
 
@@ -205,6 +212,8 @@ class TestState(BaseModel):
     state: str
     attempt: int
     reason: str
+    words: str = ""
+    """What it does, of the run under way or the last one."""
 
 
 class Disk(BaseModel):
@@ -229,7 +238,7 @@ def read(bench: CurrentBench) -> BenchState:
 
 @router.get("/strips")
 def strips(
-    bench: CurrentBench, seconds: Annotated[float, Query(gt=0.0, le=30.0)] = 12.0
+    bench: CurrentBench, seconds: Annotated[float, Query(gt=0.0, le=60.0)] = 12.0
 ) -> dict[str, list[float | None]]:
     """The last bins of the rig, least and greatest values of 10 ms each; empty lists where nothing was sampled yet."""
     history = bench.strips
@@ -262,9 +271,9 @@ def runs(app: CurrentApp) -> list[RunFolder]:
 
 @router.get("/runs/{folder}/report")
 def report(app: CurrentApp, folder: Annotated[str, InPath(max_length=100)]) -> FileResponse:
-    """The report that was written at the end of a run."""
-    path = safe_paths.existing(app.data, f"{RUNS}/{folder}/{REPORT}")
-    return FileResponse(path, filename=f"{folder}-{REPORT}", headers={"content-type": "text/html; charset=utf-8"})
+    """The report of a run: its acceptance, or else the figures of its protocol or of its cycles, written when asked for."""
+    path = report_of(safe_paths.existing(app.data, f"{RUNS}/{folder}/{JOURNAL}").parent)
+    return FileResponse(path, filename=f"{folder}-{path.name}", headers={"content-type": "text/html; charset=utf-8"})
 
 
 @router.get("/folder")
@@ -309,14 +318,21 @@ def reference(bench: CurrentBench) -> ReferenceLoop | None:
 
 
 @router.get("/tests")
-def tests(app: CurrentApp, folder: Name) -> list[TestState]:
+def tests(app: CurrentApp, bench: CurrentBench, folder: Name) -> list[TestState]:
     """The tests of a run, from its journal and its files; none where it has no journal yet."""
     place = safe_paths.inside(app.data, f"{RUNS}/{folder}")
     if not (place / JOURNAL).is_file():
         return []
     entries, _ = read_journal(place)
+    words = bench.runs.targets(folder)
     return [
-        TestState(name=entry.name, state=entry.state, attempt=entry.attempt, reason=entry.reason)
+        TestState(
+            name=entry.name,
+            state=entry.state,
+            attempt=entry.attempt,
+            reason=entry.reason,
+            words=words.get(entry.name, ""),
+        )
         for entry in entries_with_files(entries, place)
     ]
 
@@ -343,6 +359,7 @@ COMMANDS: dict[str, tuple[type[ClientRequest], Callable[..., None], str]] = {
     "start": (Start, Bench.start, "Check a campaign and run it, or what is left of it."),
     "queue": (Start, Bench.enqueue, "Run a campaign after the one under way."),
     "queue/remove": (Number, Bench.dequeue, "Take a campaign out of the queue."),
+    "runs/remove": (InterruptedRun, Bench.remove_run, "Remove an interrupted run with its records."),
     "skip": (TestName, Bench.skip, "Leave out a test, or end the one under way in order; it stays incomplete."),
     "repeat": (TestName, Bench.repeat, "Record a test once more, after those that are left."),
     "pause": (ClientRequest, Bench.pause, "Wait, armed and at rest, after the test under way."),

@@ -11,6 +11,7 @@ from fastapi import APIRouter, HTTPException, Request
 from fastapi import Path as InPath
 from pydantic import BaseModel, Field
 
+from dampyr import campaigns
 from dampyr.atomic_write import write_whole
 from dampyr.console import record_sources, safe_paths
 from dampyr.console.campaign_plans import path_answer, plan_answer
@@ -28,6 +29,7 @@ from dampyr.planning import PlanOptions
 from dampyr.studies import available_structures
 
 TITLE, ORDER = "Campaigns", 20
+EXAMPLE = Path(campaigns.__file__).with_name("quick.toml")
 MAX_TEXT_LENGTH = 65536  # characters: the page's text field has the same limit
 
 router = APIRouter()
@@ -192,6 +194,15 @@ async def save(name: Name, body: Saved, app: CurrentApp, request: Request) -> Fi
     grid = await _grid(app, request, body.text)
     await to_thread.run_sync(_write, app, path, body)
     return File(name=name, text=body.text, grid=grid)
+
+
+@router.post("/example", status_code=201)
+async def add_example(app: CurrentApp, request: Request) -> File:
+    """Save the example campaign, three short tests; one by its name that is there is left as it is."""
+    path = safe_paths.inside(app.data, f"{FOLDER}/{EXAMPLE.name}")
+    text = EXAMPLE.read_text("utf-8")
+    await to_thread.run_sync(_write, app, path, Saved(text=text, rig="", replaces=""))
+    return File(name=path.stem, text=text, grid=await _grid(app, request, text))
 
 
 @router.post("/rename")

@@ -1,9 +1,9 @@
 // The first page: the rig, the last runs, the last jobs, and the room on the disk.
 import { get } from "./api.js";
 import { bench, listen } from "./bench.js";
-import { h, number, section } from "./dom.js";
+import { button, h, number, section } from "./dom.js";
 import { originBadge } from "./origin.js";
-import { clockOf } from "./runs.js";
+import { certificate, clockOf } from "./runs.js";
 import { table } from "./table.js";
 
 const RUNS = 8;
@@ -22,10 +22,10 @@ export async function dashboard(root, pages) {
   const share = 1 - room.free / room.total;
   disk.replaceChildren(h("h2", {}, "Disk"), h("p", {}, `${size(room.free)} of ${size(room.total)} free`),
     h("meter", { min: "0", max: "1", high: "0.9", value: String(share), "aria-label": "Used part of the disk" }), h("p", { class: "soft" }, `data folder: ${room.folder}`));
-  runs.replaceChildren(section("Last runs", table({ caption: "The latest first", empty: "No campaign was run into this data folder yet.",
-    columns: [{ name: "folder" }, { name: "campaign" }, { name: "state" }, { name: "tests" }, { name: "operator" }, { name: "last event, UTC" }],
+  runs.replaceChildren(section("Last runs", table({ caption: "The latest first", empty: h("span", {}, "No campaign was run into this data folder yet: ", h("a", { href: "#/bench" }, "begin on the bench"), "."),
+    columns: [{ name: "folder" }, { name: "campaign" }, { name: "state" }, { name: "tests" }, { name: "operator" }, { name: "last event, UTC" }, { name: "", words: "certificate", plain: true }],
     rows: listed.slice(0, RUNS).map((run) => [h("span", { class: "named" }, h("a", { href: run.state === "complete" ? "#/records" : "#/bench" }, run.name), originBadge(run.origin)), run.campaign, badge(run.state), `${run.complete} of ${run.tests}`,
-      run.operator || "–", run.time.slice(0, 16).replace("T", " ")]) })));
+      run.operator || "–", run.time.slice(0, 16).replace("T", " "), run.state === "complete" ? button("Certificate", () => certificate(run.name), { "aria-label": `Certificate of ${run.name}` }) : ""]) })));
   jobs.replaceChildren(section("Last jobs", table({ caption: "Fits and simulations", empty: "No job was started yet.",
     columns: [{ name: "job" }, { name: "state" }, { name: "started" }, { name: "took", unit: "s" }],
     rows: all.slice(0, JOBS).map((job) => [job.title, badge(job.state), { key: job.made, show: local(job.made) },

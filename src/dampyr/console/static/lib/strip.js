@@ -6,6 +6,7 @@ const [LEFT, RIGHT, TOP, BARE, BOTTOM] = [58, 16, 22, 8, 36]; // px about the fr
 const SAID = 2000; // ms between two changes of what a screen reader is told
 const SHRINK = 2.5; // a range that is this much wider than needed is made narrower: less, and it would tremble
 const STEPS = [1, 2, 5, 10];
+const NEAR = 0.7; // of a limit: data that come so far make the axis reach it
 
 const colours = new Map(); // of the page, until its theme changes: they are needed a thousand times a second
 addEventListener("theme", () => colours.clear());
@@ -18,10 +19,10 @@ function colour(name) {
 /**
  * A strip: signals over the last seconds.
  *
- * strip(host, { label, y: { words, unit, least }, series: [{ name, colour }], limits: [{ value, words }], height, bare })
+ * strip(host, { label, y: { words, unit, least }, series: [{ name, colour, dash }], limits: [{ value, words }], height, bare })
  *
  * It is appended to `host`, and as wide. `least` is the span of the axis, in its unit, below which it does not zoom into noise.
- * `limits` are drawn and named where the axis reaches them, and named with an arrow at its end where it does not. `bare` leaves out
+ * `limits` are named above it, and drawn where the data come within 30 % of them; an arrow says that they lie beyond the axis. `bare` leaves out
  * the numbers of the time: for a strip above another one.
  *
  * Returns { element, set, limits, clear }. `set({ now, span, origin, lines: [{ time, low, high }] })` shows the times from now - span
@@ -38,15 +39,17 @@ export function strip(host, { label, y, series = [{}], limits = [], height = 130
   function draw(context, width) {
     const frame = { left: LEFT, right: width - RIGHT, top: TOP, bottom: height - (bare ? BARE : BOTTOM) };
     const { now, span, origin = null, lines } = shown ?? { now: 0, span: 10, lines: [] };
-    const ends = axis.fit(lines.flatMap((line) => [line.low, line.high]));
+    const ends = axis.fit(lines.flatMap((line) => [line.low, line.high]), bounds);
     const toX = scale([now - span, now], [frame.left, frame.right]);
     const toY = scale(ends, [frame.bottom, frame.top]);
     grid(context, frame, ticks([now - span, now], 7, origin ?? now), toX, bare ? null : (t) => number(Number((t - (origin ?? now)).toFixed(6))), true);
     grid(context, frame, ticks(ends, 4), toY, (value) => number(value, 6), false);
     title(context, frame, y);
+    if (lines.length > 1) names(context, frame, y, series.slice(1, lines.length));
     if (!bare) words(context, origin === null ? "time from now [s]" : "time since the start [s]", (frame.left + frame.right) / 2, frame.bottom + 30, "center", "soft");
     clipped(context, frame, () => lines.forEach((line, k) => {
       context.strokeStyle = colour(series[k]?.colour ?? "blue");
+      context.setLineDash(series[k]?.dash ?? []);
       trace(context, band(line, toX, toY));
     }));
     bounds.forEach((bound) => limit(context, frame, bound, ends, toY, y.unit));
@@ -67,7 +70,7 @@ export function strip(host, { label, y, series = [{}], limits = [], height = 130
  * loop(host, { label, x: { words, unit, least }, y: { ... }, series: [{ name, colour }], limits: [{ value, words }], height })
  *
  * Returns { element, set, limits, clear } as `strip`; `set({ lines: [{ x, y, recent }] })`, where the points from the index `recent` on
- * are the last part; limits are of y.
+ * are the last part; limits are of y, or of x where they have `across`.
  */
 export function loop(host, { label, x, y, series = [{}], limits = [], height = 286 }) {
   const chart = canvas(host, label, height, draw);
@@ -78,7 +81,8 @@ export function loop(host, { label, x, y, series = [{}], limits = [], height = 2
 
   function draw(context, width) {
     const frame = { left: LEFT, right: width - RIGHT, top: TOP, bottom: height - BOTTOM };
-    const [wide, high] = [across.fit(shown.lines.map((line) => line.x)), up.fit(shown.lines.map((line) => line.y))];
+    const [upright, level] = [bounds.filter((bound) => bound.across), bounds.filter((bound) => !bound.across)];
+    const [wide, high] = [across.fit(shown.lines.map((line) => line.x), upright), up.fit(shown.lines.map((line) => line.y), level)];
     const toX = scale(wide, [frame.left, frame.right]);
     const toY = scale(high, [frame.bottom, frame.top]);
     grid(context, frame, ticks(wide, 5), toX, (value) => number(value, 6), true);
@@ -95,7 +99,8 @@ export function loop(host, { label, x, y, series = [{}], limits = [], height = 2
       }
       trace(context, polyline(line, recent, line.x.length, toX, toY));
     }));
-    bounds.forEach((bound) => limit(context, frame, bound, high, toY, y.unit));
+    level.forEach((bound) => limit(context, frame, bound, high, toY, y.unit));
+    upright.forEach((bound) => wall(context, frame, bound, wide, toX, x.unit));
   }
 
   function set(given) {
@@ -166,7 +171,7 @@ function canvas(host, label, height, paint) {
 /** The ends of an axis over data that change: round, at least `least` apart, and the same as long as they fit. */
 function range(least = 0) {
   let ends = null;
-  function fit(columns) {
+  function fit(columns, bounds = []) {
     let [low, high] = [Infinity, -Infinity];
     for (const values of columns) {
       for (const value of values) {
@@ -176,6 +181,10 @@ function range(least = 0) {
       }
     }
     if (low > high) return ends ?? [-(least || 1) / 2, (least || 1) / 2];
+    for (const { value } of bounds) {
+      if (value > 0 && high >= NEAR * value) high = Math.max(high, value);
+      if (value < 0 && low <= NEAR * value) low = Math.min(low, value);
+    }
     const lack = Math.max(least, 1e-3 * Math.max(Math.abs(low), Math.abs(high)), 1e-12) - (high - low);
     if (lack > 0) [low, high] = [low - lack / 2, high + lack / 2];
     const fits = ends !== null && low >= ends[0] && high <= ends[1];
@@ -224,6 +233,16 @@ function grid(context, frame, values, place, text, upright) {
 /** What the axis shows stands above it, where no number is. */
 const title = (context, frame, axis) => words(context, axis.unit ? `${axis.words} [${axis.unit}]` : axis.words, 4, frame.top - 9, "left", "ink");
 
+/** The lines besides the first, behind the title. */
+function names(context, frame, axis, series) {
+  let x = 16 + context.measureText(axis.unit ? `${axis.words} [${axis.unit}]` : axis.words).width;
+  for (const { name, colour: hue, dash = [] } of series) {
+    dashed(context, [x, frame.top - 13], [x + 16, frame.top - 13], hue, dash);
+    words(context, name, x + 21, frame.top - 9, "left", "soft");
+    x += 33 + context.measureText(name).width;
+  }
+}
+
 function words(context, text, x, y, align, ink, halo = false) {
   context.textAlign = align;
   if (halo) {
@@ -245,22 +264,39 @@ function clipped(context, { left, right, top, bottom }, paint) {
   context.restore();
 }
 
-/** A limit: a dashed line with its name, or its name with an arrow where it lies outside of the axis. */
+/** A limit: a dashed line, and its name above the frame; with an arrow where the axis does not reach it. */
 function limit(context, frame, { value, words: name }, [low, high], place, unit) {
-  const text = `${name}${name && !name.endsWith("±") ? " " : ""}${number(value)}${unit ? ` ${unit}` : ""}`;
-  if (!name && (value < low || value > high)) return undefined; // the limit on the other side names both
-  if (value < low) return words(context, `↓ ${text}`, frame.right, frame.bottom - 5, "right", "bad", true);
-  if (value > high) return words(context, `↑ ${text}`, frame.right, frame.top - 9, "right", "bad");
+  if (value >= low && value <= high) {
+    const at = Math.round(place(value)) + 0.5;
+    dashed(context, [frame.left, at], [frame.right, at], "bad", [6, 4]);
+  }
+  if (!name) return; // the limit on the other side names both
+  const where = value > high ? "↑ " : value < low ? "↓ " : "";
+  words(context, `${where}${name}${name.endsWith("±") ? "" : " "}${number(value)}${unit ? ` ${unit}` : ""}`, frame.right, frame.top - 9, "right", "bad");
+}
+
+/** A limit of x: a dashed line with its name along it, where the axis reaches it. */
+function wall(context, frame, { value, words: name }, [low, high], place, unit) {
+  if (value < low || value > high) return;
   const at = Math.round(place(value)) + 0.5;
+  dashed(context, [at, frame.top], [at, frame.bottom], "bad", [6, 4]);
+  if (!name) return;
   context.save();
-  context.setLineDash([6, 4]);
-  context.strokeStyle = colour("bad");
+  context.translate(at - 5, frame.bottom - 6);
+  context.rotate(-Math.PI / 2);
+  words(context, `${name}${number(value)} ${unit}`, 0, 0, "left", "bad", true);
+  context.restore();
+}
+
+function dashed(context, from, to, hue, dash) {
+  context.save();
+  context.setLineDash(dash);
+  context.strokeStyle = colour(hue);
   context.beginPath();
-  context.moveTo(frame.left, at);
-  context.lineTo(frame.right, at);
+  context.moveTo(...from);
+  context.lineTo(...to);
   context.stroke();
   context.restore();
-  return words(context, text, frame.right - 4, at < frame.top + 18 ? at + 14 : at - 5, "right", "bad", true);
 }
 
 /** A line of about 1.5 px: two of 1 px where no graphics card draws, since a wider one takes several times as long there. */

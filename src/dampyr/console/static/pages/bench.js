@@ -1,9 +1,9 @@
 // The bench: a rig, its live readings, and who has control.
 import { get, query as asQuery } from "../lib/api.js";
 import { alarmBanner, alarmsAndLog, announcer } from "../lib/alarms.js";
-import { age, ask, bench, jog, listen } from "../lib/bench.js";
+import { age, ask, bench, jog, listen, operator } from "../lib/bench.js";
 import { button, choice, field, h, number, section, tick } from "../lib/dom.js";
-import { live } from "../lib/live.js";
+import { HELD, live } from "../lib/live.js";
 import { readings, strokeBar } from "../lib/readings.js";
 import { campaignPanel, enable } from "../lib/runs.js";
 
@@ -19,7 +19,7 @@ const push = (speed) => {
 };
 
 export async function show(root, query) {
-  const [rigs, files, history] = await Promise.all([get("bench/rigs"), get("campaigns/files"), get(`bench/strips?${asQuery({ seconds: 12 })}`)]);
+  const [rigs, files, history] = await Promise.all([get("bench/rigs"), get("campaigns/files"), get(`bench/strips?${asQuery({ seconds: HELD })}`)]);
   const charts = live();
   const campaign = await campaignPanel(files, query.get("campaign"));
   const log = alarmsAndLog();
@@ -57,12 +57,15 @@ export async function show(root, query) {
 function head() {
   const who = h("span", {});
   const take = button("Take control", () => ask("control"), { id: "take" });
+  const name = h("input", { type: "text", id: "who", maxlength: "200", autocomplete: "off", value: operator.name, placeholder: "your name, for the log" });
+  name.addEventListener("change", () => { operator.name = name.value.trim(); });
+  const named = () => { if (document.activeElement !== name) name.value = operator.name; };
   const note = h("p", { class: "verdict", role: "status", id: "note" });
   const rings = h("ul", { class: "rings", "aria-label": "The three safety layers" });
   const origin = h("p", { class: "verdict bad origin", role: "status", hidden: true });
   const lost = h("p", { class: "verdict bad lost", role: "alert", id: "lost", hidden: true });
   const hint = h("p", { class: "blank hint" }, "Connect a rig: its readings, its place in the stroke and live charts are shown here, armed or not.");
-  return { hint, control: h("div", { class: "control" }, h("div", { class: "row" }, who, take), note), who, take, note, rings, lost, origin };
+  return { hint, control: h("div", { class: "control" }, h("div", { class: "row" }, who, take), h("div", { class: "operator" }, h("label", { for: "who" }, "Operator"), name), note), named, who, take, note, rings, lost, origin };
 }
 
 function connecting(rigs) {
@@ -195,6 +198,7 @@ function refresh(parts) {
   const { phase, rig } = state;
   const mine = bench.holds;
   parts.who.textContent = mine ? `This page holds control${others(state)}.` : state.holder ? `${state.holder} holds control; this page only watches.` : "Nobody holds control.";
+  parts.named();
   parts.take.hidden = mine;
   parts.take.disabled = false;
   const note = [state.note, state.trouble].filter(Boolean).join("; ");
@@ -214,7 +218,7 @@ function refresh(parts) {
     parts.scale.textContent = `${number(rig.scale)} N/V, no force at ${number(rig.zero)} V (${rig.calibrated})`;
     parts.speed.max = String(rig.jog_speed * 1000);
     if (Number(parts.speed.value) > rig.jog_speed * 1000) parts.speed.value = parts.speed.max;
-    parts.charts.limits(rig.limits);
+    parts.charts.limits(rig.limits, rig.velocity_lag);
   }
   for (const control of [parts.motion, parts.manual, parts.cell, parts.tiles.element, parts.charts.element]) control.hidden = !rig;
   parts.hint.hidden = Boolean(rig);
