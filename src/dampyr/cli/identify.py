@@ -116,7 +116,9 @@ def command(
     if report:
         from dampyr.show.pages.result_page import write_page
 
-        problem = problem or _problem_of(lambda: write_page(result, report))
+        with stages() as progress:
+            progress("writing the page", 0.0)
+            problem = problem or _problem_of(lambda: write_page(result, report))
     state_origin(combined(record.origin for record in records))
     if as_json:
         print_json([fit.as_dict() for fit in result] if each else result.as_dict())
@@ -169,7 +171,10 @@ def _fitted(records: list[Record], model: str | None, options: FitOptions, as_js
         cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
         workers = min(cores, MAX_WORKERS) if model is None else 1
         with stages() as progress, findings_below(), local_processes(workers) as executor:
-            return fit(records, model, options, progress, executor)
+            found = fit(records, model, options, progress, executor)
+            progress("judging the fit", 0.0)
+            _ = found.findings  # which keeps them: of many records it takes seconds
+            return found
     except SearchTimedOut as cut:
         board = cut.board
         print_json({"leaderboard": board.as_dict()}) if as_json else print_result(board, shown, shown)

@@ -132,6 +132,7 @@ def fit(
         tell("identifying", 0.0)
         result = fit_model(model, fitted, chosen, lambda step, _: tell("identifying", step / (step + HALF_WAY)))
         tell("identifying", 1.0)
+    tell("scoring the fit", 0.0)
     remarks = [*_explain_misfit(result, chosen, board is not None, tell), *(_mind_called_parts(board) if board else [])]
     result = replace(result, remarks=(*result.remarks, *remarks))
     damper = result.damper
