@@ -23,7 +23,7 @@ from dampyr.console.state import AppState, CurrentApp
 from dampyr.errors import FileError, InputError
 from dampyr.records import ReadOptions
 from dampyr.records.files.column_table import guess_channels
-from dampyr.records.record import CHANNELS
+from dampyr.records.record import CHANNELS, Role
 from dampyr.text_table import read_table
 
 UPLOADS = "uploads"
@@ -77,6 +77,7 @@ class Edit(BaseModel):
     specimen: Text = None
     operator: Text = None
     measurement_session: Text = None
+    role: Role | None = None
     voltage: float | None = Field(None, ge=0, le=1e4, allow_inf_nan=False, description="V, constant, at the coil.")
     current: float | None = Field(None, ge=-1e4, le=1e4, allow_inf_nan=False, description="A, constant.")
     temperature: float | None = Field(None, ge=-273.15, le=1e3, allow_inf_nan=False, description="degC, constant.")
@@ -227,7 +228,7 @@ def edited(path: Path, to: Path, changes: dict[str, Any], when: str) -> None:
     """Write the record at ``path`` to ``to`` with ``changes``, which its history and its provenance name."""
     record = records.read(path)
     fields: dict[str, Any] = {
-        name: changes[name] for name in ("specimen", "measurement_session") if changes.get(name) is not None
+        name: changes[name] for name in ("specimen", "measurement_session", "role") if changes.get(name) is not None
     }
     if "voltage" in changes and "current" in changes:
         raise InputError("voltage and current are both given; a record has one input, so leave one of them out")
