@@ -37,6 +37,30 @@ def test_several_files_without_names_are_uploaded_with_the_columns_chosen_once(a
     assert read.force == pytest.approx(2e3 * np.array(ROWS)[:, 2] - 100.0, abs=0.2)
 
 
+def test_the_chosen_columns_are_drawn_before_they_are_uploaded(address, new_page, tmp_path):
+    lines = [f"{t:.2f};{x:.4f};{f:.3f};1,98".replace(".", ",") for t, x, f in ROWS]
+    (tmp_path / "Versuch.csv").write_text("\n".join(["Zeit in s;Weg in mm;Kraft in N;Spannung in V", *lines]))
+    page = new_page(f"{address}#/records?source=data")
+    page.get_by_text("Upload records").click()
+    page.get_by_label("File", exact=True).set_input_files(tmp_path / "Versuch.csv")
+    page.get_by_role("img", name="Kraft over Weg in the file, before it is uploaded").wait_for()
+    assert page.get_by_label("Channel of Spannung").input_value() == "voltage"
+    assert page.get_by_label("Channel of Weg").evaluate("box => box.clientWidth") > 120  # displacement is read whole
+    page.get_by_text("every row of 600").wait_for()
+    page.get_by_role("button", name="Save", exact=True).wait_for()
+    page.get_by_label("Channel of Weg").select_option("")
+    page.get_by_role("img", name="Weg over Zeit in the file, before it is uploaded").wait_for(state="detached")
+    page.get_by_role("img", name="Kraft over Zeit in the file, before it is uploaded").wait_for()
+    page.evaluate("location.assign('#/building')")
+    page.get_by_label("Inputs").fill("0,5")
+    page.get_by_role("button", name="Simulate").click()
+    page.get_by_text(
+        "Inputs: 0,5 can be one number or two; write 0.5 or 0,5; for the one number, 0; 5 for two"
+    ).wait_for()
+    page.get_by_label("Inputs").fill("0,5;")
+    page.get_by_label("Inputs").blur()
+
+
 def test_a_line_of_names_that_is_said_shows_the_columns_anew(address, new_page, tmp_path):
     (tmp_path / "two.csv").write_text("one,two,three\nt [s],x [mm],f [N]\n" + BARE)
     page = new_page(f"{address}#/records?source=data")
@@ -148,7 +172,8 @@ def test_records_are_told_apart_grouped_searched_and_overlaid_from_their_begins(
         row.check()
     page.get_by_role("img", name="Force over time of 01-sine (monday), 01-sine (tuesday)").wait_for()
     page.get_by_role("button", name="Save", exact=True).first.wait_for()
-    range_of = "() => Bokeh.documents.filter((one) => one.roots().length).at(-1).roots().map((one) => [one.x_range.start, one.x_range.end])[0]"
+    plots = "Bokeh.documents.filter((one) => one.roots().length).at(-1).roots()"
+    range_of = f"() => {plots}.map((one) => [one.x_range.start, one.x_range.end])[0]"
     start, end = page.evaluate(range_of)
     assert -1.0 < start <= 0.0 < 5.0 < end < 6.0
     accessible(page)

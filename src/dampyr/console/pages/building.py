@@ -91,8 +91,7 @@ async def add_file(
     suffixes = MOTION_SUFFIXES if kind == MOTIONS else (".toml",)
     if Path(name).suffix.lower() not in suffixes:
         raise InputError(f"{name[:60]!r} is no file of {kind}; it must end in {', '.join(suffixes)}")
-    if not safe_paths.is_new_name(name):
-        raise InputError(f"{name[:60]!r} is not a file name; use letters, digits, space and .()+@=-_")
+    safe_paths.check_new_name(name)
     target = safe_paths.inside(app.data, f"{kind}/{name}")
     taken = HTTPException(409, f"there is a file {name!r} among the {kind} already; rename it, and add it again")
     if target.exists():

@@ -100,8 +100,7 @@ def read_curves(app: CurrentApp, id: Id, record: Annotated[str, Query(max_length
 def save_card(app: CurrentApp, id: Id, card: Card) -> SavedCard:
     """Save the damper's card in the folder ``cards`` of the data folder; an existing one is not replaced."""
     damper = _damper(app, id)
-    if not safe_paths.is_new_name(card.name):
-        raise InputError(f"{card.name!r} is not a file name; use letters, digits, space and .()+@=-_")
+    safe_paths.check_new_name(card.name)
     target = safe_paths.inside(app.data, f"{CARDS}/{card.name}.toml")
     safe_paths.check_quota(app.data, 2**16, app.quota)
     target.parent.mkdir(exist_ok=True)

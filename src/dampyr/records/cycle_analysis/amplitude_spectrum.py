@@ -49,8 +49,8 @@ def spectrum(record: Record, channel: str = "force") -> tuple[Array, Array]:
 class RepeatedSpectrum:
     """Frequencies, Hz, and amplitudes in the channel's SI unit, (m,) each; ``of`` says of which part of the record.
 
-    ``excitation`` is the frequency of the whole cycles, Hz, None where the motion does not repeat itself, and ``cycles`` how many
-    they are: the line of number ``cycles`` is the excitation's.
+    ``excitation`` is the frequency of the whole cycles, Hz, None where the motion does not repeat itself, and ``cycles`` how
+    many they are: the line of number ``cycles`` is the excitation's.
     """
 
     frequencies: Array
