@@ -17,6 +17,7 @@ from dampyr.console.jobs import DATA, PAGE
 from dampyr.console.page_tables import page_table
 from dampyr.console.safe_paths import data_of
 from dampyr.show.figures.fragility import axis_of
+from dampyr.show.figures.symbols import with_law_words
 from dampyr.show.pages.how_made import made_by
 from dampyr.show.pages.result_page import write_page
 from dampyr.show.structures.ensemble_result import peak_table, trust
@@ -69,7 +70,7 @@ def _fragility(curves: Fragility) -> dict[str, Any]:
         "limit": limit_in_words(curves),
         "axis": {"words": axis.words, "unit": axis.unit, "factor": axis.per_si},
         "table": page_table(curve_table(curves)),
-        "remarks": comparisons(curves),
+        "remarks": [with_law_words(sentence) for sentence in comparisons(curves)],
         "curves": [_curve(curve) for curve in curves.curves],
     }
 
@@ -80,9 +81,10 @@ def _curve(curve: FragilityCurve) -> dict[str, Any]:
     intensity, share, _ = curve.shares()
     low, high = curve.band(x, LEVEL) if curve.exists else (None, None)
     return {
-        "name": curve.name,
+        "name": with_law_words(curve.name),
         "x": x,
         "y": curve.at(x) if curve.exists else None,
+        "determined": not curve.no_band,
         "low": low,
         "high": high,
         "counted": {"x": intensity, "y": share},

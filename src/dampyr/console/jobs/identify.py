@@ -31,6 +31,7 @@ from dampyr.show.identification.validation import score_table
 from dampyr.show.pages.fit_sections import parameter_tables
 from dampyr.show.pages.how_made import made_by
 from dampyr.show.pages.result_page import write_page
+from dampyr.show.pages.typography import as_words
 from dampyr.to_json import plain
 
 MAX_WORKERS = 8  # each process compiles the models of its own trials, which more of them would only repeat
@@ -62,8 +63,10 @@ def _summarise(fit: Fit) -> dict[str, Any]:
         "card": fit.damper is not None,
         "converged": fit.converged,
         "reason": fit.reason,
-        "verdict": {"kind": fit.verdict.kind, "words": fit.verdict.words},
-        "warnings_of_fit": [in_page_words(finding.sentence) for finding in besides(fit.findings, [fit.verdict.words])],
+        "verdict": {"kind": fit.verdict.kind, "words": as_words(fit.verdict.words)},
+        "warnings_of_fit": [
+            as_words(in_page_words(finding.sentence)) for finding in besides(fit.findings, [fit.verdict.words])
+        ],
         "findings": list(findings(fit.residuals)),
         "mean_l1": float(np.mean(l1)),
         "parameters": [page_table(table) for table in parameter_tables(fit)],

@@ -31,6 +31,7 @@ from dampyr.console.state import CurrentApp
 from dampyr.errors import DampyrError, FileError, InputError, MissingData
 from dampyr.models import Damper
 from dampyr.options import options_of
+from dampyr.show.figures.symbols import law_in_words
 from dampyr.structures.building_options import InstallationOptions
 from dampyr.studies import THESIS, available_structures
 
@@ -44,7 +45,7 @@ class BuildingChoices(BaseModel):
     """What can be chosen."""
 
     dampers: list[DamperLink]
-    laws: list[str]
+    laws: dict[str, str] = Field(description="Control laws, each with its words for a reader.")
     motions: list[str]
     structures: list[str] = Field(description="Published ones by name; files by their path, structures/NAME.toml.")
     shared_options: list[dict[str, Any]] = Field(description="Those of a response and of an ensemble.")
@@ -74,7 +75,7 @@ async def list_choices(app: CurrentApp, request: Request) -> BuildingChoices:
     shared = tuple(option.name for option in options_of(InstallationOptions))
     return BuildingChoices(
         dampers=links,
-        laws=structures.available_control_laws(),
+        laws={name: law_in_words(name) for name in structures.available_control_laws()},
         motions=motions,
         structures=[*offered, *files],
         shared_options=form_of(InstallationOptions),
@@ -180,7 +181,10 @@ def _check(data: Any, request: ResponseRequest | EnsembleRequest) -> None:
 
 def _inputs(request: ResponseRequest | EnsembleRequest) -> str:
     """What drives the damper: its constant inputs and its control laws."""
-    return " ".join([*(f"{value:g}" for value in request.damper.inputs), *request.damper.laws]) or "no input"
+    return (
+        " ".join([*(f"{value:g}" for value in request.damper.inputs), *map(law_in_words, request.damper.laws)])
+        or "no input"
+    )
 
 
 def _shown(name: str) -> str:

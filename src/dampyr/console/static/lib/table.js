@@ -1,8 +1,9 @@
 // Tables that sort: numbers to the right, a unit under each name, – where there is nothing.
-import { button, h, number } from "./dom.js";
+import { button, h, number, symbols } from "./dom.js";
 
 /**
  * table({ caption, columns: [{ name, unit, digits, align }], rows, groupOf, headOf })
+ * A column with `symbols` sets names of parameters, such as k_x, as symbols.
  * A cell is a number, text, null, or an element; { key, show } sorts by key and shows an element. Rows with the same `groupOf(index)`
  * stand together below `headOf(group, indices)`; they are sorted among themselves, and the groups by their first rows.
  */
@@ -81,7 +82,8 @@ function shown(cell, column, places) {
   if (typeof cell === "object") return cell.show;
   if (typeof cell === "boolean") return cell ? "yes" : "no";
   if (typeof cell === "number" && places !== null && Number.isFinite(cell)) return (Number(cell.toFixed(places)) === 0 ? (0).toFixed(places) : cell.toFixed(places)).replace("-", "−");
-  return typeof cell === "number" || cell === "inf" ? number(cell, column.digits ?? 4) : cell;
+  if (typeof cell === "number" || cell === "inf") return number(cell, column.digits ?? 4);
+  return column.symbols ? symbols(cell) : cell;
 }
 
 const MAX_PLACES = 6; // behind the point; columns that need more have powers of ten

@@ -5,7 +5,7 @@ import { download, get, post, query as asQuery } from "../lib/api.js";
 import { before } from "../lib/before.js";
 import { cardGroups, groupedOptions } from "../lib/cards.js";
 import { charts as drawCharts } from "../lib/chart.js";
-import { button, choice, field, h, number, section, tick } from "../lib/dom.js";
+import { button, choice, field, h, number, section, symbols, tick, withReach } from "../lib/dom.js";
 import { watch } from "../lib/jobs.js";
 import { attempt, say } from "../lib/notice.js";
 import { optionsForm } from "../lib/options.js";
@@ -109,17 +109,17 @@ export async function show(root, query) {
     sheet.replaceChildren(
       section(r.model,
         r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : null,
-        h("p", { class: `verdict ${verdict.kind}` }, verdict.words),
+        h("p", { class: `verdict ${verdict.kind}` }, symbols(verdict.words)),
         r.predictions.map((prediction) => h("p", {}, `It predicts ${prediction.records} records that it was not fitted on, by ${prediction.split}, with an L1 of ${number(100 * prediction.mean_l1, 3)} %.`)),
         r.held.map((record) => h("p", {}, record.problem || `Validation record ${record.record}: L1 ${number(100 * record.l1, 3)} %, predicted.`)),
         h("div", { class: "row" }, r.card ? [field("Name of the card", name), button("Save the card", keep, { class: "main" }), Object.entries(choices.exports).map(([kind, words]) =>
           button(`Save as ${words}`, () => attempt(() => download(`identify/jobs/${id}/export?${asQuery({ to: kind })}`))))] : h("span", {}, "There is no damper to save."),
           h("a", { class: "button", href: `/api/identify/jobs/${id}/page`, download: "" }, "Save the whole page")),
-        r.warnings_of_fit.length ? h("details", {}, h("summary", {}, "Before you trust the numbers"), h("ul", {}, r.warnings_of_fit.map((warning) => h("li", {}, warning)))) : null),
+        r.warnings_of_fit.length ? h("details", {}, h("summary", {}, "Before you trust the numbers"), h("ul", {}, r.warnings_of_fit.map((warning) => h("li", {}, symbols(warning))))) : null),
       r.data.leaderboard ? board(r.data.leaderboard.entries, r.choice) : "",
       measuredAndModelled(id, r),
       section("Parameters", r.parameters.map((shown) => table({
-        caption: shown.caption, columns: shown.columns.map((words) => ({ name: words })), rows: shown.rows }))),
+        caption: shown.caption, columns: shown.columns.map((words) => ({ name: words, symbols: true })), rows: shown.rows }))),
       section("Goodness of fit by record", table({ columns: r.scores.columns.map((words, k) => ({ name: words, unit: r.scores.units[k], digits: 3 })), rows: r.scores.rows, caption: `From ${number(r.settling, 3)} s after the motion starts, each record's own offset taken` })),
       section("Residuals", r.findings.map((finding) => h("p", {}, `${finding.charAt(0).toUpperCase()}${finding.slice(1)}.`))),
     );
@@ -189,8 +189,8 @@ function board(entries, words) {
   const percent = (value) => (typeof value === "number" ? 100 * value : value);
   return section("Which model predicts best", words.map((sentence) => h("p", {}, `${sentence.charAt(0).toUpperCase()}${sentence.slice(1)}.`)), table({
     caption: "Every score is of a prediction: 3/4 of the error over records left out, 1/4 over inputs left out",
-    columns: [{ name: "model" }, { name: "error", unit: "%", digits: 3 }, { name: "±", unit: "%", digits: 2 }, { name: "L1", unit: "%", digits: 3 }, { name: "relevelled", unit: "%", digits: 3 }, { name: "unseen input", unit: "%", digits: 3 }, { name: "NRMSE", unit: "%", digits: 3 },
+    columns: [{ name: "model" }, { name: "error ±", unit: "%" }, { name: "L1", unit: "%", digits: 3 }, { name: "relevelled", unit: "%", digits: 3 }, { name: "unseen input", unit: "%", digits: 3 }, { name: "NRMSE", unit: "%", digits: 3 },
       { name: "energy", unit: "%", digits: 3 }, { name: "parameters" }, { name: "building" }],
-    rows: entries.map((e) => [e.model, percent(e.error), percent(e.standard_error), percent(e.l1), percent(e.relevelled), percent(e.unseen_input), percent(e.nrmse), percent(e.energy), e.parameters, e.not_for_buildings ? "no" : "yes"]),
+    rows: entries.map((e) => [e.model, typeof e.error === "number" ? { key: e.error, show: withReach(100 * e.error, percent(e.standard_error)) } : null, percent(e.l1), percent(e.relevelled), percent(e.unseen_input), percent(e.nrmse), percent(e.energy), e.parameters, e.not_for_buildings ? "no" : "yes"]),
   }));
 }
