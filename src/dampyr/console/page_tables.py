@@ -10,7 +10,10 @@ from dampyr.to_json import plain
 
 
 def page_table(table: Table) -> dict[str, Any]:
-    """A table as plain values: caption, notes, columns, the unit of each ("" for none), rows; parameters and laws as on paper."""
+    """A table as plain values: caption, notes, columns, the unit of each ("" for none), rows.
+
+    Parameters and laws are as on paper.
+    """
     return {
         "caption": as_words(table.caption),
         "notes": [as_words(note) for note in table.notes],

@@ -64,7 +64,7 @@ def is_name(text: str) -> bool:
 
 
 def is_new_name(text: str) -> bool:
-    """Whether a file may be written under a name: letters, digits, space and .()+@=-_ , at most 100 of them; no device's name."""
+    """Whether a file may be written under a name: letters, digits, space and .()+@=-_ , at most 100 of them, and no device."""
     return bool(NEW_NAME.fullmatch(text)) and is_name(text) and not is_reserved(text)
 
 

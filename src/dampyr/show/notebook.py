@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dampyr.show.figures.symbols import in_law_words
 from dampyr.show.descriptions import Rows, description_of
 from dampyr.show.figures.style import on_white
+from dampyr.show.figures.symbols import in_law_words
 from dampyr.show.table import Table, Verdict
 from dampyr.show.text import title_and_rows
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from tests.structures.ensembles.known_peaks import drawn, made
 from tests.show.figures.figure_examples import FRAGILE, lines
+from tests.structures.ensembles.known_peaks import drawn, made
 
 from dampyr.show.figures.fragility import fragility_curves
 from dampyr.show.pages.fragility_section import fragility_section

@@ -1,4 +1,4 @@
-r"""What names of the code are for a reader: :math:`k_x` for kx, :math:`\rho` for rho, as formulas print them; a control law's words."""
+r"""What names of the code are for a reader: :math:`k_x` for kx, :math:`\rho` for rho as in formulas; laws in words."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def law_in_words(name: str) -> str:
 
 
 def with_law_words(text: str) -> str:
-    """``text`` with the labels of laws in words, ``bang-bang 0 to 3 V`` for ``bang_bang 0 to 3 V``; other uses of a name stay."""
+    """``text`` with the labels of laws in words, ``bang-bang 0 to 3 V`` for ``bang_bang 0 to 3 V``; other uses stay."""
     return _labels_of_laws().sub(lambda match: law_in_words(match[0]), text)
 
 

@@ -3,6 +3,7 @@
 import { setAddress } from "../lib/address.js";
 import { download, get, post, query as asQuery } from "../lib/api.js";
 import { before } from "../lib/before.js";
+import { comparison } from "../lib/comparison.js";
 import { cardGroups, groupedOptions } from "../lib/cards.js";
 import { charts as drawCharts } from "../lib/chart.js";
 import { button, choice, field, h, number, section, symbols, tick, withReach } from "../lib/dom.js";
@@ -33,13 +34,15 @@ export async function show(root, query) {
       h("fieldset", {}, h("legend", {}, "Model"), field("Hysteresis", model),
         h("div", { class: "row", role: "group", "aria-label": "Added to it" }, ons.map(([, box]) => box))),
       h("details", {}, h("summary", {}, "Fit options"), fitting.element),
-      h("div", { class: "row" }, button("Identify", () => start(composed()), { class: "main" }), button("Find the best model", () => start(null), { title: "Every model of the catalogue is tried: minutes" })),
+      h("div", { class: "row" }, button("Identify", () => start(composed()), { class: "main" }), button("Find the best model", () => start(null), { title: "Every model of the catalogue is tried" })),
+      h("p", { class: "soft" }, `Find the best model tries all of the catalogue. ${choices.search_time}`),
       h("fieldset", {}, h("legend", {}, "Or a card that is there"), field("Card", card, "What it predicts of the chosen records, none of which is fitted"),
         h("div", { class: "row" }, button("Validate", validate))),
       h("details", {}, h("summary", {}, "Scoring options"), scoring.element),
       past.element),
     h("div", {}, progress, sheet)));
   const open = query.get("job");
+  let beside = query.get("with") ?? "";
   if (open) reopen(open);
   else sheet.append(h("p", { class: "blank" }, "Choose records and a model, then identify; or a card, then validate. The result appears here."));
 
@@ -84,7 +87,7 @@ export async function show(root, query) {
 
   function follow(id) {
     if (!root.isConnected) return; // the person has left the page; the job continues
-    setAddress(root, "identify", { job: id });
+    setAddress(root, "identify", { job: id, with: beside || undefined });
     stop?.();
     clear();
     sheet.replaceChildren();
@@ -99,7 +102,8 @@ export async function show(root, query) {
     charts = [];
   }
 
-  function showResult({ id, result: r }) {
+  function showResult(job) {
+    const { id, result: r } = job;
     const name = h("input", { type: "text", maxlength: "80", value: r.model.replaceAll(" + ", "-") });
     const keep = async () => {
       const saved = await attempt(() => post(`identify/jobs/${id}/card`, { name: name.value }));
@@ -121,6 +125,7 @@ export async function show(root, query) {
       section("Parameters", r.parameters.map((shown) => table({
         caption: shown.caption, columns: shown.columns.map((words) => ({ name: words, symbols: true })), rows: shown.rows }))),
       section("Goodness of fit by record", table({ columns: r.scores.columns.map((words, k) => ({ name: words, unit: r.scores.units[k], digits: 3 })), rows: r.scores.rows, caption: `From ${number(r.settling, 3)} s after the motion starts, each record's own offset taken` })),
+      section("Beside another fit", comparison(job, beside, (other) => ((beside = other), setAddress(root, "identify", { job: id, with: other || undefined })), plot)),
       section("Residuals", r.findings.map((finding) => h("p", {}, `${finding.charAt(0).toUpperCase()}${finding.slice(1)}.`))),
     );
   }
