@@ -82,7 +82,7 @@ def look(new_page, address, first, second, accessible):
     assert parts.locator("var sub").all_inner_texts()[:3] == ["w", "w", "x"]
     assert parts.get_by_label("Loops of").locator("option").all_inner_texts() == ["a"]
     for series in ("measured", "dahl", "bingham"):
-        parts.get_by_role("button", name=series, exact=True).wait_for()
+        parts.locator(".legend").get_by_role("button", name=series, exact=True).wait_for()
     accessible(page)
     parts.get_by_label("Other fit").select_option("")
     parts.get_by_text("Misfit of each record").wait_for(state="detached")
@@ -90,6 +90,7 @@ def look(new_page, address, first, second, accessible):
     page.get_by_label("Source").wait_for()
     assert page.get_by_label("Source").input_value() == "data"
     page.get_by_text(re.compile("Find the best model tries all of the catalogue. Takes up to about")).wait_for()
+    page.goto("about:blank")  # it asks for nothing any more
 
 
 def test_how_long_a_search_takes_is_told_by_the_last_one(data):

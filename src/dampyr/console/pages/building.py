@@ -27,6 +27,7 @@ from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import CURVES, PAGE
 from dampyr.console.limits import READING
 from dampyr.console.option_schemas import form_of
+from dampyr.console.security import MAX_UPLOAD
 from dampyr.console.state import CurrentApp
 from dampyr.errors import DampyrError, FileError, InputError, MissingData
 from dampyr.models import Damper
@@ -37,6 +38,7 @@ from dampyr.studies import THESIS, available_structures
 
 TITLE, ORDER = "Building", 50
 RESPONSE, ENSEMBLE = "respond", "ensemble"
+MAX_TOML = 4 * 2**20  # bytes of a card or a structure: matrices of 400 degrees of freedom, and some 5 s of reading
 
 router = APIRouter()
 
@@ -98,7 +100,7 @@ async def add_file(
     if target.exists():
         raise taken
     async with incoming(app.data) as folder:
-        await receive(request, folder / name, app.data, app.quota)
+        await receive(request, folder / name, app.data, app.quota, MAX_UPLOAD if kind == MOTIONS else MAX_TOML)
         await app.uploads.run(request, READING, check_file, kind, folder / name)
         target.parent.mkdir(exist_ok=True)
         with safe_paths.ALONE:
