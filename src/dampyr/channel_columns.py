@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from dampyr.errors import FileError, InputError
 from dampyr.options import Options, Terminal
 from dampyr.phrases import listing
-from dampyr.units import Quantity, parse, to_si
+from dampyr.units import UNIT_WORDS, Quantity, parse, to_si
 
 Array = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ NAMES = {
         *("velocity", "speed", "v", "vel", "geschwindigkeit", "velocidade", "velocidad", "vitesse", "velocita"),
         "速度",
     ),
-    "voltage": ("voltage", "u"),
+    "voltage": ("voltage", "u", "voltagem", "voltaje", "spannung", "tensao", "tension", "tensione"),
     "current": ("current", "i", "strom", "corrente", "corriente", "courant", "电流", "電流"),
     "temperature": ("temperature", "temp", "temperatur", "temperatura", "温度"),
     "acceleration": (
@@ -59,6 +59,8 @@ NAMES = {
 }
 """What columns are called, by the channel: without accents, in lower case."""
 NAMES["speed"] = NAMES["velocity"]
+ALSO_STRESS = ("spannung", "tensao", "tension", "tensione")
+"""Names of a voltage that are those of a mechanical stress or a pull, too: a column in V alone is the voltage."""
 
 
 @dataclass(frozen=True)
@@ -278,7 +280,12 @@ def _declared_column(path: Path, table: ColumnTable, channel: str, declared: str
 def column_by_name(path: Path, table: ColumnTable, channel: str, taken: set[int]) -> int | None:
     """The column that has one of a channel's usual `NAMES`, or None; :class:`FileError` where several have one."""
     plain = [plain_name(name) for name in table.names]
-    matching = [k for word in NAMES[channel] for k, name in enumerate(plain) if name == word and k not in taken]
+    matching = [
+        k
+        for word in NAMES[channel]
+        for k, name in enumerate(plain)
+        if name == word and k not in taken and _may_be(word, table.unit(k))
+    ]
     if len(matching) > 1:
         names = " and ".join(table.headers()[k] for k in matching)
         raise FileError(
@@ -287,6 +294,13 @@ def column_by_name(path: Path, table: ColumnTable, channel: str, taken: set[int]
             f"columns={{{channel!r}: NAME}}, by the full header or the number from 0",
         )
     return matching[0] if matching else None
+
+
+def _may_be(word: str, unit: str) -> bool:
+    """Whether a usual name means its channel where the column states this unit: T in degrees is no time."""
+    if word in ALSO_STRESS:
+        return _measures(unit, "V")
+    return word != "t" or not unit or not _measures(unit, "degC")
 
 
 def plain_name(name: str) -> str:
@@ -309,8 +323,14 @@ def _called(table: ColumnTable, declared: str) -> list[int]:
 
 
 def name_and_unit(cell: str) -> tuple[str, str]:
-    """The two parts of a cell of a header, ``force (N)`` or ``force [N]``; the unit is "" where there is none."""
+    """The two parts of a cell of a header, ``force (N)`` or ``force [N]``; the unit is "" where there is none.
+
+    Without brackets, ``Kraft/kN`` or ``Weg in mm`` where the name is one of `NAMES` and a unit follows.
+    """
     match = re.fullmatch(r"(.*?)\s*[\[(]([^\])]*)[\])]\s*", cell)
+    if match is None and (bare := re.fullmatch(r"\s*(\S+?)(?:\s*/\s*|\s+in\s+)(\S+)\s*", cell)):
+        is_name = any(plain_name(bare[1]) in words for words in NAMES.values())
+        match = bare if is_name and bare[2].lower() in UNIT_WORDS else None
     return (match[1].strip(), match[2].strip()) if match else (cell.strip(), "")
 
 

@@ -31,6 +31,7 @@ from dampyr.errors import FileError
 from dampyr.units import UNIT_WORDS
 
 MAX_COLUMNS = 1000  # of a line: a test has some ten channels; a file with more is written the wrong way round
+MAX_ABOVE = 10_000  # lines above the numbers: a text that has more is none of numbers
 FEW = 5  # rows of which most have the delimiter: the first may be the one that is wrong
 SAMPLE = 1000  # rows by which the delimiter is told from a decimal comma
 LARGE = 4_000_000  # characters of numbers from which on pandas reads them: it is three times as fast, and takes 0.5 s to load
@@ -146,9 +147,8 @@ def has_numbers(path: Path, request: TextOptions) -> bool:
 
     A file with a line of too many columns counts as a record, so that reading it says what is wrong with it.
     """
-    return any(
-        _is_too_wide(line) or _is_row(line, 2, request.mark) for line in decoded(path, request.encoding)[0].split("\n")
-    )
+    lines = decoded(path, request.encoding)[0].split("\n")[: (request.header or 0) + MAX_ABOVE]
+    return any(_is_too_wide(line) or _is_row(line, 2, request.mark) for line in lines)
 
 
 def _is_too_wide(line: str) -> bool:
@@ -174,6 +174,12 @@ def _first_row(
             )
         if len(lines) > start and _is_row(lines[-1], least, declared):
             break
+        if len(lines) > start + MAX_ABOVE:
+            raise FileError(
+                path,
+                f"has no line of numbers among {MAX_ABOVE:,} lines{f' below line {start}' if start else ''}; say on which line "
+                "the names stand, --header 7 or header=7, or cut out what stands above them",
+            )
     else:
         count = len(lines) - (not lines[-1])
         if header is not None and header >= max(count, 1):

@@ -107,8 +107,15 @@ def test_spectra_are_logarithmic(records_page):
     (scales,) = page.evaluate(f"() => ({PLOTS})().map((one) => [one.x_scale.type, one.y_scale.type])")
     assert scales == ["LogScale", "LogScale"]
     ((left, right, low, high),) = page.evaluate(RANGES)
-    assert 0 < left < 0.2 < 40 < right
+    assert 1 / 3 <= left < 0.6  # of the slower excitation, 1 Hz, which does not stand on the edge
+    assert 48 < right <= 50
     assert 0 < low < 1 < 100 < high
+    page.get_by_text("9 whole cycles; 19 whole cycles").wait_for()
+    row = page.get_by_role("tabpanel").locator("tr", has_text="second").locator("td").all_inner_texts()
+    assert row[:3] == ["second", "19 whole cycles", "1.998"]
+    assert float(row[5]) == pytest.approx(23.2, abs=0.5)  # %, the third harmonic of tanh(3 cos)
+    page.get_by_label("All frequencies").check()
+    page.wait_for_function(f"() => ({RANGES})().at(-1)?.[0] < 0.2")
 
 
 def test_the_pick_up_fills_its_chart(records_page):

@@ -65,6 +65,10 @@ def test_the_columns_of_a_file_are_shown_before_it_is_uploaded(client, data):
     ]  # fmt: skip
     assert shown["columns"][0]["values"] == [0.0, 0.01, 0.02, 0.03, 0.04, 0.05]
     assert shown["channels"]["displacement"] == "m"
+    assert (shown["every"], shown["rows"], len(shown["columns"][1]["drawn"])) == (1, shown["rows"], shown["rows"])
+    whole = preview(client, "a.csv", CSV + BARE * 3)
+    assert (whole["rows"], whole["every"]) == (2400, 3)
+    assert whole["columns"][1]["drawn"] == pytest.approx([x for _, x, _ in ROWS * 4][::3], abs=1e-5)
     assert list(data.glob("*/*.h5")) == []
 
 
@@ -233,7 +237,8 @@ def test_a_hostile_file_is_a_sentence_and_leaves_nothing(client, data, name):
 
 
 @pytest.mark.parametrize(
-    "name", ["..%2f..%2fa.csv", "%2e%2e.csv", ".a.csv", "a.exe", "a.csv%00", "a", "a%5cb.csv", "-a.csv", "a.pkl"]
+    "name",
+    ["..%2f..%2fa.csv", "%2e%2e.csv", ".a.csv", "a.exe", "a.csv%00", "a", "a%5cb.csv", "-a.csv", "a.pkl", "con.csv"],
 )
 def test_a_name_that_is_none_is_refused(client, data, name):
     assert upload(client, name, CSV).status_code in (400, 404)

@@ -31,6 +31,16 @@ def test_ordinary_names_are_taken(tmp_path, name):
     assert safe_paths.inside(tmp_path, name) == tmp_path / name
 
 
+@pytest.mark.parametrize("name", ["con", "NUL.csv", "Com1.tar.gz", "lpt9 .toml", "aux"])
+def test_a_device_of_windows_is_no_new_name_and_what_has_one_is_still_read(tmp_path, name):
+    assert not safe_paths.is_new_name(name)
+    assert safe_paths.new_name(name) == ""
+    with pytest.raises(InputError, match="is the name of a device on Windows"):
+        safe_paths.check_new_name(name)
+    assert safe_paths.inside(tmp_path, name) == tmp_path / name
+    safe_paths.check_new_name(f"the {name}")
+
+
 def test_links_are_not_followed(tmp_path):
     (tmp_path / "outside.csv").write_text("secret")
     root = tmp_path / "data"

@@ -5,6 +5,7 @@ import pytest
 
 from dampyr.errors import InputError
 from dampyr.records import Record, cycle_table, spectrum
+from dampyr.records.cycle_analysis.amplitude_spectrum import repeated_spectrum
 
 
 def two_tones(offset=0.0):
@@ -28,6 +29,37 @@ def test_a_sine_stands_at_its_frequency_with_its_amplitude():
 def test_a_channel_that_is_not_there_is_told():
     with pytest.raises(InputError, match="has no warmth; choose from displacement, force, velocity"):
         spectrum(two_tones(), "warmth")
+
+
+def test_whole_cycles_stand_for_a_test_with_a_rest_a_run_in_and_cycles_that_differ():
+    """A Hann window over all of it puts 250 N at 1.9 Hz; the cycles have 300 N at 2.01 Hz, their mean."""
+    t = np.arange(7_000) / 500.0
+    phase = 2 * np.pi * np.cumsum(np.where(t < 5.0, 2.0, 2.02)) / 500.0
+    grown = np.clip((t - 1.0) / 2.0, 0.0, 1.0) * np.clip((13.0 - t) / 2.0, 0.0, 1.0)
+    force = 20.0 + grown * (300.0 * np.cos(phase) + 40.0 * np.cos(3 * phase + 0.3))
+    told = repeated_spectrum(Record(t, 0.01 * grown * np.sin(phase), force, voltage=1.0))
+    first, second, third = told.harmonics()[:3]
+    assert told.of == f"{told.cycles} whole cycles"
+    assert told.cycles > 10
+    assert told.excitation == first["frequency"] == pytest.approx(2.015, abs=0.01)
+    assert (first["number"], first["amplitude"]) == (1, pytest.approx(300.0, rel=0.01))
+    assert second["amplitude"] < 1.0
+    assert third["frequency"] == pytest.approx(3 * first["frequency"])
+    assert third["amplitude"] == pytest.approx(40.0, rel=0.02)
+
+
+def test_a_motion_that_does_not_repeat_itself_is_averaged_over_segments():
+    t = np.arange(20_000) / 500.0
+    noise = np.random.default_rng(3).normal(size=t.size)
+    x = np.convolve(noise, np.hanning(200) / 100, "same") * 1e-3
+    told = repeated_spectrum(Record(t, x, 30.0 * noise + 100.0 * np.sin(2 * np.pi * 40.0 * t), voltage=1.0))
+    assert (told.excitation, told.harmonics()) == (None, [])
+    assert told.of.startswith("segments of 13.3 s, averaged")
+    at = np.argmax(told.amplitudes)
+    assert told.frequencies[at] == pytest.approx(40.0, abs=0.1)
+    assert told.amplitudes[at] == pytest.approx(100.0, rel=0.16)  # a Hann window between two lines
+    with pytest.raises(InputError, match="has no warmth"):
+        repeated_spectrum(two_tones(), "warmth")
 
 
 def test_every_cycle_of_a_viscous_damper_is_as_its_formula():

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from dampyr.errors import FileError, InputError
-from dampyr.records import read, read_campaign, write
+from dampyr.records import ReadOptions, read, read_campaign, write
+from dampyr.records.files.column_table import guess_channels
+from dampyr.text_table import read_table
 
 ROWS = [(0.01 * k, 2.5 * k, 10.0 * k - 20) for k in range(10)]
 
@@ -175,3 +177,31 @@ def test_a_declared_comma_and_white_space(tmp_path):
     assert read(path, delimiter="blank").force[1] == -10.0
     with pytest.raises(InputError, match=r"delimiter = '/' does not part columns; choose from ',' ';' 'tab'"):
         read(path, delimiter="/")
+
+
+@pytest.mark.parametrize(
+    ("header", "channels"),
+    [
+        (
+            "Zeit [s],Weg [mm],Kraft [kN],Spannung [V],Geschwindigkeit [mm/s]",
+            "time displacement force voltage velocity",
+        ),
+        (
+            "tempo (s),deslocamento (mm),força (kN),tensão (V),velocidade (mm/s)",
+            "time displacement force voltage velocity",
+        ),
+        ("t/s,x/mm,F/kN,U/V,v/mm/s", "time displacement force voltage velocity"),
+        ("Zeit in s,Weg in mm,Kraft in kN,Strom in A,T [degC]", "time displacement force current -"),
+        ("t [s],Weg [mm],F [kN],Spannung [MPa],Tensão [N]", "time displacement force - -"),  # stresses and a pull
+        ("time,stress/strain [mm],Kraft in Richtung,U,tension", "time - - voltage -"),  # no units behind them
+    ],
+)
+def test_columns_are_known_by_their_usual_names_in_other_languages(tmp_path, header, channels):
+    rows = [(0.01 * k, 8 * np.sin(k / 9), 0.3 * np.cos(k / 9), 1.98, 3.0) for k in range(400)]
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join([header, *(",".join(f"{value:.5f}" for value in row) for row in rows)]), "utf-8")
+    table = read_table(path, ReadOptions(), by_number=True)
+    known = {column: channel for channel, column in guess_channels(path, table).items()}
+    assert [known.get(k, "-") for k in range(5)] == channels.split()
+    if "force" in known.values():
+        assert read(path).force.max() == pytest.approx(300.0)

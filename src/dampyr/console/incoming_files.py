@@ -34,15 +34,15 @@ async def incoming(data: Path) -> AsyncIterator[Path]:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-async def receive(request: Request, path: Path, data: Path, quota: int) -> None:
-    """Write the body to ``path`` as it comes, within the limits."""
+async def receive(request: Request, path: Path, data: Path, quota: int, most: int = MAX_UPLOAD) -> None:
+    """Write the body to ``path`` as it comes, within the limits: ``most`` bytes, and what the data folder may hold."""
     free_bytes = quota - await to_thread.run_sync(safe_paths.used, data)
     size = 0
     with path.open("wb") as file:
         async for piece in request.stream():
             size += len(piece)
-            if size > MAX_UPLOAD:
-                raise HTTPException(413, f"too large; at most {MAX_UPLOAD // 2**20} MiB are taken")
+            if size > most:
+                raise HTTPException(413, f"too large; at most {most // 2**20} MiB are taken")
             if 2 * size > free_bytes:
                 raise HTTPException(
                     413, "the data folder is full; delete what is not needed, or start with a larger --quota"

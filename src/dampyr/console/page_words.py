@@ -17,7 +17,8 @@ WORDS = tuple(
         (r"declare it: --unit \S+ units=\{[^}]*\} or in reading\.toml", "enter it with the upload or in reading.toml"),
         (r"declare units=\{[^}]*\}", "enter it with the upload"),
         (r": --header 0, header=0", ""),
-        (r"declare which, --variable NAME or variable=NAME", "enter the variable"),
+        (r"(declare which|name one), --variable NAME or variable=NAME", "enter the variable"),
+        (r"say on which line the names stand, --header 7 or header=7", "enter the line of the names"),
         (
             r"(variables, )--column force=NAME, or --variable and --column force=NUMBER",
             r"\1or the variable, in the form",

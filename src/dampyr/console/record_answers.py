@@ -14,6 +14,8 @@ from dampyr.console.page_words import in_page_words
 from dampyr.console.record_formats import FIGURE, NEED_VELOCITY
 from dampyr.errors import DampyrError, FileError, InputError
 from dampyr.records import Record
+from dampyr.records.checks.quality import motion_start
+from dampyr.records.cycle_analysis.amplitude_spectrum import repeated_spectrum
 from dampyr.to_json import plain
 
 MAX_MEASURED = 100_000  # samples, 100 s at 1 kHz: measuring them takes some 3 s
@@ -64,19 +66,30 @@ def description(record: Record) -> dict[str, Any]:
 
 
 def curves_of(data: Path, key: str) -> dict[str, Any]:
-    """The lines of one record, SI: over time, as loops, and by frequency."""
+    """The lines of one record, SI: over time, as loops, and by frequency; and when its motion begins."""
     record = _with_velocity(record_sources.read(data, key))
     assert record.velocity is not None
-    t, x, v, f = record.time, record.displacement, record.velocity, record.force
+    begin = (
+        motion_start(record) if motion_start(record) < record.time[-1] else float(record.time[0])
+    )  # where nothing moves
+    t, x, v, f = record.time - begin, record.displacement, record.velocity, record.force
     lines = {
         "displacement": curves.line(t, x, curves.ZOOMED),
         "velocity": curves.line(t, v, curves.ZOOMED),
         "force": curves.line(t, f, curves.ZOOMED),
         "force_displacement": curves.line(x, f, 2 * curves.POINTS),
         "force_velocity": curves.line(v, f, 2 * curves.POINTS),
-        "spectrum": curves.line(*records.spectrum(record, "force")),
     }
-    return {"name": record.name, **{name: line.model_dump() for name, line in lines.items()}}
+    spectrum = repeated_spectrum(record, "force")
+    by_frequency = curves.line(spectrum.frequencies, spectrum.amplitudes).model_dump()
+    return {
+        "name": record.name,
+        "begin": begin,
+        **{name: line.model_dump() for name, line in lines.items()},
+        "spectrum": plain(
+            {**by_frequency, "of": spectrum.of, "excitation": spectrum.excitation, "harmonics": spectrum.harmonics()}
+        ),
+    }
 
 
 def cycles_of(data: Path, key: str) -> list[Any]:

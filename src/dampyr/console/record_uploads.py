@@ -23,13 +23,15 @@ from dampyr.console.state import AppState, CurrentApp
 from dampyr.errors import FileError, InputError
 from dampyr.records import ReadOptions
 from dampyr.records.files.column_table import guess_channels
-from dampyr.records.record import CHANNELS
+from dampyr.records.record import CHANNELS, Role
 from dampyr.text_table import read_table
+from dampyr.to_json import plain
 
 UPLOADS = "uploads"
 ORIGINALS = f"{safe_paths.OWN}/originals"
 """Uploads as they were before they were described anew; nothing lists them."""
 MAX_SHOWN = 6  # rows of a preview
+MAX_DRAWN = 800  # rows of its charts: they are as wide as a form
 Name = Annotated[str, InPath(max_length=255, description="The file's name; its suffix gives the format.")]
 UPLOAD_LEAVES_OUT = ("units", "columns", "factors", "offsets", "cut")
 """Options of reading that an upload has in another form, and the one that makes several records of a file."""
@@ -52,11 +54,13 @@ class Place(BaseModel):
 
 
 class UploadedColumn(BaseModel):
-    """A column of a file: name and unit as the header states them, the first values, the channel that it seems to be."""
+    """A column of a file: name and unit as the header states them, the first values, every so many of all of them to draw,
+    the channel that it seems to be."""
 
     name: str
     unit: str
     values: list[float | None]
+    drawn: list[float | None]
     kind: str
     channel: str
 
@@ -65,6 +69,8 @@ class Preview(BaseModel):
     """The columns of a text file; without any where it cannot be read, with the ``problem``."""
 
     columns: list[UploadedColumn] = []
+    rows: int = 0
+    every: int = Field(default=1, description="Which rows are drawn: every one, every second, ...")
     channels: dict[str, str] = Field(default={}, description="Channel -> its SI unit.")
     notices: list[str] = []
     problem: str = ""
@@ -77,6 +83,7 @@ class Edit(BaseModel):
     specimen: Text = None
     operator: Text = None
     measurement_session: Text = None
+    role: Role | None = None
     voltage: float | None = Field(None, ge=0, le=1e4, allow_inf_nan=False, description="V, constant, at the coil.")
     current: float | None = Field(None, ge=-1e4, le=1e4, allow_inf_nan=False, description="A, constant.")
     temperature: float | None = Field(None, ge=-273.15, le=1e3, allow_inf_nan=False, description="degC, constant.")
@@ -140,7 +147,7 @@ async def preview(
     header: Annotated[int | None, Query(ge=0, le=10**6, description="Line of the names, from 1; 0: none.")] = None,
     part: Annotated[bool, Query(description="Whether the file goes on after what is sent.")] = False,
 ) -> Preview:
-    """The columns of a text file, of which the first 64 KiB are enough; nothing is saved."""
+    """The columns of a text file, of which the first part is enough; nothing is saved."""
     stored = _name_of_upload(name)
     if Path(stored).suffix.lower() not in PLAIN_TEXT:
         return Preview(problem="the file names its channels itself")
@@ -177,8 +184,7 @@ async def edit(app: CurrentApp, request: Request, body: Edit) -> Taken:
 def rename(app: CurrentApp, body: RecordRename) -> Taken:
     """Give an upload another name; its note goes with it."""
     path = _upload(app, body.key)
-    if not safe_paths.is_new_name(body.name):
-        raise InputError(f"{body.name!r} is not a file name; use letters, digits, space and .()+@=-_")
+    safe_paths.check_new_name(body.name)
     target = path.with_name(f"{body.name}{path.suffix}")
     with safe_paths.ALONE:
         if target.exists():
@@ -210,24 +216,33 @@ def columns_of(path: Path, header: int | None, part: bool) -> dict[str, Any]:
         return {"problem": str(problem).replace(f"{path}", path.name)}
     guessed = {column: channel for channel, column in guess_channels(path, table).items()}
     kinds = table.kinds or ("number",) * table.values.shape[1]
+    rows = len(table.values)
+    every = max(-(-rows // MAX_DRAWN), 1)
     columns = [
         {
             "name": table.names[k] if table.names else "",
             "unit": table.units[k] if table.units else "",
-            "values": [float(value) for value in table.values[:MAX_SHOWN, k]],
+            "values": plain(table.values[:MAX_SHOWN, k]),
+            "drawn": plain(table.values[::every, k]),
             "kind": kinds[k],
             "channel": guessed.get(k, ""),
         }
         for k in range(table.values.shape[1])
     ]
-    return {"columns": columns, "channels": dict(CHANNELS), "notices": list(table.notes)}
+    return {
+        "columns": columns,
+        "rows": rows,
+        "every": every,
+        "channels": dict(CHANNELS),
+        "notices": list(table.notes),
+    }
 
 
 def edited(path: Path, to: Path, changes: dict[str, Any], when: str) -> None:
     """Write the record at ``path`` to ``to`` with ``changes``, which its history and its provenance name."""
     record = records.read(path)
     fields: dict[str, Any] = {
-        name: changes[name] for name in ("specimen", "measurement_session") if changes.get(name) is not None
+        name: changes[name] for name in ("specimen", "measurement_session", "role") if changes.get(name) is not None
     }
     if "voltage" in changes and "current" in changes:
         raise InputError("voltage and current are both given; a record has one input, so leave one of them out")
@@ -252,6 +267,8 @@ def _name_of_upload(name: str) -> str:
     """The name by which a file is stored, of which its suffix picks the reader."""
     if Path(name).suffix.lower() not in SUFFIXES:
         raise InputError(f"{name[:60]!r} has no suffix of a record; it must end in {', '.join(SUFFIXES)}")
+    if safe_paths.is_reserved(name):
+        safe_paths.check_new_name(name)
     stored = name if safe_paths.is_new_name(name) else safe_paths.new_name(name)
     if not stored or name[0] in ".-~" or "/" in name or "\\" in name or not name.isprintable():
         raise InputError(f"{name[:60]!r} is not a valid file name; rename it with letters, digits, space and .()+@=-_")

@@ -13,6 +13,16 @@ from dampyr.errors import InputError, MissingData
 NEW_NAME = re.compile(r"[^\W_][\w .()+@=-]{0,99}", re.UNICODE)
 NO_PART = frozenset('<>:"|?*/\\')
 """What parts a path, or what some system does not allow in a name."""
+RESERVED = frozenset(
+    [
+        "con",
+        "prn",
+        "aux",
+        "nul",
+        *(f"{port}{k}" for port in ("com", "lpt") for k in (*range(10), "\u00b9", "\u00b2", "\u00b3")),
+    ]
+)
+"""What Windows takes for a device, with any suffix."""
 MAX_NAME = 255  # bytes: what a file system takes
 MAX_NAME_LENGTH = 600  # characters of a path below the data folder
 MAX_FILES = 20_000  # that are looked at below a folder: the list of a page shows 500
@@ -54,8 +64,23 @@ def is_name(text: str) -> bool:
 
 
 def is_new_name(text: str) -> bool:
-    """Whether a file may be written under a name: letters, digits, space and .()+@=-_ , at most 100 of them."""
-    return bool(NEW_NAME.fullmatch(text)) and is_name(text)
+    """Whether a file may be written under a name: letters, digits, space and .()+@=-_ , at most 100 of them, and no device."""
+    return bool(NEW_NAME.fullmatch(text)) and is_name(text) and not is_reserved(text)
+
+
+def is_reserved(text: str) -> bool:
+    """Whether Windows takes a name for a device, whatever its suffix."""
+    return text.partition(".")[0].strip().lower() in RESERVED
+
+
+def check_new_name(text: str) -> None:
+    """Refuse a name under which no file can be written, with the reason."""
+    if is_reserved(text):
+        raise InputError(
+            f"{text[:60]!r} is the name of a device on Windows, which cannot hold such a file; choose another name"
+        )
+    if not is_new_name(text):
+        raise InputError(f"{text[:60]!r} is not a file name; use letters, digits, space and .()+@=-_")
 
 
 def new_name(text: str) -> str:

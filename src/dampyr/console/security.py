@@ -186,28 +186,38 @@ class TokenCheck(Check):
 
 @dataclass(eq=False)
 class BodyLimit:
-    """The application behind a limit on the body, whether its length is announced or not."""
+    """The application behind a limit on the body, whether its length is announced or not.
+
+    Where it is not, the connection ends with the answer: nobody reads on what may have no end.
+    """
 
     app: ASGIApp
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         headers, seen = Headers(raw=list(scope.get("headers", []))), 0
+        is_whole = "transfer-encoding" not in headers
         limit = MAX_UPLOAD if headers.get("content-type") == UPLOAD else MAX_BODY
         words = f"too large; at most {limit // 2**20} MiB are taken"
 
         async def counted() -> Message:
-            nonlocal seen
+            nonlocal seen, is_whole
             message = await receive()
+            is_whole = is_whole or not message.get("more_body", False)
             seen += len(message.get("body", b""))
             if seen > limit:
                 raise HTTPException(413, words)
             return message
 
+        async def answered(message: Message) -> None:
+            if message["type"] == "http.response.start" and not is_whole:
+                message["headers"] = [*message.get("headers", ()), (b"connection", b"close")]
+            await send(message)
+
         announced = headers.get("content-length", "0")
         if scope["type"] == "http" and not (re.fullmatch("[0-9]{1,20}", announced) and int(announced) <= limit):
             await _refusal(413, words)(scope, receive, send)
         else:
-            await self.app(scope, counted, send)
+            await self.app(scope, counted, answered)
 
 
 def _refusal(status: int, words: str) -> Response:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from dampyr.show.figure_data import write_figure_data
 from dampyr.show.figures import style
+from dampyr.show.figures.symbols import in_law_words
 from dampyr.show.journal_style import JournalStyle, in_style
 
 if TYPE_CHECKING:
@@ -27,5 +28,5 @@ def save(fig: Figure, path: str | Path, **journal: Any) -> Path:
     if path.suffix == ".csv":
         return write_figure_data(fig, path, look.decimal_comma)
     with style.style(), in_style(fig, look), style.on_white(fig):
-        fig.savefig(path, facecolor="white", dpi=200, metadata=_UNDATED.get(path.suffix))
+        in_law_words(fig).savefig(path, facecolor="white", dpi=200, metadata=_UNDATED.get(path.suffix))
     return path

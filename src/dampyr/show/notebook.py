@@ -11,6 +11,7 @@ import numpy as np
 
 from dampyr.show.descriptions import Rows, description_of
 from dampyr.show.figures.style import on_white
+from dampyr.show.figures.symbols import in_law_words
 from dampyr.show.table import Table, Verdict
 from dampyr.show.text import title_and_rows
 
@@ -91,5 +92,5 @@ def as_svg(figure: Figure) -> str:
 
     text = io.StringIO()
     with matplotlib.rc_context({"svg.fonttype": "none", "svg.hashsalt": "dampyr"}), on_white(figure):
-        figure.savefig(text, format="svg", facecolor="white", metadata={"Date": None})
+        in_law_words(figure).savefig(text, format="svg", facecolor="white", metadata={"Date": None})
     return re.sub(r"^.*?(?=<svg)", "", text.getvalue(), count=1, flags=re.DOTALL)

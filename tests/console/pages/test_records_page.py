@@ -37,6 +37,30 @@ def test_several_files_without_names_are_uploaded_with_the_columns_chosen_once(a
     assert read.force == pytest.approx(2e3 * np.array(ROWS)[:, 2] - 100.0, abs=0.2)
 
 
+def test_the_chosen_columns_are_drawn_before_they_are_uploaded(address, new_page, tmp_path):
+    lines = [f"{t:.2f};{x:.4f};{f:.3f};1,98".replace(".", ",") for t, x, f in ROWS]
+    (tmp_path / "Versuch.csv").write_text("\n".join(["Zeit in s;Weg in mm;Kraft in N;Spannung in V", *lines]))
+    page = new_page(f"{address}#/records?source=data")
+    page.get_by_text("Upload records").click()
+    page.get_by_label("File", exact=True).set_input_files(tmp_path / "Versuch.csv")
+    page.get_by_role("img", name="Kraft over Weg in the file, before it is uploaded").wait_for()
+    assert page.get_by_label("Channel of Spannung").input_value() == "voltage"
+    assert page.get_by_label("Channel of Weg").evaluate("box => box.clientWidth") > 120  # displacement is read whole
+    page.get_by_text("every row of 600").wait_for()
+    page.get_by_role("button", name="Save", exact=True).wait_for()
+    page.get_by_label("Channel of Weg").select_option("")
+    page.get_by_role("img", name="Weg over Zeit in the file, before it is uploaded").wait_for(state="detached")
+    page.get_by_role("img", name="Kraft over Zeit in the file, before it is uploaded").wait_for()
+    page.evaluate("location.assign('#/building')")
+    page.get_by_label("Inputs").fill("0,5")
+    page.get_by_role("button", name="Simulate").click()
+    page.get_by_text(
+        "Inputs: 0,5 can be one number or two; write 0.5 or 0,5; for the one number, 0; 5 for two"
+    ).wait_for()
+    page.get_by_label("Inputs").fill("0,5;")
+    page.get_by_label("Inputs").blur()
+
+
 def test_a_line_of_names_that_is_said_shows_the_columns_anew(address, new_page, tmp_path):
     (tmp_path / "two.csv").write_text("one,two,three\nt [s],x [mm],f [N]\n" + BARE)
     page = new_page(f"{address}#/records?source=data")
@@ -55,8 +79,11 @@ def test_an_upload_is_described_anew_renamed_and_deleted_after_a_question(addres
     page.get_by_text("Change what is said of it").click()
     page.get_by_label("Operator").fill("Jo")
     page.get_by_label("Voltage at the coil, V").fill("1,98")
+    page.get_by_label("Role").last.select_option("validation")
     page.get_by_role("button", name="Save the changes").click()
     page.get_by_text("The record is written anew").wait_for()
+    assert records.read(data / "uploads" / "a.h5").role == "validation"
+    page.locator("tr", has=page.get_by_label("Show a", exact=True)).get_by_text("validation").wait_for()
     assert records.read(data / "uploads" / "a.h5").voltage == 1.98
     page.get_by_text("Change what is said of it").click()
     page.get_by_role("button", name="Rename").click()
@@ -103,6 +130,72 @@ def test_the_figures_of_cycles_follow_the_form(address, new_page, data):
     page.get_by_label("Speeds, mm/s").fill("fast")
     page.get_by_label("Speeds, mm/s").blur()
     page.get_by_role("alert").or_(page.get_by_role("status")).filter(has_text="fast").first.wait_for()
+
+
+def test_records_are_told_apart_grouped_searched_and_overlaid_from_their_begins(address, new_page, data, accessible):
+    for run, specimen, operator, day, rest in (
+        ("monday", "no 1", "Ana", "01", 0.0),
+        ("tuesday", "no 2", "Jo", "02", 40.0),
+    ):
+        (data / "runs" / run).mkdir(parents=True)
+        for name in ("01-sine", "02-sine"):
+            stated = {"operator": operator, "started": f"2026-03-{day}T0{name[1]}:30:00", "date": f"2026-03-{day}"}
+            record = made(name, specimen=specimen, provenance=stated)
+            records.write(record.replace(note="later", time=record.time + rest), data / "runs" / run / f"{name}.h5")
+    page = new_page(f"{address}#/records?source=data", viewport={"width": 1440, "height": 700})
+    heads = page.locator("tr.group")
+    heads.nth(1).wait_for()
+    assert heads.all_inner_texts() == [
+        "runs/monday 2 records · no 1 · Ana · 2026-03-01", "runs/tuesday 2 records · no 2 · Jo · 2026-03-02"
+    ]  # fmt: skip
+    page.get_by_role("button", name="date").click()
+    page.get_by_role("button", name="date").click()  # the latest first, and its group
+    assert heads.first.inner_text().startswith("runs/tuesday")
+    dates = page.locator("tbody tr:not(.group) td:nth-child(3)").all_inner_texts()
+    assert [" ".join(date.split()) for date in dates] == [
+        f"2026-03-0{day} 0{hour}:30" for day in (2, 1) for hour in (2, 1)
+    ]
+    page.get_by_label("Group by").select_option("")
+    assert heads.count() == 0
+    names = page.locator("tbody td:nth-child(2)").all_inner_texts()
+    assert [" ".join(name.split()) for name in names][::2] == [
+        "01-sine runs/monday · no 1 · Ana",
+        "01-sine runs/tuesday · no 2 · Jo",
+    ]
+    for search, count in (("jo", 2), ("2026-03-01 02-sine", 1), ("monday ana", 2), ("nobody", 0)):
+        page.get_by_label("Filter").fill(search)
+        page.get_by_text(f"{count} of 4 records").wait_for()
+    page.get_by_label("Filter").fill("")
+    box = page.locator(".table").first  # all columns are seen at this width
+    assert box.evaluate("box => box.scrollWidth <= box.clientWidth")
+    for row in page.get_by_label("Show 01-sine").all():
+        row.check()
+    page.get_by_role("img", name="Force over time of 01-sine (monday), 01-sine (tuesday)").wait_for()
+    page.get_by_role("button", name="Save", exact=True).first.wait_for()
+    plots = "Bokeh.documents.filter((one) => one.roots().length).at(-1).roots()"
+    range_of = f"() => {plots}.map((one) => [one.x_range.start, one.x_range.end])[0]"
+    start, end = page.evaluate(range_of)
+    assert -1.0 < start <= 0.0 < 5.0 < end < 6.0
+    accessible(page)
+    page.get_by_label("Time from").select_option("rig")
+    page.wait_for_function(f"() => ({range_of})()?.[1] > 45")
+    assert "clock=rig" in page.url
+    page.set_viewport_size({"width": 390, "height": 800})
+    page.locator(".table.wider").first.wait_for()  # and where they are not, an edge is shaded
+    assert page.evaluate("document.documentElement.scrollWidth") <= 390
+
+
+def test_a_whole_run_is_chosen_by_one_box(address, new_page, data):
+    for run in ("monday", "tuesday"):
+        (data / "runs" / run).mkdir(parents=True)
+        for name in ("01-sine", "02-sine"):
+            records.write(made(name), data / "runs" / run / f"{name}.h5")
+    page = new_page(f"{address}#/identify")
+    page.get_by_label("Choose all of runs/tuesday").check()
+    page.get_by_text("2 chosen").wait_for()
+    page.get_by_label("Choose 01-sine").nth(1).uncheck()
+    assert page.get_by_label("Choose all of runs/tuesday").evaluate("box => box.indeterminate && !box.checked")
+    assert page.get_by_label("Source").input_value() == "data"
 
 
 def test_an_address_with_a_view_that_is_none_shows_the_first(address, new_page, data):

@@ -2,11 +2,12 @@
 
 import pytest
 
-from dampyr.show.figures.symbols import as_mathtext, symbol
+from dampyr.show.figures.symbols import as_mathtext, in_law_words, law_in_words, symbol
 from dampyr.show.pages.blocks import Section, Text
 from dampyr.show.pages.html_page import page
-from dampyr.show.pages.typography import as_html, with_powers
+from dampyr.show.pages.typography import as_html, as_words, with_powers
 from dampyr.show.table import Table
+from dampyr.structures import available_control_laws
 
 
 @pytest.mark.parametrize(
@@ -77,3 +78,25 @@ def test_a_page_sets_its_texts_and_sorts_by_what_was_given() -> None:
         assert shown in html
     assert 'data-key="dahl.kx"' in html
     assert 'data-key="9e-08"' in html
+
+
+def test_laws_and_parameters_are_words_on_paper_in_figures_and_on_pages() -> None:
+    from matplotlib.figure import Figure
+
+    assert not [words for words in map(law_in_words, available_control_laws()) if "_" in words]
+    assert [law_in_words(name) for name in ("bang_bang", "clipped_optimal_lqg", "lyapunov")] == [
+        "bang-bang", "clipped-optimal LQG", "Lyapunov"
+    ]  # fmt: skip
+    said = "clipped_optimal 0 to 3.2 V, lag 0.01 s; lyapunov 0 to 1e-3 V against --control bang_bang in bang_bang.py"
+    words = "clipped-optimal 0 to 3.2 V, lag 0.01 s; Lyapunov 0 to 1e-3 V against --control bang_bang in bang_bang.py"
+    assert as_words(said) == words
+    assert as_html(said) == words.replace("1e-3", "1·10⁻³")
+    assert as_words("dahl.kx @ 1.98 V and rho of bouc_wen.kw in ensaio.A.1, kx.h5") == (
+        "dahl k_x at 1.98 V and ρ of bouc wen k_w in ensaio.A.1, kx.h5"
+    )
+    figure = Figure()
+    axes = figure.subplots()
+    axes.plot([0, 1], label="bang_bang 0 to 3 V")
+    axes.legend()
+    in_law_words(figure)
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["bang-bang 0 to 3 V"]

@@ -13,6 +13,7 @@ from dampyr.console.equivalent_commands import typed_command
 from dampyr.console.jobs import FIGURES, FILES, PAGE
 from dampyr.console.page_words import in_page_words
 from dampyr.console.safe_paths import data_of, files
+from dampyr.show.pages.typography import as_words
 
 
 def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], None]) -> dict[str, Any]:
@@ -47,4 +48,8 @@ def _in_page_words(answer: dict[str, Any], folder: Path, data: Path) -> dict[str
 
     if answer["kind"] == "text":
         return answer | {"text": words(answer["text"])}
-    return answer | {"caption": words(answer["caption"]), "notes": [words(note) for note in answer["notes"]]}
+    return answer | {
+        "caption": words(answer["caption"]),
+        "notes": [words(note) for note in answer["notes"]],
+        "rows": [[as_words(cell) if isinstance(cell, str) else cell for cell in row] for row in answer["rows"]],
+    }

@@ -17,6 +17,7 @@ from dampyr.console.jobs import DATA, PAGE
 from dampyr.console.page_tables import page_table
 from dampyr.console.safe_paths import data_of
 from dampyr.show.figures.fragility import axis_of
+from dampyr.show.figures.symbols import with_law_words
 from dampyr.show.pages.ensemble_page import FRACTIONS
 from dampyr.show.pages.how_made import made_by
 from dampyr.show.pages.result_page import write_page
@@ -74,7 +75,7 @@ def _incremental(result: EnsembleResult) -> dict[str, Any] | None:
         "axis": {"words": axis.words, "unit": axis.unit, "factor": axis.per_si},
         "sweeps": [
             {
-                "name": sweep.name,
+                "name": with_law_words(sweep.name),
                 "levels": sweep.levels,
                 "fractiles": np.where(np.isfinite(sweep.fractiles), sweep.fractiles, np.nan),
                 "unbounded": sweep.unbounded,
@@ -92,7 +93,7 @@ def _fragility(curves: Fragility) -> dict[str, Any]:
         "limit": limit_in_words(curves),
         "axis": {"words": axis.words, "unit": axis.unit, "factor": axis.per_si},
         "table": page_table(curve_table(curves)),
-        "remarks": comparisons(curves),
+        "remarks": [with_law_words(sentence) for sentence in comparisons(curves)],
         "curves": [_curve(curve) for curve in curves.curves],
     }
 
@@ -103,9 +104,10 @@ def _curve(curve: FragilityCurve) -> dict[str, Any]:
     intensity, share, _ = curve.shares()
     low, high = curve.band(x, LEVEL) if curve.exists else (None, None)
     return {
-        "name": curve.name,
+        "name": with_law_words(curve.name),
         "x": x,
         "y": curve.at(x) if curve.exists else None,
+        "determined": not curve.no_band,
         "low": low,
         "high": high,
         "counted": {"x": intensity, "y": share},

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ import numpy as np
 from dampyr.atomic_write import write_whole
 from dampyr.console import curves, record_sources
 from dampyr.console.equivalent_commands import identify_command
-from dampyr.console.identify_schemas import IdentifyRequest
+from dampyr.console.identify_schemas import IdentifyRequest, search_workers
 from dampyr.console.jobs import CARD, CURVES, DATA, PAGE
 from dampyr.console.page_tables import page_table
 from dampyr.console.page_words import in_page_words
@@ -31,9 +30,8 @@ from dampyr.show.identification.validation import score_table
 from dampyr.show.pages.fit_sections import parameter_tables
 from dampyr.show.pages.how_made import made_by
 from dampyr.show.pages.result_page import write_page
+from dampyr.show.pages.typography import as_words
 from dampyr.to_json import plain
-
-MAX_WORKERS = 8  # each process compiles the models of its own trials, which more of them would only repeat
 
 
 def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], None]) -> dict[str, Any]:
@@ -41,8 +39,7 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
     parsed = IdentifyRequest(**request)
     progress("reading the records", 0.0)
     chosen = record_sources.read_all(data_of(folder), parsed.records)
-    workers = min((os.cpu_count() or 2) - 1, MAX_WORKERS)  # one core is left to the console and the rig
-    with local_processes(workers if parsed.model is None else 1) as executor:
+    with local_processes(search_workers() if parsed.model is None else 1) as executor:
         result = fit(chosen, parsed.model, parsed.options(), progress, executor)
     progress("writing the page", 0.9)
     with made_by(identify_command(parsed)):
@@ -62,8 +59,10 @@ def _summarise(fit: Fit) -> dict[str, Any]:
         "card": fit.damper is not None,
         "converged": fit.converged,
         "reason": fit.reason,
-        "verdict": {"kind": fit.verdict.kind, "words": fit.verdict.words},
-        "warnings_of_fit": [in_page_words(finding.sentence) for finding in besides(fit.findings, [fit.verdict.words])],
+        "verdict": {"kind": fit.verdict.kind, "words": as_words(fit.verdict.words)},
+        "warnings_of_fit": [
+            as_words(in_page_words(finding.sentence)) for finding in besides(fit.findings, [fit.verdict.words])
+        ],
         "findings": list(findings(fit.residuals)),
         "mean_l1": float(np.mean(l1)),
         "parameters": [page_table(table) for table in parameter_tables(fit)],

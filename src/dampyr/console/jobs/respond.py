@@ -17,6 +17,7 @@ from dampyr.console.equivalent_commands import response_command
 from dampyr.console.jobs import CURVES, DATA, PAGE
 from dampyr.console.safe_paths import data_of
 from dampyr.ground_motions.cutting import end_in_words
+from dampyr.show.figures.symbols import with_law_words
 from dampyr.show.pages.how_made import made_by
 from dampyr.show.pages.result_page import write_page
 from dampyr.show.structures.responses import truncation_note
@@ -44,7 +45,8 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
     progress("writing the page", 0.95)
     with made_by(response_command(parsed), files_read(data, parsed)):
         write_page(result, folder / PAGE)
-    write_whole(folder / CURVES, json.dumps(_curves(result.cases)))
+    shown = {with_law_words(name): response for name, response in result.cases.items()}
+    write_whole(folder / CURVES, json.dumps(_curves(shown)))
     note = truncation_note(result.cases)
     return {
         DATA: result.as_dict(),
@@ -55,7 +57,7 @@ def run(request: dict[str, Any], folder: Path, progress: Callable[[str, float], 
         "end": end_in_words(result.cases[BARE].after),
         "findings": [{"severity": finding.severity, "sentence": finding.sentence} for finding in result.findings],
         "note": f"{note}." if note else "",
-        "cases": [_summarise(name, response) for name, response in result.cases.items()],
+        "cases": [_summarise(name, response) for name, response in shown.items()],
     }
 
 

@@ -27,15 +27,18 @@ from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import CURVES, PAGE
 from dampyr.console.limits import READING
 from dampyr.console.option_schemas import form_of
+from dampyr.console.security import MAX_UPLOAD
 from dampyr.console.state import CurrentApp
 from dampyr.errors import DampyrError, FileError, InputError, MissingData
 from dampyr.models import Damper
 from dampyr.options import options_of
+from dampyr.show.figures.symbols import law_in_words
 from dampyr.structures.building_options import InstallationOptions
 from dampyr.studies import THESIS, available_structures
 
 TITLE, ORDER = "Building", 50
 RESPONSE, ENSEMBLE = "respond", "ensemble"
+MAX_TOML = 4 * 2**20  # bytes of a card or a structure: matrices of 400 degrees of freedom, and some 5 s of reading
 
 router = APIRouter()
 
@@ -44,7 +47,7 @@ class BuildingChoices(BaseModel):
     """What can be chosen."""
 
     dampers: list[DamperLink]
-    laws: list[str]
+    laws: dict[str, str] = Field(description="Control laws, each with its words for a reader.")
     motions: list[str]
     structures: list[str] = Field(description="Published ones by name; files by their path, structures/NAME.toml.")
     shared_options: list[dict[str, Any]] = Field(description="Those of a response and of an ensemble.")
@@ -74,7 +77,7 @@ async def list_choices(app: CurrentApp, request: Request) -> BuildingChoices:
     shared = tuple(option.name for option in options_of(InstallationOptions))
     return BuildingChoices(
         dampers=links,
-        laws=structures.available_control_laws(),
+        laws={name: law_in_words(name) for name in structures.available_control_laws()},
         motions=motions,
         structures=[*offered, *files],
         shared_options=form_of(InstallationOptions),
@@ -91,14 +94,13 @@ async def add_file(
     suffixes = MOTION_SUFFIXES if kind == MOTIONS else (".toml",)
     if Path(name).suffix.lower() not in suffixes:
         raise InputError(f"{name[:60]!r} is no file of {kind}; it must end in {', '.join(suffixes)}")
-    if not safe_paths.is_new_name(name):
-        raise InputError(f"{name[:60]!r} is not a file name; use letters, digits, space and .()+@=-_")
+    safe_paths.check_new_name(name)
     target = safe_paths.inside(app.data, f"{kind}/{name}")
     taken = HTTPException(409, f"there is a file {name!r} among the {kind} already; rename it, and add it again")
     if target.exists():
         raise taken
     async with incoming(app.data) as folder:
-        await receive(request, folder / name, app.data, app.quota)
+        await receive(request, folder / name, app.data, app.quota, MAX_UPLOAD if kind == MOTIONS else MAX_TOML)
         await app.uploads.run(request, READING, check_file, kind, folder / name)
         target.parent.mkdir(exist_ok=True)
         with safe_paths.ALONE:
@@ -183,7 +185,10 @@ def _check(data: Any, request: ResponseRequest | EnsembleRequest) -> None:
 
 def _inputs(request: ResponseRequest | EnsembleRequest) -> str:
     """What drives the damper: its constant inputs and its control laws."""
-    return " ".join([*(f"{value:g}" for value in request.damper.inputs), *request.damper.laws]) or "no input"
+    return (
+        " ".join([*(f"{value:g}" for value in request.damper.inputs), *map(law_in_words, request.damper.laws)])
+        or "no input"
+    )
 
 
 def _shown(name: str) -> str:

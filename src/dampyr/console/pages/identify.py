@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from typing import Annotated, Any
 
+from anyio import to_thread
 from fastapi import APIRouter, HTTPException, Query, Request
 from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, Field
@@ -12,7 +13,7 @@ from pydantic import BaseModel, Field
 from dampyr.console import record_sources, safe_paths
 from dampyr.console.damper_files import export_kinds, zipped_export
 from dampyr.console.dampers import CARDS, DamperLink, damper_of, list_dampers, title_of
-from dampyr.console.identify_schemas import IdentifyRequest, ValidateRequest
+from dampyr.console.identify_schemas import IdentifyRequest, ValidateRequest, search_workers
 from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import CARD, CURVES, PAGE
 from dampyr.console.limits import READING
@@ -20,12 +21,14 @@ from dampyr.console.option_schemas import form_of
 from dampyr.console.state import AppState, CurrentApp
 from dampyr.errors import InputError, MissingData
 from dampyr.identification import FitOptions, ScoreOptions
+from dampyr.identification.fits.fit_options import BUDGET
 from dampyr.models import Damper, available_parts
 from dampyr.models.part import part
 from dampyr.phrases import counted
 
 TITLE, ORDER = "Identify", 40
 KIND, VALIDATION = "identify", "validate"
+OVERHEAD = 1.25  # of a search's counted work: what compiles, and the last fits
 
 router = APIRouter()
 
@@ -40,6 +43,7 @@ class IdentifyChoices(BaseModel):
     dampers: list[DamperLink]
     score_options: list[dict[str, Any]]
     exports: dict[str, str]
+    search_time: str = Field(description="How long a search for the best model takes about, in a sentence.")
 
 
 class Card(BaseModel):
@@ -66,6 +70,7 @@ async def list_choices(app: CurrentApp, request: Request) -> IdentifyChoices:
         dampers=links,
         score_options=form_of(ScoreOptions),
         exports=export_kinds(),
+        search_time=await to_thread.run_sync(_search_time, app),
     )
 
 
@@ -100,8 +105,7 @@ def read_curves(app: CurrentApp, id: Id, record: Annotated[str, Query(max_length
 def save_card(app: CurrentApp, id: Id, card: Card) -> SavedCard:
     """Save the damper's card in the folder ``cards`` of the data folder; an existing one is not replaced."""
     damper = _damper(app, id)
-    if not safe_paths.is_new_name(card.name):
-        raise InputError(f"{card.name!r} is not a file name; use letters, digits, space and .()+@=-_")
+    safe_paths.check_new_name(card.name)
     target = safe_paths.inside(app.data, f"{CARDS}/{card.name}.toml")
     safe_paths.check_quota(app.data, 2**16, app.quota)
     target.parent.mkdir(exist_ok=True)
@@ -136,6 +140,22 @@ def _done(app: AppState, id: str, kinds: tuple[str, ...] = (KIND,)) -> Any:
         raise MissingData("that job is not an identification")
     app.jobs.result(id)
     return app.jobs.place(id)
+
+
+def _search_time(app: AppState) -> str:
+    """How long it takes to find the best model: as the last such search here, else what its counted work comes to."""
+    for job in app.jobs.all():
+        if job.kind == KIND and job.state == "done" and job.ended is not None:
+            request = app.jobs.request(job.id)
+            if request.get("model") is None:
+                count = counted(len(request.get("records", ())), "record")
+                return f"The last search in this data folder took {_minutes(job.ended - job.made)}, for {count}."
+    most = BUDGET * OVERHEAD / search_workers()
+    return f"Takes up to about {_minutes(most)} here, by its budget of counted work; longer beside other work."
+
+
+def _minutes(seconds: float) -> str:
+    return f"{max(round(seconds), 1)} s" if seconds < 90 else f"{seconds / 60:.0f} min"
 
 
 def _damper(app: AppState, id: str) -> Damper:

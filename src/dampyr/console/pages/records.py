@@ -49,16 +49,39 @@ class RecordEntry(BaseModel):
     note: str = ""
 
 
+class HarmonicAmplitude(BaseModel):
+    """The amplitude of the force, N, at a multiple of the excitation, Hz; 1 is the excitation itself."""
+
+    number: int
+    frequency: float
+    amplitude: float
+
+
+class Spectrum(Line):
+    """Amplitude of the force, N, by frequency, Hz: ``of`` which part, and what stands at the excitation and its multiples.
+
+    The excitation is None where the motion does not repeat itself.
+    """
+
+    of: str
+    excitation: float | None
+    harmonics: list[HarmonicAmplitude]
+
+
 class Curves(BaseModel):
-    """A record's lines, SI: over time, as loops, and by frequency. The velocity is as recorded, or derived."""
+    """A record's lines, SI: over time, as loops, and by frequency. The velocity is as recorded, or derived.
+
+    Times are from the begin of the motion, which is at ``begin``, s, by the record's clock.
+    """
 
     name: str
+    begin: float
     displacement: Line
     velocity: Line
     force: Line
     force_displacement: Line
     force_velocity: Line
-    spectrum: Line = Field(description="Amplitude of the force, N, by frequency, Hz.")
+    spectrum: Spectrum
 
 
 class Note(BaseModel):

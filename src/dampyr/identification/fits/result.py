@@ -36,7 +36,7 @@ from dampyr.models.damper import mapped_covariance
 from dampyr.models.prediction_error import check_level
 from dampyr.models.sampling_error import sampling_error, sampling_words
 from dampyr.origin import Origin, combined
-from dampyr.phrases import listing
+from dampyr.phrases import listing, with_reach
 from dampyr.records import Record, cycle_bounds
 from dampyr.records.checks.quality import motion_start
 from dampyr.shown import Shown
@@ -257,7 +257,7 @@ def reasons_of_choice(board: Any) -> dict[str, str]:
     if board.winner is not best:
         text = (
             f"the simplest within one standard error of the lowest validation error of {count} models: "
-            f"{error:.3g} %, against {100 * best.error:.3g} ± {100 * best.standard_error:.2g} % of {best.model}"
+            f"{error:.3g} %, against {with_reach(100 * best.error, 100 * best.standard_error)} % of {best.model}"
         )
     reasons = {"chosen": text}
     if board.runner_up:

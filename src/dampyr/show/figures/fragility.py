@@ -36,12 +36,13 @@ def axis_of(intensity: str) -> Axis:
 @dataclass(frozen=True, repr=False)
 class Fragile(Shown):
     """One curve: ``probability`` over ``intensity`` SI (n,), None without a curve; ``band`` (low, high); ``counted``
-    (intensity, share), shown as points."""
+    (intensity, share), shown as points. A curve that the cases do not ``determine`` is dashed."""
 
     intensity: ArrayLike
     probability: ArrayLike | None
     band: tuple[ArrayLike, ArrayLike] | None = None
     counted: tuple[ArrayLike, ArrayLike] | None = None
+    determined: bool = True
 
 
 @describe.register
@@ -81,7 +82,14 @@ def _draw(panel: Any, name: str, curve: Fragile, axis: Axis, colour: str) -> Non
     if curve.band is not None and not np.isnan(np.asarray(curve.band[0], dtype=float)).all():
         panel.fill_between(x, *(PROBABILITY.of(edge) for edge in curve.band), color=colour, alpha=0.16, lw=0)
     if curve.probability is not None:
-        panel.plot(x, PROBABILITY.of(curve.probability), color=colour, lw=1.4, label=label)
+        panel.plot(
+            x,
+            PROBABILITY.of(curve.probability),
+            color=colour,
+            lw=1.4,
+            ls="-" if curve.determined else "--",
+            label=label,
+        )
         label = None
     if curve.counted is not None:
         intensity, share = curve.counted

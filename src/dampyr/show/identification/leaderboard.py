@@ -10,7 +10,7 @@ import numpy as np
 
 from dampyr.identification.model_choice.leaderboard import Finalist, Leaderboard
 from dampyr.input_kinds import NO_INPUT
-from dampyr.phrases import counted, listing, percent, sentence
+from dampyr.phrases import counted, listing, percent, sentence, with_reach
 from dampyr.show.descriptions import DataFrameColumns, Description, describe
 from dampyr.show.figures.leaderboard import leaderboard_figure
 from dampyr.show.table import Cell, Table
@@ -30,7 +30,7 @@ def describe_entry(entry: Finalist) -> Description:
         [
             (
                 "error",
-                f"{percent(entry.error)} ± {percent(entry.standard_error)}, L1 {percent(entry.l1)}"
+                f"{_error(entry)}, L1 {percent(entry.l1)}"
                 + (f", of unseen inputs {percent(entry.unseen_input)}" if _has_input([entry]) else ""),
             ),
             ("NRMSE", f"{percent(entry.nrmse)}, pointwise {percent(entry.pointwise)}, energy {percent(entry.energy)}"),
@@ -64,7 +64,7 @@ def _rows(board: Leaderboard) -> list[tuple[str, str]]:
     winner, best = board.winner, board.best
     rows = [("chosen", f"{winner.model}, validation error {percent(winner.error)}")]
     if winner is not best:
-        rows.append(("lowest", f"{best.model}, {percent(best.error)} ± {percent(best.standard_error)}"))
+        rows.append(("lowest", f"{best.model}, {_error(best)}"))
     if board.runner_up:
         rows.append(("runner-up", f"{board.runner_up.model}, {percent(board.runner_up.error)}"))
     rows.append(("for a building", board.for_building.model if board.for_building else "none of the finalists"))
@@ -114,6 +114,13 @@ def finalists(board: Leaderboard) -> Table:
         digits=3,
     )  # fmt: skip
     return table if has_input else table.without("unseen input")
+
+
+def _error(entry: Finalist) -> str:
+    """The error of prediction with one standard error, of which it has the digits."""
+    if not entry.standard_error > 0.0:
+        return percent(entry.error)
+    return f"{with_reach(100 * entry.error, 100 * entry.standard_error)} %"
 
 
 def _constants_in_words(entries: Sequence[Finalist]) -> list[str]:
@@ -210,8 +217,8 @@ def choice_in_words(board: Leaderboard) -> list[str]:
     if winner is not best:
         words = [
             f"chosen: {winner.model}, {counted(winner.parameters, 'number')} and an error of {percent(winner.error)}; of the "
-            f"models within one standard error of the lowest ({best.model}, {percent(best.error)} ± "
-            f"{percent(best.standard_error)}) it {_merit(board)}"
+            f"models within one standard error of the lowest ({best.model}, {_error(best)}) "
+            f"it {_merit(board)}"
         ]
     words += _constants_in_words([winner])
     if suited is None:

@@ -17,6 +17,8 @@ def fragility_section(fragility: Fragility, colours: Mapping[str, str] | None = 
     caption = (
         f"Lognormal curves of largest likelihood; the band holds {100 * LEVEL:g} % of a bootstrap over the "
         f"{fragility.motions} motions (seed {fragility.seed}); points are the counted shares."
+        + " Dashed: not determined by these motions, the text says why."
+        * any(c.exists and c.no_band for c in fragility.curves)
         + (FEW if fragility.motions < 40 else "")
     )
     text: list[Block] = [Text("\n\n".join(sentences))] if (sentences := comparisons(fragility)) else []

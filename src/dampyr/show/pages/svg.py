@@ -8,6 +8,7 @@ from html import escape
 from typing import TYPE_CHECKING
 
 from dampyr.show.figures import style
+from dampyr.show.figures.symbols import in_law_words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,7 +38,7 @@ def inline_svg(fig: Figure, alt: str, prefix: str) -> str:
     """
     buffer = io.StringIO()
     with style.style():
-        fig.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None}, transparent=True)
+        in_law_words(fig).savefig(buffer, format="svg", metadata={"Date": None, "Creator": None}, transparent=True)
     raw = buffer.getvalue()
     svg = re.sub(r"<metadata>.*?</metadata>", "", raw[raw.index("<svg") :], flags=re.DOTALL)
     svg = _PATH.sub(lambda path: " ".join(_DECIMALS.sub(r"\1", path[0]).split()), svg)

@@ -6,7 +6,7 @@ import re
 from functools import lru_cache
 from html import escape
 
-from dampyr.show.figures.symbols import symbol
+from dampyr.show.figures.symbols import symbol, with_law_words
 
 POWERS = str.maketrans("-+0123456789", "⁻⁺⁰¹²³⁴⁵⁶⁷⁸⁹")
 _POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-])0*(\d+)(?![\w])")
@@ -26,9 +26,23 @@ def raised(exponent: str) -> str:
 
 
 def as_html(text: str) -> str:
-    """``text`` escaped, powers of ten written out, and names of parameters such as dahl.kx and kx as symbols."""
-    named = _names().sub(_set, escape(with_powers(text), quote=True))
+    """``text`` escaped, powers of ten written out, names of parameters such as dahl.kx and kx as symbols, laws in words."""
+    named = _names().sub(_set, escape(with_powers(with_law_words(text)), quote=True))
     return _BARE.sub(lambda match: _symbol(match[0], match[0]), named)
+
+
+def as_words(text: str) -> str:
+    """``text`` as `as_html` has it, in characters alone: dahl k_x at 1.98 V for ``dahl.kx @ 1.98 V``."""
+
+    def plain(match: re.Match[str]) -> str:
+        return f"{match[1].replace('_', ' ')} {_written(match[2])}{' at ' if match[3] else ''}"
+
+    return _BARE.sub(lambda match: _written(match[0]), _names().sub(plain, with_law_words(text)))
+
+
+def _written(name: str) -> str:
+    letter_and_index = symbol(name)
+    return name if letter_and_index is None else "_".join(filter(None, letter_and_index))
 
 
 def _set(match: re.Match[str]) -> str:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LEVEL = 0.9  # of the bands
+DETERMINED, UNDETERMINED = 4, 2  # digits of a curve's numbers
 FULL = 3.3  # standard deviations above the median: how far a figure goes
 
 
@@ -34,7 +35,11 @@ def describe_curve(curve: FragilityCurve) -> Description:
     ]
     if not curve.exists:
         return Description(title, [*rows, ("no curve", curve.reason)])
-    rows += [("theta", f"{curve.theta:.4g} (SI, the median intensity)"), ("beta", f"{curve.beta:.4g}")]
+    digits = UNDETERMINED if curve.no_band else DETERMINED
+    rows += [
+        ("theta", f"{curve.theta:.{digits}g} (SI, the median intensity)"),
+        ("beta", f"{curve.beta:.{digits}g}"),
+    ]
     if curve.no_band:
         rows.append(("no band", curve.no_band))
     else:
@@ -48,7 +53,10 @@ def describe_fragility(fragility: Fragility) -> Description:
     """The limit, the intensity and the medians; a table of the curves and their figure."""
     unit, factor = ("g", 1.0 / STANDARD_GRAVITY) if fragility.unit == "m/s^2" else (fragility.unit, 1.0)
     medians = [
-        f"{c.name}: {factor * c.theta:.3g} {unit}".rstrip() if c.exists else f"{c.name}: none" for c in fragility.curves
+        f"{c.name}: {factor * c.theta:.{UNDETERMINED if c.no_band else 3}g} {unit}".rstrip()
+        if c.exists
+        else f"{c.name}: none"
+        for c in fragility.curves
     ]
     return Description(
         "Fragility",
@@ -87,7 +95,8 @@ def curve_table(fragility: Fragility) -> Table:
     for c in fragility.curves:
         numbers = [float(axis.of(v)) for v in (c.theta, *c.theta_band(LEVEL))]
         direct = [float(axis.of(c.direct.theta)), c.direct.beta]
-        cells: list[Cell] = [None if np.isnan(v) else float(v) for v in (*numbers, c.beta, *direct)]
+        digits = UNDETERMINED if c.no_band else DETERMINED
+        cells: list[Cell] = [None if np.isnan(v) else float(f"{v:.{digits}g}") for v in (*numbers, c.beta, *direct)]
         rows.append([c.name, *cells, int(c.of.sum()), int(c.exceeding.sum()), c.unbounded])
     percent = f"{100 * LEVEL:g} %"
     return Table(
@@ -109,7 +118,11 @@ def curve_table(fragility: Fragility) -> Table:
 def comparisons(fragility: Fragility) -> list[str]:
     """What the cases cannot determine, and how curves compare, in sentences."""
     notes = [f"{c.name}: no curve; {c.reason}" for c in fragility.curves if not c.exists]
-    notes += [f"{c.name}: no band; {c.no_band}" for c in fragility.curves if c.exists and c.no_band]
+    notes += [
+        f"{c.name}: not determined, so its curve is dashed and its numbers have two digits: {c.no_band}"
+        for c in fragility.curves
+        if c.exists and c.no_band
+    ]
     notes += [
         f"{c.name}: no direct estimate; {c.direct.reason}" for c in fragility.curves if c.exists and c.direct.reason
     ]
@@ -119,7 +132,8 @@ def comparisons(fragility: Fragility) -> list[str]:
         if first.exists and c.exists:
             ratio, low, high = fragility.ratio(c.name, first.name, LEVEL)
             band = "" if np.isnan(low) else f" (90 % band {low:.3g} to {high:.3g})"
-            notes.append(f"{c.name}: its median is {ratio:.3g} times that of {first.name}{band}")
+            digits = UNDETERMINED if c.no_band or first.no_band else 3
+            notes.append(f"{c.name}: its median is {ratio:.{digits}g} times that of {first.name}{band}")
     return [sentence(note) for note in notes]
 
 
@@ -160,7 +174,8 @@ def _fragile(c: FragilityCurve, reach: float) -> Fragile:
     x = np.linspace(0.0, reach, 301)[1:]
     intensity, share, _ = c.shares()
     near = intensity <= reach
-    return Fragile(x, c.at(x) if c.exists else None, c.band(x, LEVEL), (intensity[near], share[near]))
+    curve = c.at(x) if c.exists else None
+    return Fragile(x, curve, c.band(x, LEVEL), (intensity[near], share[near]), determined=not c.no_band)
 
 
 @dataclass(frozen=True)

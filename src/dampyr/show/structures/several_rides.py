@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from dampyr.findings import as_dicts
-from dampyr.phrases import counted
+from dampyr.phrases import counted, with_reach
 from dampyr.show.descriptions import Description, describe
 from dampyr.show.structures.ride import figures_as_dict
 from dampyr.show.table import Table
@@ -61,7 +61,7 @@ def table_of(rides: Rides) -> Table:
 
 def _mean(rides: Rides, name: str, figure: str, factor: float) -> str:
     mean, scatter = (factor * value for value in rides.mean(name, figure))
-    return f"{mean:.3g}" if math.isnan(scatter) else f"{mean:.3g} ± {scatter:.2g}"
+    return f"{mean:.3g}" if math.isnan(scatter) else with_reach(mean, scatter)
 
 
 def _numbers(rides: Rides) -> dict[str, object]:

@@ -22,7 +22,7 @@ export const chart = (panel, settings = {}) => charts([panel], settings);
  * series: { name, of, x, y, colour, width, dash, points, shape, size, fill, tips, always }
  *
  * `label` says in words what is shown, for those who cannot see it. `least` is the span of an axis, in its unit, below which it
- * does not zoom into a signal that is constant; `log` makes it logarithmic; `zero` has y begin at 0. With `linked` all charts have
+ * does not zoom into a signal that is constant, `from` and `to` bound what of x is shown at first; `log` makes it logarithmic; `zero` has y begin at 0. With `linked` all charts have
  * one range of x: a zoom in one zooms all. A name in the legend hides its series in every chart; `of` counts a series to another
  * one's name. `dash` is one of dashed, dotted, long; `points` draws marks, of the `shape` circle, cross, square or ring, `fill` an
  * area within the line; `tips` are words for each point. null in x or y parts a line.
@@ -198,7 +198,9 @@ function build(library, parts, linked) {
     made.forEach((plot, k) => {
       const across = linked ? spans.flat() : spans[k];
       fit(plot.plot.x_range, extent(across.map((line) => line.x), plot.panel.x), linked ? 0 : 2 * k);
-      fit(plot.plot.y_range, extent(spans[k].map((line) => line.y), { pad: 0.06, zero: plot.panel.zero, ...plot.panel.y }), 2 * k + 1);
+      const { from = -Infinity, to = Infinity } = plot.panel.x;
+      const seen = (line) => (from === -Infinity && to === Infinity ? line.y : line.y.filter((_, i) => line.x[i] >= from && line.x[i] <= to));
+      fit(plot.plot.y_range, extent(spans[k].map(seen), { pad: 0.06, zero: plot.panel.zero, ...plot.panel.y }), 2 * k + 1);
     });
   }
 
@@ -370,11 +372,11 @@ function rendererOf(library, plot, series, name) {
 }
 
 /** From the least to the greatest value, with a margin; at least `least` wide, and never a signal's own rounding. */
-export function extent(columns, { pad = 0, least = 0, zero = false, log = false }) {
+export function extent(columns, { pad = 0, least = 0, zero = false, log = false, from = -Infinity, to = Infinity }) {
   let [low, high] = [Infinity, -Infinity];
   for (const values of columns) {
     for (const value of values) {
-      if (value === null || Number.isNaN(value) || (log && value <= 0)) continue;
+      if (value === null || Number.isNaN(value) || (log && value <= 0) || value < from || value > to) continue;
       if (value < low) low = value;
       if (value > high) high = value;
     }

@@ -68,6 +68,15 @@ export function number(value, digits = 4) {
   return mantissa.replace("-", "−") + power;
 }
 
+/** A value and half of its interval, of which two digits are said, and of the value no more: as `dampyr.phrases.with_reach`. */
+export function withReach(value, half) {
+  if (!Number.isFinite(value) || !(half > 0) || !Number.isFinite(half)) return `${number(value)} ± ${number(half, 2)}`;
+  const last = Math.floor(Math.log10(Number(half.toPrecision(2)))) - 1;
+  if (last > 4 || Math.max(Math.abs(value), half) < 1e-3) return `${number(value, Math.max(Math.floor(Math.log10(Math.max(Math.abs(value), half))) - last + 1, 1))} ± ${number(half, 2)}`;
+  const rounded = (one) => (Math.round(one / 10 ** last) * 10 ** last).toFixed(Math.max(-last, 0)).replace("-", "−");
+  return `${rounded(value)} ± ${rounded(half)}`;
+}
+
 /** As C's %g. */
 function general(value, digits) {
   if (value === 0) return "0";
@@ -77,3 +86,8 @@ function general(value, digits) {
 }
 
 const tidy = (text) => (text.includes(".") ? text.replace(/\.?0+$/, "") : text);
+
+/** A text whose parameters, such as k_x, are set as symbols. */
+export function symbols(text) {
+  return text.split(/((?<![\p{L}\p{N}_.])\p{L}_[\p{L}\p{N}](?![\p{L}\p{N}_]))/u).map((part, k) => (k % 2 ? h("var", {}, part[0], h("sub", {}, part.slice(2))) : part));
+}

@@ -21,8 +21,8 @@ export function numberList(text, name) {
   return typed.split(/,\s+|\s+|,$/).filter(Boolean).map((text) => {
     if (text.includes(",")) {
       const parts = text.split(",");
-      const reading = parts.length === 2 ? `can be the number ${parts.join(".")} or the list ${parts.join("; ")}` : "can be read in more than one way";
-      throw new Error(`${name}: ${text} ${reading}; part the values of a list by ; as in ${parts.length === 2 ? `${parts.join(",")}; 2 or ` : ""}${parts.join("; ")}`);
+      if (parts.length === 2) throw new Error(`${name}: ${text} can be one number or two; write ${parts.join(".")} or ${parts.join(",")}; for the one number, ${parts.join("; ")} for two`);
+      throw new Error(`${name}: ${text} can be read in more than one way; part the values of a list by ; as in ${parts.join("; ")}`);
     }
     if (!NUMBER.test(text)) throw new Error(`${name}: ${text} must be a number; part the values of a list by ; as in 2; 4,5; 8`);
     return Number(text);

@@ -1,19 +1,27 @@
 // Tables that sort: numbers to the right, a unit under each name, – where there is nothing.
-import { button, h, number } from "./dom.js";
+import { button, h, number, symbols } from "./dom.js";
 
 /**
- * table({ caption, columns: [{ name, unit, digits, align }], rows, pick: (index) => ... })
- * A cell is a number, text, null, or an element; { key, show } sorts by key and shows an element.
+ * table({ caption, columns: [{ name, unit, digits, align }], rows, groupOf, headOf })
+ * A column with `symbols` sets names of parameters, such as k_x, as symbols.
+ * A cell is a number, text, null, or an element; { key, show } sorts by key and shows an element. Rows with the same `groupOf(index)`
+ * stand together below `headOf(group, indices)`; they are sorted among themselves, and the groups by their first rows.
  */
-export function table({ caption = "", columns, rows, empty = "Nothing here." }) {
+export function table({ caption = "", columns, rows, empty = "Nothing here.", groupOf = null, headOf = null }) {
   const sides = columns.map((column, k) => column.align ?? (isNumeric(rows, k) ? "right" : "left"));
   const places = columns.map((column, k) => decimals(rows.map((row) => row[k]).filter((cell) => typeof cell === "number"), column.digits ?? 4));
-  const body = h("tbody");
-  const made = rows.map((row) => {
+  const groups = new Map();
+  rows.forEach((row, i) => {
     const line = h("tr", {}, row.map((cell, k) => h("td", { class: sides[k] }, shown(cell, columns[k], places[k]))));
-    body.append(line);
-    return { line, keys: row.map(key) };
+    const name = groupOf?.(i) ?? "";
+    if (!groups.has(name)) groups.set(name, { body: h("tbody"), made: [], indices: [] });
+    groups.get(name).made.push({ line, keys: row.map(key) });
+    groups.get(name).indices.push(i);
   });
+  for (const [name, { body, made, indices }] of groups) {
+    if (groups.size > 1) body.append(h("tr", { class: "group" }, h("th", { scope: "rowgroup", colspan: String(columns.length) }, headOf(name, indices))));
+    body.append(...made.map(({ line }) => line));
+  }
   const head = h("tr", {}, columns.map((column, k) => heading(column, sides[k], () => sort(k))));
   let turned = { column: -1, falling: false };
 
@@ -23,15 +31,30 @@ export function table({ caption = "", columns, rows, empty = "Nothing here." }) 
       if (j === k) cell.setAttribute("aria-sort", turned.falling ? "descending" : "ascending");
       else cell.removeAttribute("aria-sort");
     });
-    const filled = made.filter(({ keys }) => keys[k] !== null && keys[k] !== "");
-    const sign = turned.falling ? -1 : 1;
-    filled.sort((a, b) => sign * order(a.keys[k], b.keys[k]));
-    body.append(...filled.map(({ line }) => line), ...made.filter((plot) => !filled.includes(plot)).map(({ line }) => line));
+    const isFilled = ({ keys }) => keys[k] !== null && keys[k] !== "";
+    const compare = (a, b) => (turned.falling ? -1 : 1) * order(a.keys[k], b.keys[k]);
+    const inOrder = (some, of) => [...some.filter((one) => isFilled(of(one))).sort((a, b) => compare(of(a), of(b))), ...some.filter((one) => !isFilled(of(one)))];
+    for (const group of groups.values()) {
+      group.made = inOrder(group.made, (row) => row);
+      group.body.append(...group.made.map(({ line }) => line));
+    }
+    all.append(...inOrder([...groups.values()], ({ made }) => made[0]).map(({ body }) => body));
   }
 
-  const all = h("table", {}, caption ? h("caption", {}, caption) : null, h("thead", {}, head), body);
-  if (!rows.length) body.append(h("tr", {}, h("td", { colspan: String(columns.length), class: "blank" }, empty)));
-  return h("div", { class: "table", tabindex: "0", role: "region", "aria-label": caption || "Table" }, all);
+  const all = h("table", {}, caption ? h("caption", {}, caption) : null, h("thead", {}, head), [...groups.values()].map(({ body }) => body));
+  if (!rows.length) all.append(h("tbody", {}, h("tr", {}, h("td", { colspan: String(columns.length), class: "blank" }, empty))));
+  const box = h("div", { class: "table", tabindex: "0", role: "region", "aria-label": caption || "Table" }, all);
+  box.addEventListener("scroll", () => shade(box), { passive: true });
+  watched.observe(box);
+  return box;
+}
+
+const watched = new ResizeObserver((entries) => entries.forEach(({ target }) => shade(target)));
+
+/** Edges behind which a table goes on are shaded: that it scrolls is seen where there is no bar. */
+function shade(box) {
+  box.classList.toggle("more", box.scrollTop + box.clientHeight < box.scrollHeight - 2);
+  box.classList.toggle("wider", box.scrollLeft + box.clientWidth < box.scrollWidth - 2);
 }
 
 function heading(column, side, onclick) {
@@ -59,7 +82,8 @@ function shown(cell, column, places) {
   if (typeof cell === "object") return cell.show;
   if (typeof cell === "boolean") return cell ? "yes" : "no";
   if (typeof cell === "number" && places !== null && Number.isFinite(cell)) return (Number(cell.toFixed(places)) === 0 ? (0).toFixed(places) : cell.toFixed(places)).replace("-", "−");
-  return typeof cell === "number" || cell === "inf" ? number(cell, column.digits ?? 4) : cell;
+  if (typeof cell === "number" || cell === "inf") return number(cell, column.digits ?? 4);
+  return column.symbols ? symbols(cell) : cell;
 }
 
 const MAX_PLACES = 6; // behind the point; columns that need more have powers of ten

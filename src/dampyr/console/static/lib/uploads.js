@@ -1,10 +1,11 @@
 // Uploads: several files at once, their columns shown before, and what the files do not state themselves.
 import { get, query as asQuery, send, upload } from "./api.js";
+import { charts } from "./chart.js";
 import { choice, field, h, number, short } from "./dom.js";
 import { say } from "./notice.js";
 import { optionsForm } from "./options.js";
 
-const ENOUGH = 65536; // bytes of a file that show its columns
+const ENOUGH = 2 ** 20; // bytes of a file that show its columns: half a minute at 1 kHz
 const LOOK = 1000; // ms between two looks at the place in the queue
 const UNITS = { time: "s", displacement: "mm", force: "N", velocity: "mm/s", voltage: "V", current: "A", temperature: "degC" };
 
@@ -15,11 +16,14 @@ export function uploads(formats, options, taken) {
   const about = optionsForm(options, {}, () => said().header !== header && preview());
   const which = choice([], { "aria-label": "File whose columns are shown" });
   const shown = h("div", { id: "columns", "aria-live": "polite" });
+  const drawing = h("div", { id: "drawn-columns" });
+  let plots = null;
   const states = h("ul", { class: "before", id: "uploads" });
   const go = h("button", { type: "submit", class: "main" }, "Upload");
   let columns = [];
   let turn = 0;
   let header; // of the columns that are shown
+  let extent = { rows: 0, every: 1, isPart: false };
 
   async function preview() {
     const chosen = file.files[Number(which.value)] ?? file.files[0];
@@ -27,6 +31,7 @@ export function uploads(formats, options, taken) {
     header = said().header;
     columns = [];
     shown.replaceChildren();
+    draw();
     if (!chosen || !plainText.includes(chosen.name.split(".").at(-1).toLowerCase())) return;
     const question = asQuery({ header, part: chosen.size > ENOUGH });
     let result;
@@ -37,13 +42,33 @@ export function uploads(formats, options, taken) {
     }
     if (mine !== turn) return;
     columns = result.columns.map((shownColumn, k) => column(shownColumn, k, result.channels));
+    extent = { rows: result.rows, every: result.every, isPart: chosen.size > ENOUGH };
     shown.replaceChildren(...(result.problem ? [h("p", { class: "verdict bad" }, result.problem)] : [tableOf(result)]), ...(result.notices ?? []).map((notice) => h("p", { class: "soft" }, `${notice}.`)));
+    draw();
+  }
+
+  /** The chosen columns over the time, and the force over the displacement, as the file has them: what is chosen wrongly is seen. */
+  function draw() {
+    plots?.clear();
+    plots = null;
+    const of = Object.fromEntries(columns.filter((one) => one.channel.value).map((one) => [one.channel.value, one]));
+    const across = of.time ?? (columns.length ? { name: "row", drawn: columns[0].drawn.map((_, k) => k * extent.every), unit: { value: "" } } : null);
+    const measured = Object.entries(of).filter(([channel, one]) => channel !== "time" && one.kind === "number");
+    if (!across || !measured.length) return drawing.replaceChildren();
+    const axis = (one) => ({ words: one.name, unit: one.factor?.value.trim() ? "" : one.unit.value.trim(), pad: 0.03 });
+    const panel = (x, y, channel, height) => ({ label: `${y.name} over ${x.name} in the file, before it is uploaded`, x: axis(x), y: axis(y), height, series: [{ name: channel, x: x.drawn, y: y.drawn, colour: "blue", width: 1 }] });
+    const panels = measured.map(([channel, one]) => panel(across, one, channel, 120));
+    if (of.displacement && of.force) panels.push(panel(of.displacement, of.force, "force", 220));
+    plots = charts(panels, { across: true });
+    const every = extent.every > 1 ? `every ${extent.every}th row` : "every row";
+    drawing.replaceChildren(plots.element, h("p", { class: "soft" }, `As the file has them: ${every} of ${extent.isPart ? "its first " : ""}${extent.rows}.`));
   }
 
   function column(description, k, channels) {
     const name = description.name || `column ${k}`;
     const unit = h("input", { type: "text", maxlength: "20", value: description.unit || (description.kind === "number" ? UNITS[description.channel] ?? "" : ""), disabled: Boolean(description.unit) || description.kind !== "number", "aria-label": `Unit of ${name}` });
-    const channel = choice([["", "not read"], ...Object.keys(channels)], { value: description.channel, "aria-label": `Channel of ${name}`, onchange: () => (unit.value ||= unit.disabled ? "" : UNITS[channel.value] ?? "") });
+    const channel = choice([["", "not read"], ...Object.keys(channels)], { value: description.channel, "aria-label": `Channel of ${name}`, onchange: () => ((unit.value ||= unit.disabled ? "" : UNITS[channel.value] ?? ""), draw()) });
+    unit.addEventListener("change", draw);
     const typed = (words, placeholder) => h("input", { type: "text", maxlength: "40", placeholder, disabled: description.kind !== "number", "aria-label": `${words} of ${name}` });
     return { ...description, name, k, unit, factor: typed("Factor", "0.005 mm"), offset: typed("Offset", "-12 N"), channel, stated: description.unit, guessed: description.channel };
   }
@@ -113,7 +138,7 @@ export function uploads(formats, options, taken) {
   });
   which.addEventListener("change", preview);
   which.hidden = true;
-  const form = h("form", {}, field("File", file, `${formats.map((format) => format.title).join(", ")}; several at once, at most 64 MiB each`), which, shown,
+  const form = h("form", {}, field("File", file, `${[...new Set(formats.map((format) => format.title))].join(", ")}; several at once, at most 64 MiB each`), which, shown, drawing,
     about.element,
     h("div", { class: "row" }, go), states);
   form.addEventListener("submit", async (event) => {
@@ -137,6 +162,7 @@ export function uploads(formats, options, taken) {
     file.value = "";
     columns = [];
     shown.replaceChildren();
+    draw();
     which.hidden = true;
     taken(came);
   });

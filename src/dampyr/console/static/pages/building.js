@@ -139,11 +139,11 @@ export async function show(root, query) {
       const series = curves.flatMap((curve, k) => {
         const colour = colourAt(curve.name, k);
         const line = (y, more) => (y ? [{ colour, x: curve.x.map((v) => axis.factor * v), y: y.map((v) => (v === null ? null : 100 * v)), ...more }] : []);
-        return [...line(curve.y, { name: curve.name, always: true, width: 2.2 }), ...line(curve.low, { of: curve.name, dash: "dashed", width: 1 }), ...line(curve.high, { of: curve.name, dash: "dashed", width: 1 }),
+        return [...line(curve.y, { name: curve.name, always: true, width: 2.2, dash: curve.determined === false ? "dashed" : undefined }), ...line(curve.low, { of: curve.name, dash: "dotted", width: 1 }), ...line(curve.high, { of: curve.name, dash: "dotted", width: 1 }),
           { name: curve.y ? "" : curve.name, of: curve.name, always: true, colour, points: true, x: curve.counted.x.map((v) => axis.factor * v), y: curve.counted.y.map((v) => 100 * v) }];
       });
       return section(`Fragility: ${limit}`, notice(), plot({ label: `Probability of ${limit} over ${axis.words}`, x: { words: axis.words, unit: axis.unit, pad: 0.03 }, y: { words: "probability of exceeding", unit: "%" }, height: 380, zero: true, series }),
-        h("p", { class: "soft" }, `${r.cases} cases, ${r.motions} motions; dashed: 90 % bands over the motions; points: the shares that were counted.`),
+        h("p", { class: "soft" }, `${r.cases} cases, ${r.motions} motions; dotted: 90 % bands over the motions; points: the shares that were counted${curves.some((curve) => curve.y && curve.determined === false) ? "; dashed: a curve that these motions do not determine" : ""}.`),
         shown({ ...medians, caption: "Median and spread of each curve" }, 4), remarks.map((remark) => h("p", {}, remark)), row());
     };
     sheet.replaceChildren(
@@ -201,7 +201,7 @@ function asking(choices) {
   const controls = h("div", { class: "row", role: "group", "aria-label": "Control laws" });
   const passive = () => choices.dampers.find(({ name }) => name === damper.value)?.unit === ""; // no input, so one case and no law
   const range = h("p", { class: "soft" });
-  const laws = choices.laws.map((name) => [name, tick(name.replaceAll("_", " "))]);
+  const laws = Object.entries(choices.laws).map(([name, words]) => [name, tick(words)]);
   controls.append(...laws.map(([, box]) => box));
   const shared = optionsForm(choices.shared_options);
   const settings = optionsForm(choices.response_options);

@@ -3,9 +3,10 @@
 import { setAddress } from "../lib/address.js";
 import { download, get, post, query as asQuery } from "../lib/api.js";
 import { before } from "../lib/before.js";
+import { comparison } from "../lib/comparison.js";
 import { cardGroups, groupedOptions } from "../lib/cards.js";
 import { charts as drawCharts } from "../lib/chart.js";
-import { button, choice, field, h, number, section, tick } from "../lib/dom.js";
+import { button, choice, field, h, number, section, symbols, tick, withReach } from "../lib/dom.js";
 import { watch } from "../lib/jobs.js";
 import { attempt, say } from "../lib/notice.js";
 import { optionsForm } from "../lib/options.js";
@@ -33,13 +34,15 @@ export async function show(root, query) {
       h("fieldset", {}, h("legend", {}, "Model"), field("Hysteresis", model),
         h("div", { class: "row", role: "group", "aria-label": "Added to it" }, ons.map(([, box]) => box))),
       h("details", {}, h("summary", {}, "Fit options"), fitting.element),
-      h("div", { class: "row" }, button("Identify", () => start(composed()), { class: "main" }), button("Find the best model", () => start(null), { title: "Every model of the catalogue is tried: minutes" })),
+      h("div", { class: "row" }, button("Identify", () => start(composed()), { class: "main" }), button("Find the best model", () => start(null), { title: "Every model of the catalogue is tried" })),
+      h("p", { class: "soft" }, `Find the best model tries all of the catalogue. ${choices.search_time}`),
       h("fieldset", {}, h("legend", {}, "Or a card that is there"), field("Card", card, "What it predicts of the chosen records, none of which is fitted"),
         h("div", { class: "row" }, button("Validate", validate))),
       h("details", {}, h("summary", {}, "Scoring options"), scoring.element),
       past.element),
     h("div", {}, progress, sheet)));
   const open = query.get("job");
+  let beside = query.get("with") ?? "";
   if (open) reopen(open);
   else sheet.append(h("p", { class: "blank" }, "Choose records and a model, then identify; or a card, then validate. The result appears here."));
 
@@ -84,7 +87,7 @@ export async function show(root, query) {
 
   function follow(id) {
     if (!root.isConnected) return; // the person has left the page; the job continues
-    setAddress(root, "identify", { job: id });
+    setAddress(root, "identify", { job: id, with: beside || undefined });
     stop?.();
     clear();
     sheet.replaceChildren();
@@ -99,7 +102,8 @@ export async function show(root, query) {
     charts = [];
   }
 
-  function showResult({ id, result: r }) {
+  function showResult(job) {
+    const { id, result: r } = job;
     const name = h("input", { type: "text", maxlength: "80", value: r.model.replaceAll(" + ", "-") });
     const keep = async () => {
       const saved = await attempt(() => post(`identify/jobs/${id}/card`, { name: name.value }));
@@ -109,18 +113,19 @@ export async function show(root, query) {
     sheet.replaceChildren(
       section(r.model,
         r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : null,
-        h("p", { class: `verdict ${verdict.kind}` }, verdict.words),
+        h("p", { class: `verdict ${verdict.kind}` }, symbols(verdict.words)),
         r.predictions.map((prediction) => h("p", {}, `It predicts ${prediction.records} records that it was not fitted on, by ${prediction.split}, with an L1 of ${number(100 * prediction.mean_l1, 3)} %.`)),
         r.held.map((record) => h("p", {}, record.problem || `Validation record ${record.record}: L1 ${number(100 * record.l1, 3)} %, predicted.`)),
         h("div", { class: "row" }, r.card ? [field("Name of the card", name), button("Save the card", keep, { class: "main" }), Object.entries(choices.exports).map(([kind, words]) =>
           button(`Save as ${words}`, () => attempt(() => download(`identify/jobs/${id}/export?${asQuery({ to: kind })}`))))] : h("span", {}, "There is no damper to save."),
           h("a", { class: "button", href: `/api/identify/jobs/${id}/page`, download: "" }, "Save the whole page")),
-        r.warnings_of_fit.length ? h("details", {}, h("summary", {}, "Before you trust the numbers"), h("ul", {}, r.warnings_of_fit.map((warning) => h("li", {}, warning)))) : null),
+        r.warnings_of_fit.length ? h("details", {}, h("summary", {}, "Before you trust the numbers"), h("ul", {}, r.warnings_of_fit.map((warning) => h("li", {}, symbols(warning))))) : null),
       r.data.leaderboard ? board(r.data.leaderboard.entries, r.choice) : "",
       measuredAndModelled(id, r),
       section("Parameters", r.parameters.map((shown) => table({
-        caption: shown.caption, columns: shown.columns.map((words) => ({ name: words })), rows: shown.rows }))),
+        caption: shown.caption, columns: shown.columns.map((words) => ({ name: words, symbols: true })), rows: shown.rows }))),
       section("Goodness of fit by record", table({ columns: r.scores.columns.map((words, k) => ({ name: words, unit: r.scores.units[k], digits: 3 })), rows: r.scores.rows, caption: `From ${number(r.settling, 3)} s after the motion starts, each record's own offset taken` })),
+      section("Beside another fit", comparison(job, beside, (other) => ((beside = other), setAddress(root, "identify", { job: id, with: other || undefined })), plot)),
       section("Residuals", r.findings.map((finding) => h("p", {}, `${finding.charAt(0).toUpperCase()}${finding.slice(1)}.`))),
     );
   }
@@ -189,8 +194,8 @@ function board(entries, words) {
   const percent = (value) => (typeof value === "number" ? 100 * value : value);
   return section("Which model predicts best", words.map((sentence) => h("p", {}, `${sentence.charAt(0).toUpperCase()}${sentence.slice(1)}.`)), table({
     caption: "Every score is of a prediction: 3/4 of the error over records left out, 1/4 over inputs left out",
-    columns: [{ name: "model" }, { name: "error", unit: "%", digits: 3 }, { name: "±", unit: "%", digits: 2 }, { name: "L1", unit: "%", digits: 3 }, { name: "relevelled", unit: "%", digits: 3 }, { name: "unseen input", unit: "%", digits: 3 }, { name: "NRMSE", unit: "%", digits: 3 },
+    columns: [{ name: "model" }, { name: "error ±", unit: "%" }, { name: "L1", unit: "%", digits: 3 }, { name: "relevelled", unit: "%", digits: 3 }, { name: "unseen input", unit: "%", digits: 3 }, { name: "NRMSE", unit: "%", digits: 3 },
       { name: "energy", unit: "%", digits: 3 }, { name: "parameters" }, { name: "building" }],
-    rows: entries.map((e) => [e.model, percent(e.error), percent(e.standard_error), percent(e.l1), percent(e.relevelled), percent(e.unseen_input), percent(e.nrmse), percent(e.energy), e.parameters, e.not_for_buildings ? "no" : "yes"]),
+    rows: entries.map((e) => [e.model, typeof e.error === "number" ? { key: e.error, show: withReach(100 * e.error, percent(e.standard_error)) } : null, percent(e.l1), percent(e.relevelled), percent(e.unseen_input), percent(e.nrmse), percent(e.energy), e.parameters, e.not_for_buildings ? "no" : "yes"]),
   }));
 }

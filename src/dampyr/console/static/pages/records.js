@@ -10,39 +10,40 @@ import { attempt, say } from "../lib/notice.js";
 import { oneNumber } from "../lib/numbers.js";
 import { optionsInAddress } from "../lib/options.js";
 import { originBadge, originLine } from "../lib/origin.js";
+import { usualSource } from "../lib/picker.js";
+import { grouping, inputOf, isFound, isGrouping, told, whenOf } from "../lib/record_facts.js";
 import { table } from "../lib/table.js";
 import { uploads } from "../lib/uploads.js";
 
 const MAX_OPEN = COLOURS.length;
 const TIME = { words: "time", unit: "s" };
+const CLOCKS = [["begin", "the begin of each motion"], ["rig", "the clock of each record"]];
 const FORCE = { words: "force", unit: "N", least: 20 };
 const DISPLACEMENT = { words: "displacement", unit: "mm", least: 1 };
 const VELOCITY = { words: "velocity", unit: "mm/s", least: 5 };
 const TABS = { time: "Time", loops: "Loops", spectra: "Spectra", cycles: "Cycles", acceptance: "Acceptance", about: "About" };
 
 export async function show(root, query) {
-  const state = { source: query.get("source"), open: query.getAll("open").slice(0, MAX_OPEN), tab: Object.hasOwn(TABS, query.get("tab") ?? "") ? query.get("tab") : "time", filter: "", role: "" };
+  const state = { source: query.get("source"), open: query.getAll("open").slice(0, MAX_OPEN), tab: Object.hasOwn(TABS, query.get("tab") ?? "") ? query.get("tab") : "time", filter: "", role: "", group: isGrouping(query.get("group")) ? query.get("group") : "run", clock: query.get("clock") === "rig" ? "rig" : "begin", all: query.get("all") === "true" };
   const cached = new Map();
   let listed = [];
   let drawings = [];
   const [sources, formats, reading, judging, figures] = await Promise.all(["sources", "formats", "uploads/options", "acceptance/options", "cycle-figures/options"].map((name) => get(`records/${name}`)));
   const request = fromAddress(query, judging);
   const asked = { options: figures, values: optionsInAddress(figures, query) };
-  if (!state.source) { // one's own records, where there are any
-    const own = await get(`records/list?${asQuery({ source: "data" })}`);
-    state.source = own.length ? "data" : sources.at(-1).name;
-  }
+  state.source ??= await usualSource(sources);
 
   const list = h("div");
   const sheet = h("div");
   const source = choice(sources.map((source) => [source.name, source.title]), { value: state.source, onchange: () => ((state.source = source.value), load()) });
-  const filter = h("input", { type: "search", oninput: () => ((state.filter = filter.value.toLowerCase()), fill()) });
+  const filter = h("input", { type: "search", placeholder: "name, specimen, date …", oninput: () => ((state.filter = filter.value), fill()) });
   const role = choice([["", "all"], ["fit", "fit"], ["validation", "validation"], ["notes", "with remarks"]], { onchange: () => ((state.role = role.value), fill()) });
+  const group = grouping(state.group, (value) => ((state.group = value), keepAddress(), fill()));
   const rest = tick("Interrupted and repeated ones too", { onchange: () => fill() });
   root.append(
     h("div", { class: "split wide" },
       h("div", { class: "side" },
-        h("div", { class: "fields sources" }, field("Source", source), field("Filter", filter), field("Role", role)),
+        h("div", { class: "fields sources" }, field("Source", source), field("Filter", filter), field("Role", role), field("Group by", group)),
         rest,
         list,
         uploads(formats.read, reading, (keys) => ((state.source = source.value = "data"), (state.open = keys.slice(0, MAX_OPEN)), load(true)))),
@@ -59,24 +60,25 @@ export async function show(root, query) {
   function fill() {
     const shown = listed.filter(passes);
     const leftOut = rest.firstChild.checked ? 0 : listed.filter((record) => record.left_out && !shown.includes(record)).length;
-    const rows = shown.map((record) => {
+    const { groupOf, headOf, lineOf } = told(shown, state.group);
+    const dated = shown.some(whenOf);
+    const rows = shown.map((record, k) => {
       const m = record.about?.measured;
       const seen = record.about?.overview;
-      return [tickFor(record), nameOf(record), inputOf(record.about), m?.frequency_hz ?? null, m || seen ? 1e3 * (m?.peak_to_peak_m ?? seen.stroke_m) : null,
+      return [tickFor(record), nameOf(record, lineOf(k)), ...(dated ? [whenCell(record)] : []), inputOf(record.about), m?.frequency_hz ?? null, m || seen ? 1e3 * (m?.peak_to_peak_m ?? seen.stroke_m) : null,
         m || seen ? 1e3 * (m?.peak_speed ?? seen.peak_speed) : null];
     });
     list.replaceChildren(table({
       caption: `${shown.length} of ${listed.length} records; up to ${MAX_OPEN} are overlaid${leftOut ? `; ${leftOut} interrupted or repeated not shown` : ""}`,
-      columns: [{ words: "Shown", plain: true }, { name: "record" }, { name: "input" }, { name: "frequency", unit: "Hz" }, { name: "stroke", unit: "mm" }, { name: "peak speed", unit: "mm/s" }],
-      rows,
-      empty: state.source === "data" ? "No records are here yet; upload one below, or run a campaign." : "No record matches the filter.",
+      columns: [{ words: "Shown", plain: true }, { name: "record" }, ...(dated ? [{ name: "date" }] : []), { name: "input" }, { name: "frequency", unit: "Hz" }, { name: "stroke", unit: "mm" }, { name: "peak speed", unit: "mm/s" }],
+      rows, groupOf, headOf,
+      empty: state.source === "data" && !listed.length ? "No records are here yet; upload one below, or run a campaign." : "No record matches the filter.",
     }));
   }
 
   function passes(record) {
     if (record.left_out && !rest.firstChild.checked && !state.open.includes(record.key)) return false;
-    const words = `${record.key} ${inputOf(record.about)?.key ?? ""} ${record.about?.notes.join(" ") ?? record.problem} ${record.note}`.toLowerCase();
-    if (!words.includes(state.filter)) return false;
+    if (!isFound(record, state.filter)) return false;
     if (state.role === "notes") return Boolean(record.problem || record.about.notes.length || record.note);
     return !state.role || record.about?.role === state.role;
   }
@@ -98,7 +100,7 @@ export async function show(root, query) {
   }
 
   function keepAddress() {
-    setAddress(root, "records", { source: state.source, open: state.open, tab: state.tab, ...forAddress(request), ...asked.values });
+    setAddress(root, "records", { source: state.source, group: state.group === "run" ? undefined : state.group, open: state.open, tab: state.tab, clock: state.clock === "rig" ? "rig" : undefined, all: state.all || undefined, ...forAddress(request), ...asked.values });
   }
 
   async function draw() {
@@ -114,7 +116,7 @@ export async function show(root, query) {
     sheet.replaceChildren(tabs, body);
     const chosen = [...state.open];
     const parts = await attempt(() => VIEWS[state.tab](chosen));
-    const notice = listed.filter((record) => chosen.includes(record.key)).map((record) => originLine(record.about?.origin, short(record.key))).filter(Boolean);
+    const notice = originLines(listed.filter((record) => chosen.includes(record.key)));
     if (parts && chosen.join() === state.open.join()) body.replaceChildren(...notice, ...parts);
   }
 
@@ -155,11 +157,16 @@ export async function show(root, query) {
     return made.element;
   }
 
+  function clockChoice() {
+    const clock = choice(CLOCKS, { value: state.clock, onchange: () => ((state.clock = clock.value), draw()) });
+    return h("div", { class: "row" }, field("Time from", clock));
+  }
+
   const VIEWS = {
     async time(keys) {
-      const loaded = await curves(keys);
+      const loaded = (await curves(keys)).map((record) => (state.clock === "rig" ? byClock(record) : record));
       const over = (which, words, y, fy, height) => ({ label: `${words} over time of ${named(loaded)}`, x: TIME, y, height, series: seriesOf(loaded, which, 1, fy) });
-      return [drawn([over("displacement", "Displacement", DISPLACEMENT, 1e3, 210), over("velocity", "Velocity", VELOCITY, 1e3, 210), over("force", "Force", FORCE, 1, 250)], { linked: true }), hint()];
+      return [clockChoice(), drawn([over("displacement", "Displacement", DISPLACEMENT, 1e3, 210), over("velocity", "Velocity", VELOCITY, 1e3, 210), over("force", "Force", FORCE, 1, 250)], { linked: true }), hint()];
     },
     async loops(keys) {
       const loaded = await curves(keys);
@@ -168,8 +175,18 @@ export async function show(root, query) {
     },
     async spectra(keys) {
       const loaded = await curves(keys);
-      return [drawn([{ label: `Amplitudes of the force by frequency of ${named(loaded)}`, height: 420, x: { words: "frequency", unit: "Hz", log: true }, y: { words: "amplitude of the force", unit: "N", log: true },
-        series: seriesOf(loaded, "spectrum") }]), hint()];
+      const names = namesOf(loaded);
+      const marks = loaded.map(({ spectrum: { harmonics: marked } }, k) => ({ name: "", of: names[k], points: true, shape: "ring", size: 9, colour: COLOURS[k], always: true,
+        x: marked.map((one) => one.frequency), y: marked.map((one) => one.amplitude), tips: marked.map((one) => (one.number === 1 ? "excitation" : `harmonic ${one.number}`)) }));
+      const excited = loaded.map(({ spectrum: { excitation } }) => excitation).filter((frequency) => frequency !== null);
+      const whole = tick("All frequencies", { checked: state.all, onchange: () => ((state.all = whole.firstChild.checked), draw()) });
+      const range = state.all || !excited.length ? {} : { from: Math.min(...excited) / 3, to: 40 * Math.max(...excited) };
+      const rows = loaded.flatMap(({ spectrum: { harmonics: marked, of } }, k) => marked.length ? [[names[k], of, marked[0].frequency, marked[0].amplitude, ...SHOWN_HARMONICS.map((wanted) => percent(marked.find((one) => one.number === wanted), marked[0]))]] : []);
+      return [h("div", { class: "row" }, whole), drawn([{ label: `Amplitudes of the force by frequency of ${named(loaded)}`, height: 420, x: { words: "frequency", unit: "Hz", log: true, ...range }, y: { words: "amplitude of the force", unit: "N", log: true, pad: 0.05 },
+        series: [...loaded.map((record, k) => ({ name: names[k], x: record.spectrum.x, y: record.spectrum.y, colour: COLOURS[k], always: true })), ...marks] }]), hint(),
+      h("p", { class: "soft" }, `${[...new Set(loaded.map(({ spectrum: { of } }) => of))].join("; ")}. ○ the excitation and its harmonics.`),
+      rows.length ? table({ caption: "Harmonics of the force, as parts of the amplitude at the excitation", rows,
+        columns: [{ name: "record" }, { name: "of" }, { name: "excitation", unit: "Hz" }, { name: "amplitude", unit: "N" }, ...SHOWN_HARMONICS.map((wanted) => ({ name: `${wanted}`, unit: "%", digits: 3 }))] }) : ""];
     },
     async cycles(keys) {
       const loaded = await Promise.all(keys.map((key) => get(`records/cycles?${asQuery({ key })}`)));
@@ -237,6 +254,7 @@ export async function show(root, query) {
     const entries = { specimen: a.specimen, operator: a.provenance.operator, measurement_session: a.measurement_session };
     const inputs = Object.fromEntries(Object.entries(entries).map(([name, value]) => [name, h("input", { type: "text", maxlength: "100", value: value ?? "" })]));
     const numbers = { voltage: a.input === "V" ? a.input_value : null, current: a.input === "A" ? a.input_value : null, temperature: null };
+    inputs.role = choice(["fit", "validation"], { value: a.role });
     for (const [name, value] of Object.entries(numbers)) inputs[name] = h("input", { type: "text", inputmode: "decimal", value: value ?? "" });
     const typed = (name) => (name in numbers ? oneNumber(inputs[name].value, WORDS[name]) : inputs[name].value.trim());
     const before = Object.fromEntries(Object.keys(inputs).map((name) => [name, typed(name)]));
@@ -281,22 +299,35 @@ export async function show(root, query) {
   return () => drawings.forEach((drawing) => drawing.clear());
 }
 
-const WORDS = { specimen: "Specimen", operator: "Operator", measurement_session: "Session", voltage: "Voltage at the coil, V", current: "Current, A", temperature: "Temperature, °C" };
+const WORDS = { role: "Role", specimen: "Specimen", operator: "Operator", measurement_session: "Session", voltage: "Voltage at the coil, V", current: "Current, A", temperature: "Temperature, °C" };
 const UNITS = { time: ["s", 1], displacement: ["mm", 1e3], force: ["N", 1], velocity: ["mm/s", 1e3], voltage: ["V", 1], current: ["A", 1], temperature: ["°C", 1] };
 const inUnit = (channel, value, digits) => `${number((UNITS[channel]?.[1] ?? 1) * value, digits)} ${UNITS[channel]?.[0] ?? ""}`;
 const times = (values, factor) => (factor === 1 ? values : values.map((value) => factor * value));
+const SHOWN_HARMONICS = [2, 3, 5, 7, 9];
+const percent = (harmonic, first) => (harmonic ? (100 * harmonic.amplitude) / first.amplitude : null);
+const TIMES = ["displacement", "velocity", "force"];
+const byClock = (record) => ({ ...record, ...Object.fromEntries(TIMES.map((name) => [name, { ...record[name], x: record[name].x.map((time) => time + record.begin) }])) });
 const named = (loaded) => namesOf(loaded).join(", ");
 const hint = () => h("p", { class: "soft" }, "Drag over a chart to zoom in (on a touch screen press Zoom first); double-click to show all. A name in the legend hides its line.");
 
 /** The names of records; of two runs with the same names each with its folder. */
 const namesOf = (loaded) => loaded.map((record) => (loaded.some((other) => other !== record && other.name === record.name) ? `${record.name} (${record.key.split("/").at(-2)})` : record.name));
 
-const nameOf = (record) => ({ key: record.key, show: h("span", { class: "named", title: record.key }, short(record.key), flags(record)) });
+const nameOf = (record, line) => ({ key: record.key, show: h("span", { class: "named", title: record.key }, short(record.key), flags(record), line) });
 
-export function inputOf(about) {
-  if (!about?.input_range) return null;
-  const [low, high] = about.input_range;
-  return { key: low, show: low === high ? `${number(low, 5)} ${about.input}` : `${number(low, 3)} to ${number(high, 3)} ${about.input}` };
+/** Date above time: both whole where the column is narrow. */
+function whenCell(record) {
+  const when = whenOf(record);
+  return when && { key: when, show: h("span", {}, when.split(" ").flatMap((part) => [h("span", { class: "when" }, part), " "])) };
+}
+
+/** What is said of all records shown that are not measured: a line for each kind. */
+function originLines(records) {
+  const kinds = [...new Set(records.map((record) => record.about?.origin.kind))];
+  return kinds.map((kind) => {
+    const some = records.filter((record) => record.about?.origin.kind === kind);
+    return originLine(some[0].about?.origin, some.length === records.length && some.length > 1 ? "All records shown" : some.map((record) => short(record.key)).join(", "));
+  }).filter(Boolean);
 }
 
 function flags(record) {
