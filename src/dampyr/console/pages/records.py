@@ -57,7 +57,7 @@ class HarmonicAmplitude(BaseModel):
     amplitude: float
 
 
-class Spectrum(Line):
+class RecordSpectrum(Line):
     """Amplitude of the force, N, by frequency, Hz: ``of`` which part, and what stands at the excitation and its multiples.
 
     The excitation is None where the motion does not repeat itself.
@@ -81,7 +81,7 @@ class Curves(BaseModel):
     force: Line
     force_displacement: Line
     force_velocity: Line
-    spectrum: Spectrum
+    spectrum: RecordSpectrum
 
 
 class Note(BaseModel):

@@ -15,7 +15,7 @@ from dampyr.argument_kinds import RECORDS, Argument, check_kinds
 from dampyr.errors import InputError
 from dampyr.findings import Finding
 from dampyr.identification.fits.fit_options import BUDGET, FitOptions
-from dampyr.identification.fits.least_squares import fit_model, read_and_check
+from dampyr.identification.fits.least_squares import check_fittable, fit_model, read_and_check
 from dampyr.identification.fits.motion_coverage import list_motions_beyond
 from dampyr.identification.fits.result import Fit
 from dampyr.identification.model_choice.channel_delay import list_channel_delays
@@ -182,6 +182,7 @@ def check_records(
                 "only validation records are chosen, and these are never fitted; choose some that are for fits"
             )
         raise InputError("there are no records to fit; give one or more")
+    check_fittable(fitted)
     if not options.mixed_origins:
         check_one_kind(fitted)
     if options.predict or model is None:

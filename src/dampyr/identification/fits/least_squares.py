@@ -107,7 +107,7 @@ def prepared(
     composition = compose(model) if isinstance(model, str) else model
     if isinstance(composition, Damper):
         composition = composition.composition
-    _check_records(list(records))
+    check_fittable(records)
     if options.bandwidth is not None:
         check_bandwidth(records, options.bandwidth)
     pieces = [piece(record, options.bandwidth) for record in records]
@@ -151,7 +151,8 @@ def one_thread() -> Iterator[None]:
                 _within.close()
 
 
-def _check_records(records: list[Record]) -> None:
+def check_fittable(records: Sequence[Record]) -> None:
+    """Refuse records that are not fitted together: none, validation records, inputs of several kinds, equal names."""
     if not records:
         raise InputError("there are no records to fit; give one or more")
     held = [r.name for r in records if r.role == "validation"]

@@ -45,7 +45,7 @@ import numpy as np
 from dampyr.argument_kinds import RECORDS, Argument, check_kinds
 from dampyr.errors import DampyrWarning, InputError
 from dampyr.identification.fits.fit_options import BUDGET, FitOptions
-from dampyr.identification.fits.least_squares import fit_model
+from dampyr.identification.fits.least_squares import check_fittable, fit_model
 from dampyr.identification.fits.result import Fit
 from dampyr.identification.model_choice import parallel
 from dampyr.identification.model_choice.parameter_laws import PAIRS, list_held, may_follow_input, with_constant
@@ -252,6 +252,7 @@ def leaderboard(
     listed, pieces = enough_records(whole, options.settling)
     list_unscorable(listed, options.settling)
     begun = time.perf_counter()
+    check_fittable(listed)
     deadline = math.inf if options.seconds is None else time.monotonic() + options.seconds
     budget = BUDGET if options.budget is None else options.budget
     report = progress or (lambda what, done: None)
