@@ -12,7 +12,7 @@ def test_the_titles_of_responses_say_what_is_computed(client):
     for inputs, laws in (([1.98], []), ([0.5, 1.0], ["on_off"])):
         client.post("/api/building/responses", json={"damper": {"inputs": inputs, "laws": laws}})
     titles = [job["title"] for job in client.get("/api/jobs").json()]
-    assert [title.rpartition(", ")[2] for title in titles] == ["0.5 1 on_off", "1.98"]
+    assert [title.rpartition(", ")[2] for title in titles] == ["0.5 1 on-off", "1.98"]
 
 
 @pytest.mark.usefixtures("light")
