@@ -53,9 +53,7 @@ def report_of(folder: Path) -> Path:
             if path.is_file() and not path.is_symlink() and path.stat().st_mtime >= newest:
                 return path
         reports = [RunReport(folder / CYCLES, ("cycles", str(folder)))]
-        if has_protocol(
-            folder
-        ):  # some kinds have no figures of their own, which the command says: then those of the cycles
+        if has_protocol(folder):  # one of a kind without figures of its own is refused, and has those of its cycles
             reports.insert(0, RunReport(folder / PROTOCOL, ("protocol", str(folder))))
         for report in reports:
             why = report.write()
