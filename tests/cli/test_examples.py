@@ -25,7 +25,7 @@ SERVERS = ("console", "serve")
 LONG = (
     "demo", "reproduce", "hybrid", "identify", "calibrate", "run campaign.toml --out", "export damper.toml --to fmu",
     "simulate", "ensemble", "arena", "doctor --rig", "doctor --warm", "motion --pga",
-    "accept damper.toml tests --tolerance 10%", "plan",
+    "accept damper.toml tests --tolerance 10%", "plan", "posterior",
 )  # fmt: skip
 ASKING = ("dampyr doctor --rig rig.toml --bring-up",)
 NEEDS_DATA = ("reproduce", "datasets fetch")

@@ -17,6 +17,7 @@ COMMANDS = [
     "identify",
     "judge",
     "motion",
+    "posterior",
     "protocol",
     "reproduce",
     "run",

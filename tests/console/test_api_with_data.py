@@ -110,7 +110,9 @@ def existing_values(jobs):
         "tried": [[], ["dahl"]], "predict": ["", "record"], "loss": ["squares"], "bandwidth": [None],
         "card": ["cards/one.toml", "raminelli_2020"], "to": ["c"],
         "reference": [["cards/one.toml"], ["raminelli_2020"], keys[:1]],
-        "damper": [{"name": "cards/one.toml", "inputs": [0.0, 3.0]}, {"inputs": [9.0]}],
+        "damper": [{"name": "cards/one.toml", "inputs": [0.0, 3.0], "storeys": [1, 2]}, {"inputs": [9.0]}],
+        "command": ["motion", "records", "simulate", "export", "run"],
+        "values": [{}, {"paths": keys[:1]}, {"card": "cards/one.toml", "voltages": ["1"]}, {"pga": "0.3g"}],
     }  # fmt: skip
 
 

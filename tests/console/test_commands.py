@@ -40,6 +40,7 @@ REQUESTS = {
         {"paths": [ONE, TWO, THREE], "model": "dahl", "laws": ["dahl.kx=constant"], "save": "card.toml"},
         "dahl, 3 records",
     ),
+    "posterior": ({"paths": [ONE, TWO, THREE], "model": "dahl", "lengths": "3", "tails": "normal"}, "97.5 %"),
     "validate": ({"card": "cards/damper.toml", "paths": ["data/tests/test 7.h5"], "settling": "0.5"}, "Mean L1"),
     "plan": ({"card": "cards/damper.toml", "tests": "2", "rig": "lab", "out": "next.toml"}, "2 tests"),
     "export": ({"card": "cards/damper.toml", "kind": "c", "name": "mine"}, "mine.h"),

@@ -140,6 +140,7 @@ COMMANDS: dict[str, Callable[[Made], list[Any]]] = {
     "records of one": lambda m: ["records", m.folder / f"{m.records[0].name}.h5"],
     "identify": lambda m: ["identify", m.folder, "--model", "dahl"],
     "identify --each": lambda m: ["identify", m.folder, "--model", "dahl", "--each"],
+    "posterior": lambda m: ["posterior", m.folder, "--model", "dahl", "--lengths", "2"],
     "validate": lambda m: ["validate", m.card, m.folder],
     "accept": lambda m: ["accept", m.card, m.folder],
     "specimens": specimens_twice,
@@ -189,6 +190,7 @@ def test_each_command_says_it_first_and_in_json(made: Made, printed: Printed, na
 
 PAGES: dict[str, Callable[[Made], list[Any]]] = {
     "fit_page": COMMANDS["identify"],
+    "posterior_page": COMMANDS["posterior"],
     "validate_page": COMMANDS["validate"],
     "acceptance_page": COMMANDS["accept"],
     "specimens_page": COMMANDS["specimens"],

@@ -30,7 +30,7 @@ COMMAND_LINE = "dampyr.cli"
 
 GROUPS = {
     "Records": ("records", "records convert", "cycles", "accept", "protocol", "judge", "specimens"),
-    "Dampers": ("identify", "validate", "plan", "export"),
+    "Dampers": ("identify", "validate", "posterior", "plan", "export"),
     "Structures and vehicles": ("simulate", "ensemble", "arena", "ride", "motion", "hybrid"),
     "Published work": ("reproduce", "datasets list", "datasets show"),
     "This installation": ("calibrate", "doctor", "demo", "licences"),
@@ -81,7 +81,14 @@ KIND_OF_FILE = {
 }  # fmt: skip
 """Parameter -> what is chosen for it from the data folder, or by name from what is published."""
 
-TEXT = (("identify", "model"), ("motion", "design"), ("arena", "limits"), ("ensemble", "limits"), ("export", "name"))
+TEXT = (
+    ("identify", "model"),
+    ("posterior", "model"),
+    ("motion", "design"),
+    ("arena", "limits"),
+    ("ensemble", "limits"),
+    ("export", "name"),
+)
 """Parameters of these names that are a text nevertheless: a model by its parts, limits of a drift."""
 DAMPERS = (("hybrid", "model"),)
 

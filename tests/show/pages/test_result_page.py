@@ -18,7 +18,8 @@ def test_a_text_is_written_as_it_is(tmp_path: Path) -> None:
 
 def test_what_has_no_page_is_told_which_results_have(tmp_path: Path) -> None:
     with pytest.raises(
-        InputError, match=r"dict has no page; give one of Fit, .*CycleFigures, Arena, ControlSearch, or the text"
+        InputError,
+        match=r"dict has no page; give one of Fit, .*CycleFigures, Arena, ControlSearch, Posterior, or the text",
     ):
         write_page({}, tmp_path / "p.html")
     assert not (tmp_path / "p.html").exists()

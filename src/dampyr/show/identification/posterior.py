@@ -20,6 +20,7 @@ from dampyr.show.table import Cell, Table
 from dampyr.to_json import plain
 from dampyr.units import for_people
 
+LEGIBLE = 4  # numbers of a corner plot on a page: the labels of more overlap
 CORNER = 8  # numbers of a corner plot: the panels of more are too small to read
 PRIOR = "flat in the coordinates of the search, inside the allowed values"
 
@@ -37,21 +38,49 @@ def describe_posterior(posterior: Posterior) -> Description:
             ("density", "normal" if posterior.tails == "normal" else "Student's t"),
             ("prior", PRIOR),
         ],
-        tables=[lambda: _intervals(posterior)],
+        tables=[lambda: intervals_table(posterior), lambda: chains_table(posterior)],
         figure=lambda: sample_pairs(*_drawn(posterior, 2)),
         data=lambda: _numbers(posterior),
         frame=lambda: DataFrameColumns(posterior.samples),
     )
 
 
-def _intervals(posterior: Posterior) -> Table:
-    """One row a number: its median and 95 % interval, in the units that people read."""
-    spans, rows = posterior.intervals(), list[list[Cell]]()
+def intervals_table(posterior: Posterior) -> Table:
+    """One row a number: its median and 95 % interval, and the interval of the fit, in the units that people read."""
+    spans, of_fit, rows = posterior.intervals(), posterior.fit.intervals(), list[list[Cell]]()
     for label, values in posterior.samples.items():
         shown, factor = for_people(posterior.units[label])
-        low, high = spans[label]
-        rows.append([label, shown or "1", factor * float(np.median(values)), factor * low, factor * high])
-    return Table(("parameter", "unit", "median", "2.5 %", "97.5 %"), rows)
+        ends = [factor * end if np.isfinite(end) else None for end in (*spans[label], *of_fit[label])]
+        rows.append([label, shown or "1", factor * float(np.median(values)), *ends])
+    columns = ("parameter", "unit", "median", "2.5 %", "97.5 %", "fit, from", "to")
+    caption = "Median and 95 % interval of the samples, and the 95 % interval of the fit."
+    return Table(columns, rows, caption=caption, notes=(f"Prior: {PRIOR}.",))
+
+
+def chains_table(posterior: Posterior) -> Table:
+    """One row a number: how long its chain is in its own time, and how well halves of all chains agree."""
+    rows: list[list[Cell]] = [
+        [label, posterior.autocorrelation_time[label], posterior.r_hat[label], 100.0 * posterior.acceptance[label]]
+        for label in posterior.samples
+    ]
+    columns, units = ("parameter", "autocorrelation time", "R-hat", "accepted"), ("", "steps", "", "%")
+    return Table(columns, rows, units=units, caption=f"Chains of {posterior.steps} steps of each walker.")
+
+
+def corner_figures(posterior: Posterior) -> dict[str, Any]:
+    """Corner plots by title: of the numbers of each input, which alone hang together, at most `LEGIBLE` in one."""
+    samples, _, estimates, _ = _drawn(posterior, 1)
+    axes = {label: style.parameter_axis(label.partition(" @ ")[0], posterior.units[label]) for label in samples}
+    groups: dict[str, list[str]] = {}
+    for label in samples:
+        groups.setdefault(label.partition(" @ ")[2], []).append(label)
+    figures = {}
+    for at, labels in groups.items():
+        for k in range(0, len(labels), LEGIBLE):
+            chosen = {label: samples[label] for label in labels[k : k + LEGIBLE]}
+            title = f"At {at}" if at else "At all inputs"
+            figures[f"{title}, part {k // LEGIBLE + 1}" if k else title] = corner(chosen, axes, estimates)
+    return figures
 
 
 def _numbers(posterior: Posterior) -> dict[str, Any]:

@@ -26,6 +26,7 @@ PAGES = {
     "CycleFigures": "cycles_page",
     "Arena": "arena_page",
     "ControlSearch": "search_page",
+    "Posterior": "posterior_page",
 }
 """The class of a result, and the module of its page, which is loaded when such a page is first written."""
 
@@ -36,9 +37,10 @@ def write_page(result: Any, path: str | Path, **choices: Any) -> Path:
     Parameters
     ----------
     result
-        A fit, what `dampyr.identification.validate` or `accept` or `dampyr.campaigns.judge` or `judge_protocol` gives, a
-        response or several, an ensemble, an arena, a search, a ground motion, a plan, a hybrid test, the histories of
-        `dampyr.records.specimens` or what `dampyr.records.cycles` gives; or the text of a page that `dampyr.show.page` makes.
+        A fit, samples of its posterior, what `dampyr.identification.validate` or `accept` or `dampyr.campaigns.judge` or
+        `judge_protocol` gives, a response or several, an ensemble, an arena, a search, a ground motion, a plan, a hybrid test,
+        the histories of `dampyr.records.specimens` or what `dampyr.records.cycles` gives; or the text of a page that
+        `dampyr.show.page` makes.
     path
         The file to write; its folder is made where it is not there.
     choices
