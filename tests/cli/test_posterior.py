@@ -50,6 +50,16 @@ def test_the_fit_stands_beside_the_samples_and_chains_that_are_short_say_so(fold
     assert "autocorrelation time" in shown.stdout
 
 
+def test_what_is_simulated_says_so(folder: Path, tmp_path: Path) -> None:
+    for path in folder.glob("*.h5"):
+        records.write(records.read(path).replace(note="as simulated", origin="simulated"), tmp_path / path.name)
+    words = ["posterior", str(tmp_path), "--model", "dahl", "--lengths", "2", "--report", str(tmp_path / "page.html")]
+    shown = CliRunner().invoke(cli, words, catch_exceptions=False)
+    assert shown.stdout.splitlines()[0].startswith("SIMULATED")
+    text = (tmp_path / "page.html").read_text("utf-8")
+    assert text.count("SIMULATED") >= 1 + text.count("<figure>")
+
+
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [

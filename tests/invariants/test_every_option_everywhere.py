@@ -126,7 +126,10 @@ def it_is_in_the_terminal_and_in_the_equivalent_command(cls: type[Options], opti
     assert words[0] == option.flag
     for command in takers:
         arguments = ["x" for p in command.params if isinstance(p, click.Argument) and p.required]
-        context = command.make_context("it", [*arguments, *shlex.split(shlex.join(words))])
+        needed = [
+            word for p in command.params if isinstance(p, click.Option) and p.required for word in (p.opts[0], "x")
+        ]
+        context = command.make_context("it", [*arguments, *needed, *shlex.split(shlex.join(words))])
         assert wanted in command.chosen(context.params).values()
         assert option.words.split(";")[0][:40] in " ".join(command.get_help(context).split())
 
