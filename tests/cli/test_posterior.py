@@ -30,6 +30,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
+@pytest.mark.prove
 def test_the_command_samples_what_python_samples(folder: Path, tmp_path: Path) -> None:
     words = ["posterior", str(folder), "--model", "dahl", "--lengths", "4", "--seed", "2"]
     page = tmp_path / "page.html"
@@ -50,6 +51,7 @@ def test_the_fit_stands_beside_the_samples_and_chains_that_are_short_say_so(fold
     assert "autocorrelation time" in shown.stdout
 
 
+@pytest.mark.prove
 def test_what_is_simulated_says_so(folder: Path, tmp_path: Path) -> None:
     for path in folder.glob("*.h5"):
         records.write(records.read(path).replace(note="as simulated", origin="simulated"), tmp_path / path.name)

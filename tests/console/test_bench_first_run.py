@@ -59,7 +59,6 @@ def rings(page):
     return [(each.get_attribute("class") or "", each.inner_text().replace("\n", " ")) for each in layers]
 
 
-@pytest.mark.quick
 @pytest.mark.endure
 def test_from_an_empty_folder_to_a_certificate(address, new_page, data, tmp_path, accessible):
     page = new_page(address, viewport={"width": 1440, "height": 900})

@@ -1,7 +1,7 @@
 // The shell: navigation, one page at a time, light and dark.
 import { get } from "./lib/api.js";
 import { dashboard } from "./lib/dashboard.js";
-import { h } from "./lib/dom.js";
+import { capital, h } from "./lib/dom.js";
 import { say } from "./lib/notice.js";
 
 const main = document.getElementById("main");
@@ -53,7 +53,7 @@ async function show(first = false) {
 function unavailable(root, problem, fetched = true) {
   const refused = "status" in problem && problem.status > 0;
   const words = refused ? problem.message : "the console does not answer; this page opens as soon as it does";
-  root.append(h("p", { class: "verdict bad", role: "alert" }, words.charAt(0).toUpperCase() + words.slice(1)));
+  root.append(h("p", { class: "verdict bad", role: "alert" }, capital(words)));
   if (refused) return;
   const turn = showing;
   answering(fetched ? 1 : ENDING, () => turn === showing).then((still) => {

@@ -1,5 +1,6 @@
 // BokehJS out of the installed `bokeh` package, loaded when the first chart is drawn.
 import { get } from "./api.js";
+import { capital } from "./dom.js";
 
 const FILES = ["/bokeh/bokeh.min.js", "/bokeh/bokeh-api.min.js"];
 let loading = null;
@@ -15,7 +16,7 @@ export function bokeh() {
 
 async function load() {
   const { charts } = await get("console");
-  if (charts) throw new Error(`${charts.charAt(0).toUpperCase()}${charts.slice(1)}.`);
+  if (charts) throw new Error(`${capital(charts)}.`);
   adoptStyles();
   for (const file of FILES) await script(file);
   window.Bokeh.set_log_level("warn");

@@ -52,6 +52,9 @@ export function section(title, ...children) {
   return h("section", {}, h("h2", {}, title), children);
 }
 
+/** A text as a sentence begins, unless its first word is a name: of a file, an option, a record. */
+export const capital = (text) => (/^\S*[._=\d/]/.test(text) ? text : text.charAt(0).toUpperCase() + text.slice(1));
+
 /** The name of a file without its folders and its suffix. */
 export const short = (key) => key.split("/").at(-1).replace(/\.[^.]+$/, "");
 

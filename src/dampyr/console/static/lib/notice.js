@@ -1,11 +1,11 @@
 // A sentence to the person, read out by a screen reader; it leaves by itself, later where it is bad, and not while it is pointed at.
-import { button, h } from "./dom.js";
+import { button, capital, h } from "./dom.js";
 
 const STAYS = { note: 6000, bad: 20000 }; // ms
 const ALL = 3;
 
 export function say(sentence, kind = "note") {
-  const words = sentence.charAt(0).toUpperCase() + sentence.slice(1);
+  const words = capital(sentence);
   const shown = h("div", { class: `notice ${kind}` }, h("span", {}, words));
   shown.append(button("×", () => shown.remove(), { class: "quiet", "aria-label": "Close the message" }));
   const all = document.getElementById("notices");

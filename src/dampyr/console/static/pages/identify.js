@@ -6,7 +6,7 @@ import { before } from "../lib/before.js";
 import { comparison } from "../lib/comparison.js";
 import { cardGroups, groupedOptions } from "../lib/cards.js";
 import { charts as drawCharts } from "../lib/chart.js";
-import { button, choice, field, h, number, section, symbols, tick, withReach } from "../lib/dom.js";
+import { button, capital, choice, field, h, number, section, symbols, tick, withReach } from "../lib/dom.js";
 import { watch } from "../lib/jobs.js";
 import { attempt, say } from "../lib/notice.js";
 import { optionsForm } from "../lib/options.js";
@@ -126,7 +126,7 @@ export async function show(root, query) {
         caption: shown.caption, columns: shown.columns.map((words) => ({ name: words, symbols: true })), rows: shown.rows }))),
       section("Goodness of fit by record", table({ columns: r.scores.columns.map((words, k) => ({ name: words, unit: r.scores.units[k], digits: 3 })), rows: r.scores.rows, caption: `From ${number(r.settling, 3)} s after the motion starts, each record's own offset taken` })),
       section("Beside another fit", comparison(job, beside, (other) => ((beside = other), setAddress(root, "identify", { job: id, with: other || undefined })), plot)),
-      section("Residuals", r.findings.map((finding) => h("p", {}, `${finding.charAt(0).toUpperCase()}${finding.slice(1)}.`))),
+      section("Residuals", r.findings.map((finding) => h("p", {}, `${capital(finding)}.`))),
     );
   }
 
@@ -192,7 +192,7 @@ const scaled = ({ x, y }, factor) => ({ x: x.map((value) => factor * value), y }
 
 function board(entries, words) {
   const percent = (value) => (typeof value === "number" ? 100 * value : value);
-  return section("Which model predicts best", words.map((sentence) => h("p", {}, `${sentence.charAt(0).toUpperCase()}${sentence.slice(1)}.`)), table({
+  return section("Which model predicts best", words.map((sentence) => h("p", {}, `${capital(sentence)}.`)), table({
     caption: "Every score is of a prediction: 3/4 of the error over records left out, 1/4 over inputs left out",
     columns: [{ name: "model" }, { name: "error ±", unit: "%" }, { name: "L1", unit: "%", digits: 3 }, { name: "relevelled", unit: "%", digits: 3 }, { name: "unseen input", unit: "%", digits: 3 }, { name: "NRMSE", unit: "%", digits: 3 },
       { name: "energy", unit: "%", digits: 3 }, { name: "parameters" }, { name: "building" }],
