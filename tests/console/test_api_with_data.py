@@ -166,8 +166,9 @@ def test_what_is_there_is_told_and_changed_without_a_fault(full_console):
     wanted = operations(full_console, lambda path: "/bench" not in path)
     got = {f"{each.method.upper()} {each.path}": exercise(full_console, each, 20) for each in wanted}
     silent = [name for name, statuses in got.items() if min(statuses) >= 300]
-    # their files are bytes: see test_record_uploads and test_building_files
-    assert sorted(silent) == ["PUT /api/building/files/{kind}/{name}", "PUT /api/records/uploads/{name}"]
+    # their files are bytes: see test_record_uploads and test_building_files; no command has run here: see test_commands
+    of_commands = [f"GET /api/commands/jobs/{{id}}/{what}" for what in ("figure", "figures", "file", "page")]
+    assert sorted(silent) == [*of_commands, "PUT /api/building/files/{kind}/{name}", "PUT /api/records/uploads/{name}"]
     assert {path.parts[0] for path in everything(full_console.folder)} <= {
         ".console", "broken.csv", "campaigns", "cards", "motions", "one.csv", "uploads",
     }  # fmt: skip

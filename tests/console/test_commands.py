@@ -118,7 +118,8 @@ def test_every_parameter_is_of_a_form() -> None:
     assert all(name in names[command] for command, name in (*tables.TEXT, *tables.DAMPERS))
     for command, form in forms().items():
         for parameter in form["parameters"]:
-            assert not parameter["is_file"] or parameter["files"], f"{command}: {parameter['name']} names a file"
+            named = parameter["name"] in (*tables.KIND_OF_FILE, *tables.WRITTEN)
+            assert not parameter["is_file"] or named, f"{command}: {parameter['name']} names a file: of which kind?"
             assert parameter["label"], command
 
 

@@ -35,7 +35,7 @@ GROUPS = {
     "Published work": ("reproduce", "datasets list", "datasets show"),
     "This installation": ("calibrate", "doctor", "demo", "licences"),
 }
-"""The commands that are offered, in the order of the page."""
+"""Titles of the page and the commands below them, in its order."""
 
 PAGES = {
     "run": "bench", "records": "records", "cycles": "records", "accept": "records", "identify": "identify",
@@ -117,7 +117,15 @@ class CommandRequest(BaseModel):
 def forms() -> dict[str, dict[str, Any]]:
     """The forms of the commands that are offered, each parameter with what is chosen for it."""
     described: dict[str, dict[str, Any]] = import_module(COMMAND_LINE).command_forms()
-    return {name: _offered(name, described[name]) for names in GROUPS.values() for name in names}
+    return {name: _offered(name, described[name]) for names in groups().values() for name in names}
+
+
+@cache
+def groups() -> dict[str, tuple[str, ...]]:
+    """The commands that are offered by the titles of the page; a new one is offered below those that have a group."""
+    listed = {name for names in GROUPS.values() for name in names} | NOT_OFFERED.keys()
+    others = tuple(name for name in import_module(COMMAND_LINE).command_forms() if name not in listed)
+    return GROUPS | ({"Others": others} if others else {})
 
 
 def _offered(command: str, form: dict[str, Any]) -> dict[str, Any]:
@@ -125,7 +133,7 @@ def _offered(command: str, form: dict[str, Any]) -> dict[str, Any]:
     parameters = [
         parameter
         | {
-            "files": (kind := _kind(command, parameter["name"])),
+            "files": (kind := _kind(command, parameter)),
             "label": parameter["label"] if parameter["flag"] else LABELS.get(kind, parameter["label"]),
         }
         for parameter in form["parameters"]
@@ -134,12 +142,13 @@ def _offered(command: str, form: dict[str, Any]) -> dict[str, Any]:
     return form | {"parameters": parameters, "page": PAGES.get(command, "")}
 
 
-def _kind(command: str, name: str) -> str:
+def _kind(command: str, parameter: Mapping[str, Any]) -> str:
+    name, of_a_path = parameter["name"], "files" if parameter["is_file"] else ""
     if (command, name) in DAMPERS:
         return "dampers"
     if name in WRITTEN:
         return "written"
-    return "" if (command, name) in TEXT else KIND_OF_FILE.get(name, "")
+    return "" if (command, name) in TEXT else KIND_OF_FILE.get(name, of_a_path)
 
 
 def file_choices(data: Path) -> dict[str, list[dict[str, str]]]:

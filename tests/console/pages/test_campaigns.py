@@ -50,7 +50,7 @@ def test_a_grid_that_is_no_grid_says_so_before_it_asks(address, new_page):
     page.locator("#g-amplitude").fill("two")
     page.get_by_text("Amplitudes: two must be a number").wait_for()
     page.locator("#g-amplitude").fill("1,5")
-    page.get_by_text("1,5 can be the number 1.5 or the list 1; 5").wait_for()
+    page.get_by_text("1,5 can be one number or two; write 1.5 or 1,5; for the one number").wait_for()
     page.locator("#g-amplitude").fill("1,5; 2")
     page.get_by_text("The rig can run all 18 tests").wait_for()
     assert page.locator("#source").input_value().count('"1.5 mm"') == 1

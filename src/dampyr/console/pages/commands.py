@@ -13,7 +13,7 @@ from pydantic import BaseModel, Field
 
 from dampyr.console import safe_paths
 from dampyr.console.bench_session import Bench
-from dampyr.console.command_words import GROUPS, CommandRequest, file_choices, forms, places, words_of
+from dampyr.console.command_words import CommandRequest, file_choices, forms, groups, places, words_of
 from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import FIGURES, FILES, PAGE
 from dampyr.console.limits import READING
@@ -51,7 +51,7 @@ class Commands(BaseModel):
 async def list_choices(app: CurrentApp, request: Request) -> Commands:
     """The forms of all commands."""
     return Commands(
-        groups={title: list(names) for title, names in GROUPS.items()},
+        groups={title: list(names) for title, names in groups().items()},
         forms=forms(),
         files=await app.workers.run(request, READING, file_choices, app.data),
         places=[CommandPlace(command=command, page=page, why=why) for command, page, why in places()],
