@@ -34,7 +34,7 @@ from dampyr.cli import cli
 from dampyr.cli._examples import examples_of
 from dampyr.cli._options import OptionsCommand
 from dampyr.config import origin, split
-from dampyr.console.command_words import places
+from dampyr.console import command_words
 from dampyr.models import published
 from dampyr.models.part import part
 from dampyr.options import Option, Thresholds, options_of
@@ -424,7 +424,7 @@ def command_places() -> str:
             f"{page.capitalize()}{' and Commands' if page != 'commands' and not why else ''}" if page else "–",
             cell(why) or "–",
         ]
-        for name, page, why in places()
+        for name, page, why in command_words.command_places()
     ]
     return table(["command", "page", "why not"], rows)
 

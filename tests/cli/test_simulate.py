@@ -62,7 +62,7 @@ def test_a_damper_in_each_of_several_storeys():
     assert both["peak_displacement_m"] == pytest.approx(ours.peak_displacement, rel=1e-9)
     assert len(both["sites"]) == 2
     twice = CliRunner().invoke(cli, ["simulate", "--voltage", "0", "--storey", "1", "--storey", "1"])
-    assert "--storey 1 is given twice" in twice.stderr
+    assert "a storey is named twice (1, 1)" in twice.stderr
     assert twice.exit_code == 2
 
 

@@ -89,5 +89,5 @@ def test_numbers_that_cannot_be_computed_with_are_refused(wrong):
 def test_a_storey_has_one_damper():
     damper = raminelli_2020.damper()
     assert DamperRequest(storeys=[1, 2]).placed(damper) == {1: damper, 2: damper}
-    with pytest.raises(InputError, match="names one twice"):
+    with pytest.raises(InputError, match="named twice"):
         DamperRequest(storeys=[2, 2]).placed(damper)

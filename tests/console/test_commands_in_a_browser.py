@@ -1,11 +1,12 @@
 """The page Commands in a real browser: each form filled in with values that are not the usual ones, its clicks counted."""
 
 import shutil
+from pathlib import Path
 
 import pytest
 
 pytest.importorskip("fastapi")
-from tests.console.test_commands import REQUESTS, fill
+from tests.console.test_commands import REQUESTS, check_result, files_of, fill
 
 from dampyr.console.command_words import forms
 
@@ -63,7 +64,7 @@ def test_every_form_is_filled_in_and_performed(data, serving, new_page, monkeypa
     """With other values than the usual ones; what was asked for is what the job got."""
     monkeypatch.setenv("DAMPYR_DATA", str(data_root))
     fill(data)
-    counts = {}
+    before, counts = files_of(data), {}
     with serving(data) as address:
         page = new_page(address)
         for command, (values, holds) in REQUESTS.items():
@@ -81,8 +82,9 @@ def test_every_form_is_filled_in_and_performed(data, serving, new_page, monkeypa
             page.get_by_role("heading", name="Result").wait_for()
             assert holds in page.locator("main").inner_text(), command
             job = page.request.get(f"{address}api/jobs").json()[0]
-            asked = page.request.get(f"{address}api/jobs/{job['id']}").json()["request"]
-            assert asked == {"command": command, "values": values}
+            done = page.request.get(f"{address}api/jobs/{job['id']}").json()
+            assert done["request"] == {"command": command, "values": values}
+            check_result(command, done["result"], data)
             if command == "accept":
                 accessible(page)
                 page.reload()  # the form is as it was when the job was started
@@ -95,6 +97,8 @@ def test_every_form_is_filled_in_and_performed(data, serving, new_page, monkeypa
         page.get_by_text("Commands that are not here").click()
         page.get_by_text("a table is moved from the Bench").wait_for()
     assert max(counts.values()) <= MOST, counts
+    beside_the_rig = {Path("rigs/lab/calibration.toml"), Path("rigs/lab/slow_passes.toml")}
+    assert {path for path in files_of(data) - before if path.parts[0] not in ("bench", "runs")} <= beside_the_rig
 
 
 def test_what_a_command_writes_is_kept_in_the_data_folder(data, address, new_page):

@@ -109,13 +109,11 @@ storeys_option = click.option(
 
 def placed(damper: Damper, storeys: tuple[int, ...], between: tuple[str, str] | None) -> dict[Any, Damper]:
     """The damper at each place where one stands: storeys, the first without any option, or a pair of floors."""
-    if len(storeys) < 2:
-        return {place_of(storeys[0] if storeys else None, between): damper}
-    if between is not None:
-        place_of(storeys[0], between)
-    if twice := next((storey for k, storey in enumerate(storeys) if storey in storeys[:k]), None):
-        raise InputError(f"--storey {twice} is given twice; a storey has one damper here, so give each storey once")
-    return dict.fromkeys(storeys, damper)
+    from dampyr.structures.sites import one_in_each
+
+    if between is not None or not storeys:
+        return {place_of(next(iter(storeys), None), between): damper}
+    return one_in_each(damper, storeys)
 
 
 def place_of(storey: int | None, between: tuple[str, str] | None) -> Any:

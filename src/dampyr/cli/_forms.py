@@ -11,7 +11,7 @@ import click
 
 from dampyr.cli._frame import cli, with_notes
 from dampyr.cli._options import OptionsCommand
-from dampyr.cli._output import output_collected
+from dampyr.cli._output import CollectedOutput, output_collected
 from dampyr.cli._progress import Show, followed
 from dampyr.cli._report import LOOKS
 from dampyr.errors import FindingWarning, InputError
@@ -36,21 +36,20 @@ def command_forms() -> dict[str, dict[str, Any]]:
     return {name: _form(command) for name, command in _commands()}
 
 
-def perform_command(words: Sequence[str], typed: Sequence[str], show: Show) -> list[dict[str, Any]]:
-    """What the command of these words prints, as `output_collected` has it; pages that it writes say that those ``typed`` made
-    them.
+def perform_command(words: Sequence[str], typed: Sequence[str], show: Show) -> CollectedOutput:
+    """What the command of these words prints; pages that it writes say that those ``typed`` made them.
 
     ``show(stage, fraction done)`` is told of progress. InputError for what the command line would refuse.
     """
     try:
-        with followed(show), output_collected() as answers, warnings.catch_warnings():
+        with followed(show), output_collected() as output, warnings.catch_warnings():
             warnings.simplefilter("ignore", FindingWarning)  # the tables say it
             click.Group.main(cli, list(words), "dampyr", standalone_mode=False, obj=tuple(typed))
     except click.ClickException as problem:
         raise InputError(problem.format_message().rstrip(".?")) from None
     except InputError as problem:
         raise InputError(with_notes(problem)) from None
-    return answers
+    return output
 
 
 def check_command(words: Sequence[str]) -> None:

@@ -87,7 +87,8 @@ def refuse_typed(names: Collection[str], why: str) -> None:
     for parameter in context.command.params:
         source = context.get_parameter_source(str(parameter.name))
         if parameter.name in names and source is not click.core.ParameterSource.DEFAULT:
-            raise InputError(f"{parameter.opts[0] if isinstance(parameter, click.Option) else 'CARD'} {why}")
+            name = parameter.opts[0] if isinstance(parameter, click.Option) else parameter.human_readable_name
+            raise InputError(f"{name} {why}")
 
 
 def click_option(option: Option) -> click.Option:

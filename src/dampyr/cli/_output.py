@@ -10,6 +10,7 @@ import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
 from contextvars import ContextVar
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -36,28 +37,25 @@ EXIT_CODES = {"passed": 0, "failed": 1, "not judged": 3}  # of a verdict; 2 is a
 WIDTH_OF_A_FILE = 240  # characters: more than the widest table takes
 
 
-def state_origin(origin: Origin) -> None:
-    """Have every table that the running command prints begin with what an origin that is not measured says."""
-    if text := origin.notice:
-        click.get_current_context().meta[NOTICE] = text
+@dataclass
+class CollectedOutput:
+    """What a command would have printed on stdout, in its order: lines and tables; ``notice`` is what its origin says."""
+
+    entries: list[str | Table] = field(default_factory=list)
+    notice: str = ""
 
 
-_collected: ContextVar[list[dict[str, Any]] | None] = ContextVar(
-    "where tables and lines go instead of stdout", default=None
-)
+_collected: ContextVar[CollectedOutput | None] = ContextVar("where output goes instead of stdout", default=None)
 
 
 @contextmanager
-def output_collected() -> Iterator[list[dict[str, Any]]]:
-    """Within it, what a command would print on stdout goes into the list: ``table`` or ``text`` by ``kind``, in its order.
-
-    A table holds what `print_table` is given, as plain values; a text is one line.
-    """
-    answers: list[dict[str, Any]] = []
-    before = _collected.set(answers)
+def output_collected() -> Iterator[CollectedOutput]:
+    """Within it, what commands print on stdout is collected."""
+    output = CollectedOutput()
+    before = _collected.set(output)
     try:
-        with redirect_stdout(_Lines(answers)):
-            yield answers
+        with redirect_stdout(_Lines(output)):
+            yield output
     finally:
         _collected.reset(before)
 
@@ -65,15 +63,23 @@ def output_collected() -> Iterator[list[dict[str, Any]]]:
 class _Lines(io.StringIO):
     """A stdout whose lines are collected."""
 
-    def __init__(self, answers: list[dict[str, Any]]) -> None:
+    def __init__(self, output: CollectedOutput) -> None:
         super().__init__()
-        self._answers = answers
+        self._output = output
 
     def write(self, text: str) -> int:
         """Keep the lines of a text; ``click.echo`` ends each of its own with a newline."""
         written = super().write(text)  # refuses bytes, by which ``click.echo`` tells a stream of text
-        self._answers += [{"kind": "text", "text": line.rstrip()} for line in text.splitlines() if line.strip()]
+        self._output.entries += [line.rstrip() for line in text.splitlines() if line.strip()]
         return written
+
+
+def state_origin(origin: Origin) -> None:
+    """Have every table that the running command prints begin with what an origin that is not measured says."""
+    if text := origin.notice:
+        click.get_current_context().meta[NOTICE] = text
+        if (collected := _collected.get()) is not None:
+            collected.notice = text
 
 
 @contextmanager
@@ -114,17 +120,12 @@ def print_table(
     ``units`` stand under the names of the columns; below the table stand the ``findings``, the worst first, and ``notes``,
     sentences. Above the title stands what `state_origin` was told.
     """
-    context = click.get_current_context(silent=True)
-    notice = None if context is None else context.meta.get(NOTICE)
     below = [*(finding.sentence for finding in findings), *notes]
     if (collected := _collected.get()) is not None:
+        from dampyr.show.table import Table
+
         cells = [[cell if _is_number(cell) or cell is None else _text(cell, digits) for cell in row] for row in rows]
-        collected.append(
-            {
-                "kind": "table", "caption": title, "notice": notice or "", "columns": list(columns),
-                "units": list(units or [""] * len(columns)), "digits": digits, "rows": plain(cells), "notes": below,
-            }
-        )  # fmt: skip
+        collected.entries.append(Table(columns, cells, units or (), caption=title, notes=below, digits=digits))
         return
     from rich import box
     from rich.markup import escape
@@ -139,6 +140,8 @@ def print_table(
         table.add_column(escape(name) + unit, justify=side, no_wrap=numeric, overflow="fold")  # type: ignore[arg-type]
     for row in rows:
         table.add_row(*(escape(_text(cell, digits)) for cell in row))
+    context = click.get_current_context(silent=True)
+    notice = None if context is None else context.meta.get(NOTICE)
     first = [f"[bold red]{escape(notice)}[/bold red]"] if notice else []
     _print(*first, f"[bold]{escape(title)}[/bold]", table, *map(escape, below))
 

@@ -18,6 +18,7 @@ from dampyr.ground_motions.synthetic import SYNTHETIC_DURATION, SYNTHETIC_PGA, s
 from dampyr.models import Damper
 from dampyr.structures import EnsembleOptions, RespondOptions
 from dampyr.structures.control_laws import law_of
+from dampyr.structures.sites import one_in_each
 from dampyr.studies import THESIS, available_structures, load_structure
 
 MOTIONS, STRUCTURES = "motions", "structures"
@@ -113,11 +114,7 @@ class DamperRequest(Strict):
 
     def placed(self, damper: Damper) -> dict[int, Damper]:
         """The damper in each of the storeys."""
-        if len(set(self.storeys)) < len(self.storeys):
-            raise InputError(
-                f"storeys = {self.storeys} names one twice; a storey has one damper here, so give each once"
-            )
-        return dict.fromkeys(self.storeys, damper)
+        return one_in_each(damper, self.storeys)
 
     def inputs_by_kind(self, damper: Damper) -> dict[str, Any]:
         """The argument ``voltage`` or ``current`` of a response: the numbers, then the control laws; None where there is no

@@ -102,7 +102,6 @@ OTHER_FILES = (".toml", ".csv", ".txt", ".json")
 MAX_LISTED = 500
 MAX_PARAMETERS = 100
 MAX_VALUE = 640  # characters: those of a record's key
-FOLDERS_OF = ("structures", "motions", "criteria")  # kinds that have published members, too
 SEPARATORS = re.compile(r"[=:;,\s]+")
 
 
@@ -185,15 +184,15 @@ def _folders(data: Path) -> list[str]:
     return sorted(folder for folder in folders if folder != "." and not folder.startswith(others))[:MAX_LISTED]
 
 
-class Words(BaseModel):
-    """A command line as it is run in the data folder, and as a person types it."""
+class CommandLine(BaseModel):
+    """The words of a command as they are run in the data folder, and as a person types them."""
 
     run: list[str]
     typed: list[str]
 
 
-def words_of(request: CommandRequest, data: Path, place: str) -> Words:
-    """The words that a request means; ``place`` is the job's folder, as seen from the data folder.
+def command_line(request: CommandRequest, data: Path, place: str) -> CommandLine:
+    """The command line that a request means; ``place`` is the job's folder, as seen from the data folder.
 
     Raises InputError for a command that is not offered, a parameter that it does not have, a file that is not in the data
     folder, a text that names a place of this machine, and what the command line itself refuses.
@@ -223,15 +222,15 @@ def words_of(request: CommandRequest, data: Path, place: str) -> Words:
     run += [f"--figure={place}/{FIGURES}/figure.svg"] if "figure" in form["makes"] else []
     run += ["--details"] if "details" in form["makes"] else []
     always = ALWAYS.get(command, ())
-    words = Words(
+    line = CommandLine(
         run=[
             *command.split(), *(word for word, _ in options), *run,
             *(f"{place}/{FILES}" if word == FILES else word for word in always), *(word for word, _ in arguments),
         ],
         typed=[*command.split(), *(word for _, word in [*options, *arguments])],
     )  # fmt: skip
-    import_module(COMMAND_LINE).check_command(words.run)
-    return words
+    import_module(COMMAND_LINE).check_command(line.run)
+    return line
 
 
 def _parameter_words(
@@ -265,25 +264,34 @@ def _value(data: Path, parameter: Mapping[str, Any], text: str, place: str) -> t
         raise InputError(f"{label} has {len(text)} characters; at most {MAX_VALUE} are taken")
     if text.startswith("-"):
         _check_negative(label, text)
-    if kind == "records":
-        path = record_sources.place(data, text)
-        shown = text.removeprefix(f"{record_sources.OWN}/")
-        return (shown if shown != text else str(path)), shown
-    if kind == "written":
-        if not safe_paths.is_new_name(text):
-            raise InputError(f"{label}: {text[:60]!r} is not a file name; use letters, digits, space and .()+@=-_")
-        return f"{place}/{FILES}/{text}", text
-    if kind == "rigs":
-        rig_file(data, text)
-        return (f"rigs/{text}/rig.toml",) * 2
-    if kind in ("dampers", "references") and not (kind == "references" and safe_paths.inside(data, text).is_dir()):
-        damper_of(data, text)
-        return text, text
-    if (kind in FOLDERS_OF and "/" in text) or kind in ("files", "folders", "references"):
-        if not safe_paths.inside(data, text).exists():
-            raise InputError(f"{label}: {text[:60]!r} is not in the data folder; choose one that is")
-        return text, text
-    return _plain(data, label, text), text
+    match kind:
+        case "records":
+            path = record_sources.place(data, text)
+            shown = text.removeprefix(f"{record_sources.OWN}/")
+            return (shown if shown != text else str(path)), shown
+        case "written":
+            safe_paths.check_new_name(text)
+            return f"{place}/{FILES}/{text}", text
+        case "rigs":
+            rig_file(data, text)
+            return (f"rigs/{text}/rig.toml",) * 2
+        case "references" if safe_paths.inside(data, text).is_dir():
+            return text, text
+        case "dampers" | "references":
+            damper_of(data, text)
+            return text, text
+        case "files" | "folders":
+            _check_in_data(data, label, text)
+            return text, text
+        case "structures" | "motions" | "criteria" if "/" in text:  # without one it is a published name
+            _check_in_data(data, label, text)
+            return text, text
+    return _checked_text(data, label, text), text
+
+
+def _check_in_data(data: Path, label: str, text: str) -> None:
+    if not safe_paths.inside(data, text).exists():
+        raise InputError(f"{label}: {text[:60]!r} is not in the data folder; choose one that is")
 
 
 def _check_negative(label: str, text: str) -> None:
@@ -293,8 +301,8 @@ def _check_negative(label: str, text: str) -> None:
         raise InputError(f"{label}: {text[:60]!r} begins with -, as an option does; only a number may") from None
 
 
-def _plain(data: Path, label: str, text: str) -> str:
-    """A text that names no file but such of the data folder as hold data: others are no matter of a page."""
+def _checked_text(data: Path, label: str, text: str) -> str:
+    """The text, in which no file is named but one of the data folder, and no program."""
     if not text.isprintable():
         raise InputError(f"{label}: {text[:60]!r} holds characters that are not printed; leave them out")
     for piece in filter(None, SEPARATORS.split(text)):
@@ -306,7 +314,7 @@ def _plain(data: Path, label: str, text: str) -> str:
     return text
 
 
-def places() -> Iterator[tuple[str, str, str]]:
+def command_places() -> Iterator[tuple[str, str, str]]:
     """Every command of the terminal with the page that has it, ``commands`` for all that have no other, and why none has."""
     for name in import_module(COMMAND_LINE).command_forms():
         page = PAGES.get(name, "commands" if name in forms() else "")

@@ -10,7 +10,7 @@ from dampyr.to_json import plain
 
 
 def page_table(table: Table) -> dict[str, Any]:
-    """A table as plain values: caption, notes, columns, the unit of each ("" for none), rows.
+    """A table as plain values: caption, notes, columns, the unit of each ("" for none), digits of numbers, rows.
 
     Parameters and laws are as on paper.
     """
@@ -19,5 +19,6 @@ def page_table(table: Table) -> dict[str, Any]:
         "notes": [as_words(note) for note in table.notes],
         "columns": [as_words(name) for name in table.columns],
         "units": list(table.units or [""] * len(table.columns)),
+        "digits": table.digits,
         "rows": plain([[as_words(cell) if isinstance(cell, str) else cell for cell in row] for row in table.rows]),
     }

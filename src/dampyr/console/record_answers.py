@@ -69,9 +69,9 @@ def curves_of(data: Path, key: str) -> dict[str, Any]:
     """The lines of one record, SI: over time, as loops, and by frequency; and when its motion begins."""
     record = _with_velocity(record_sources.read(data, key))
     assert record.velocity is not None
-    begin = (
-        motion_start(record) if motion_start(record) < record.time[-1] else float(record.time[0])
-    )  # where nothing moves
+    begin = motion_start(record)
+    if begin >= record.time[-1]:  # nothing moves
+        begin = float(record.time[0])
     t, x, v, f = record.time - begin, record.displacement, record.velocity, record.force
     lines = {
         "displacement": curves.line(t, x, curves.ZOOMED),

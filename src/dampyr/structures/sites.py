@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from typing import Any
@@ -54,6 +54,14 @@ class Site:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ExtrapolationWarning)  # warned of when the site was made
             return np.asarray(self.damper.values(u, static=False, allow_extrapolation=True))
+
+
+def one_in_each(damper: Any, storeys: Sequence[int]) -> dict[int, Any]:
+    """A damper like it in each storey; InputError for a storey that is named twice."""
+    if len(set(storeys)) < len(storeys):
+        named = ", ".join(map(str, storeys))
+        raise InputError(f"a storey is named twice ({named}); it has one damper here, so give each once")
+    return dict.fromkeys(storeys, damper)
 
 
 def warn_of_parts(sites: Iterable[Site], stacklevel: int = 3) -> None:

@@ -12,19 +12,19 @@ from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, Field
 
 from dampyr.console import safe_paths
-from dampyr.console.bench_session import Bench
-from dampyr.console.command_words import CommandRequest, file_choices, forms, groups, places, words_of
+from dampyr.console.command_words import CommandRequest, command_line, command_places, file_choices, forms, groups
 from dampyr.console.job_routes import Id, JobState, as_job_state
 from dampyr.console.jobs import FIGURES, FILES, PAGE
 from dampyr.console.limits import READING
+from dampyr.console.pages.bench import CurrentBench
 from dampyr.console.state import AppState, CurrentApp
 from dampyr.errors import MissingData
 
 TITLE, ORDER = "Commands", 60
 KIND = "command"
 WORDS_OF_TITLE = 6  # of a command line: enough to tell jobs apart
-DRIVES_A_RIG = ("calibrate", "doctor")
-"""Commands that connect a rig themselves: not while the Bench holds one."""
+OPEN_A_RIG = ("calibrate", "doctor")
+"""Commands that open the rig that they are given: not while the Bench holds one."""
 
 router = APIRouter()
 FileName = Annotated[str, Query(max_length=640)]
@@ -54,25 +54,18 @@ async def list_choices(app: CurrentApp, request: Request) -> Commands:
         groups={title: list(names) for title, names in groups().items()},
         forms=forms(),
         files=await app.workers.run(request, READING, file_choices, app.data),
-        places=[CommandPlace(command=command, page=page, why=why) for command, page, why in places()],
+        places=[CommandPlace(command=command, page=page, why=why) for command, page, why in command_places()],
     )
 
 
 @router.post("/jobs", status_code=202)
-def start_command(app: CurrentApp, request: CommandRequest) -> JobState:
+def start_command(app: CurrentApp, bench: CurrentBench, request: CommandRequest) -> JobState:
     """Start a command; what the command line would refuse is refused here."""
-    words = words_of(request, app.data, safe_paths.OWN)
-    bench: Bench | None = app.own.get("bench")
-    if (
-        request.command in DRIVES_A_RIG
-        and "rig" in request.values
-        and bench is not None
-        and bench.state().phase != "disconnected"
-    ):
-        raise HTTPException(
-            409, "the Bench is connected, and a rig serves one host at a time; disconnect it there first"
-        )
-    typed = [word for word in words.typed if not word.startswith("--report=")]
+    line = command_line(request, app.data, safe_paths.OWN)
+    opens_a_rig = request.command in OPEN_A_RIG and "rig" in request.values
+    if opens_a_rig and bench.state().phase != "disconnected":
+        raise HTTPException(409, "the Bench is connected, and a rig serves one host; disconnect it there first")
+    typed = [word for word in line.typed if not word.startswith("--report=")]
     title = " ".join(typed[:WORDS_OF_TITLE]) + (" …" if len(typed) > WORDS_OF_TITLE else "")
     return as_job_state(app.jobs.submit(KIND, request.model_dump(), title))
 

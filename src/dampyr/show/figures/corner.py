@@ -76,9 +76,7 @@ def _label(panel: Any, across: Axis, up: Axis, lowest: bool, leftmost: bool) -> 
     panel.xaxis.set_major_locator(MaxNLocator(TICKS))
     if panel.get_yticks().size:
         panel.yaxis.set_major_locator(MaxNLocator(TICKS))
-    panel.ticklabel_format(
-        useOffset=False
-    )  # a number that all ticks share would stand over the label of the panel beside it
+    panel.ticklabel_format(useOffset=False)  # what all ticks share would stand over the label beside it
     panel.tick_params(labelbottom=lowest, labelleft=leftmost)
     if lowest:
         panel.set_xlabel(across.label)

@@ -82,14 +82,8 @@ def _draw(panel: Any, name: str, curve: Fragile, axis: Axis, colour: str) -> Non
     if curve.band is not None and not np.isnan(np.asarray(curve.band[0], dtype=float)).all():
         panel.fill_between(x, *(PROBABILITY.of(edge) for edge in curve.band), color=colour, alpha=0.16, lw=0)
     if curve.probability is not None:
-        panel.plot(
-            x,
-            PROBABILITY.of(curve.probability),
-            color=colour,
-            lw=1.4,
-            ls="-" if curve.determined else "--",
-            label=label,
-        )
+        dash = "-" if curve.determined else "--"
+        panel.plot(x, PROBABILITY.of(curve.probability), color=colour, lw=1.4, ls=dash, label=label)
         label = None
     if curve.counted is not None:
         intensity, share = curve.counted

@@ -3,7 +3,7 @@ import { get, query as asQuery } from "./api.js";
 import { h } from "./dom.js";
 import { attempt, say } from "./notice.js";
 import { optionsForm } from "./options.js";
-import { table } from "./table.js";
+import { servedTable } from "./table.js";
 
 /** cycleFigures(keys of the records, asked, changed): elements; `asked.values` is changed by the form, which then calls `changed()`. */
 export function cycleFigures(keys, asked, changed) {
@@ -37,7 +37,7 @@ function shown(answer, question) {
     ...answer.notes.map((note) => h("p", { class: "verdict fair" }, note)),
     h("div", { class: "row" }, h("a", { class: "button", href: `/api/records/cycle-figures/page?${question}`, download: "cycles.html" }, "Save the page")),
     ...answer.tables.flatMap((each) => [
-      table({ caption: each.caption, columns: each.columns.map((name, k) => ({ name, unit: each.units[k] })), rows: each.rows }),
+      servedTable(each, { digits: 4 }),
       ...each.notes.map((note) => h("p", { class: "soft" }, note)),
     ]),
   ];

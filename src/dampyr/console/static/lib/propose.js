@@ -6,7 +6,7 @@ import { attempt, say } from "./notice.js";
 import { oneNumber } from "./numbers.js";
 import { optionsForm } from "./options.js";
 import { picker } from "./picker.js";
-import { table } from "./table.js";
+import { servedTable } from "./table.js";
 
 const GOAL = ["drift", "displacement", "acceleration"];
 
@@ -51,7 +51,7 @@ export function proposal(rig, take) {
       result.replaceChildren(
         r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : "",
         ...[...r.notes, ...r.findings].map((words) => h("p", { class: "soft" }, words)),
-        section("Half widths of 95 % intervals", table({ caption: r.intervals.caption, columns: r.intervals.columns.map((words) => ({ name: words })), rows: r.intervals.rows })),
+        section("Half widths of 95 % intervals", servedTable(r.intervals, { digits: 4 })),
         h("p", { class: "soft" }, r.command));
       take(r.text);
       say("The proposed tests are in the text; save them to run them.");

@@ -49,6 +49,12 @@ export function table({ caption = "", columns, rows, empty = "Nothing here.", gr
   return box;
 }
 
+/** A table that the server made (page_tables.py); `digits` may be a function of the column's name. */
+export function servedTable(data, { caption = data.caption, digits = data.digits, symbols = false } = {}) {
+  const columns = data.columns.map((name, k) => ({ name, unit: data.units[k], digits: typeof digits === "function" ? digits(name) : digits, symbols }));
+  return table({ caption, columns, rows: data.rows });
+}
+
 const watched = new ResizeObserver((entries) => entries.forEach(({ target }) => shade(target)));
 
 /** Edges behind which a table goes on are shaded: that it scrolls is seen where there is no bar. */

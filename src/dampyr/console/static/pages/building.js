@@ -10,7 +10,7 @@ import { attempt, say } from "../lib/notice.js";
 import { numberList, oneNumber } from "../lib/numbers.js";
 import { optionsForm } from "../lib/options.js";
 import { storeys } from "../lib/storeys.js";
-import { table } from "../lib/table.js";
+import { servedTable, table } from "../lib/table.js";
 
 const G = 9.80665;
 const TIME = { words: "time", unit: "s" };
@@ -123,7 +123,6 @@ export async function show(root, query) {
   }
 
   function ensemble({ id, result: r }) {
-    const shown = (data, digits) => table({ columns: data.columns.map((name, k) => ({ name, unit: data.units[k], digits })), rows: data.rows, caption: data.caption });
     const notice = () => (r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : null);
     const row = () => h("div", { class: "row" }, page(id));
     const all = r.fragilities ?? [{ ...r, axis: { words: "peak ground acceleration", unit: "g", factor: 1 / G } }]; // of jobs of before
@@ -144,12 +143,12 @@ export async function show(root, query) {
       });
       return section(`Fragility: ${limit}`, notice(), plot({ label: `Probability of ${limit} over ${axis.words}`, x: { words: axis.words, unit: axis.unit, pad: 0.03 }, y: { words: "probability of exceeding", unit: "%" }, height: 380, zero: true, series }),
         h("p", { class: "soft" }, `${r.cases} cases, ${r.motions} motions; dotted: 90 % bands over the motions; points: the shares that were counted${curves.some((curve) => curve.y && curve.determined === false) ? "; dashed: a curve that these motions do not determine" : ""}.`),
-        shown({ ...medians, caption: "Median and spread of each curve" }, 4), remarks.map((remark) => h("p", {}, remark)), row());
+        servedTable(medians, { caption: "Median and spread of each curve", digits: 4 }), remarks.map((remark) => h("p", {}, remark)), row());
     };
     sheet.replaceChildren(
       ...(all.length ? all.map(fragility) : [section("Ensemble", notice(), row())]),
       r.incremental ? growing(r.incremental) : "",
-      section("Peaks", shown({ ...r.peaks, caption: "Across motions, of the worst storey and floor" }, 4)),
+      section("Peaks", servedTable(r.peaks, { caption: "Across motions, of the worst storey and floor", digits: 4 })),
       section("Accuracy", r.trust.map((sentence) => h("p", {}, sentence))));
   }
 

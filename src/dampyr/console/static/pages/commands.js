@@ -8,7 +8,7 @@ import { watch } from "../lib/jobs.js";
 import { attempt, say } from "../lib/notice.js";
 import { optionsForm } from "../lib/options.js";
 import { picker } from "../lib/picker.js";
-import { table } from "../lib/table.js";
+import { servedTable } from "../lib/table.js";
 
 const PLACES = { bench: "Bench", campaigns: "Campaigns", records: "Records", identify: "Identify", building: "Building" };
 const KEPT = [["cards", "damper's card"], ["campaigns", "campaign"], ["structures", "structure"], ["motions", "ground motion"]];
@@ -23,7 +23,7 @@ export async function show(root, query) {
   const progress = h("div");
   const sheet = h("div");
   const past = before("commands", ["command"], reopen);
-  let shown = null;
+  let form = null;
   let stop = null;
   root.append(h("div", { class: "split" },
     h("div", { class: "side" }, field("Command", which), about, place, past.element, elsewhere(choices.places)),
@@ -36,27 +36,27 @@ export async function show(root, query) {
 
   async function open(name, values = {}) {
     which.value = name;
-    const form = choices.forms[name];
-    about.replaceChildren(h("p", {}, form.title), ...form.words.map((words) => h("p", { class: "soft" }, words)),
-      form.page ? h("p", {}, h("a", { href: `#/${form.page}` }, `${PLACES[form.page]} has a shorter form for this.`)) : "");
+    const described = choices.forms[name];
+    about.replaceChildren(h("p", {}, described.title), ...described.words.map((words) => h("p", { class: "soft" }, words)),
+      described.page ? h("p", {}, h("a", { href: `#/${described.page}` }, `${PLACES[described.page]} has a shorter form for this.`)) : "");
     place.replaceChildren(h("p", { class: "soft" }, "Reading what can be chosen …"));
-    const made = await attempt(() => commandForm(form, choices.files, values));
-    if (!made || which.value !== name) return;
-    shown = made;
+    const filled = await attempt(() => commandForm(described, choices.files, values));
+    if (!filled || which.value !== name) return;
+    form = filled;
     place.replaceChildren(h("form", { onsubmit: (event) => { event.preventDefault(); start(name); } },
-      made.element, h("div", { class: "row" }, h("button", { type: "submit", class: "main", id: "perform", "data-command": name }, "Run"))));
+      form.element, h("div", { class: "row" }, h("button", { type: "submit", class: "main", id: "perform", "data-command": name }, "Run"))));
   }
 
   async function start(name) {
     let values;
     try {
-      values = shown.values();
+      values = form.values();
     } catch (problem) {
       return say(problem.message, "bad");
     }
-    const made = await attempt(() => post("commands/jobs", { command: name, values }));
-    if (!made) return undefined;
-    follow(made.id);
+    const submitted = await attempt(() => post("commands/jobs", { command: name, values }));
+    if (!submitted) return undefined;
+    follow(submitted.id);
     return past.look();
   }
 
@@ -145,21 +145,19 @@ function told({ id, result: r }) {
       h("div", { class: "row" },
         r.page ? h("a", { class: "button main", href: `/api/commands/jobs/${id}/page`, download: "" }, "Save the whole page") : "",
         r.figures.length ? h("a", { class: "button", href: `/api/commands/jobs/${id}/figures`, download: "" }, "Save the figures") : ""),
-      r.answers.map(answer),
+      r.notice ? h("p", { class: "verdict bad origin" }, r.notice) : "",
+      r.output.map(printed),
       r.warnings.length ? h("ul", {}, r.warnings.map((warning) => h("li", {}, warning))) : "",
-      r.answers.length || r.files.length ? "" : h("p", {}, "It said nothing.")),
+      r.output.length || r.files.length ? "" : h("p", {}, "It printed nothing.")),
     r.files.length ? section("Written", h("ul", { class: "written" }, r.files.map((name) => h("li", {}, h("a", { href: at("file", name), download: "" }, name), " ", keeping(at("file", name), name))))) : "",
     r.figures.length ? section("Figures", r.figures.slice(0, MAX_FIGURES).map((name) => h("img", { class: "sheet", src: at("figure", name), alt: name.replace(/^\d+-|\.svg$/g, "").replaceAll("-", " ") })),
       r.figures.length > MAX_FIGURES ? h("p", { class: "soft" }, `${r.figures.length - MAX_FIGURES} more are in the page.`) : "") : "",
   ].filter(Boolean);
 }
 
-function answer(one) {
-  if (one.kind === "text") return h("p", { class: "line" }, one.text);
-  return h("div", {},
-    one.notice ? h("p", { class: "verdict bad origin" }, one.notice) : "",
-    table({ caption: one.caption, columns: one.columns.map((name, k) => ({ name, unit: one.units[k], digits: one.digits })), rows: one.rows }),
-    one.notes.length ? h("ul", { class: "notes" }, one.notes.map((note) => h("li", {}, note))) : "");
+function printed({ text, table }) {
+  if (!table) return h("p", { class: "line" }, text);
+  return h("div", {}, servedTable(table), table.notes.length ? h("ul", { class: "notes" }, table.notes.map((note) => h("li", {}, note))) : "");
 }
 
 /** A file of TOML or of a motion can go into the data folder, where the other pages list it; it is read first. */

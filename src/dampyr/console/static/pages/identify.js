@@ -11,7 +11,7 @@ import { watch } from "../lib/jobs.js";
 import { attempt, say } from "../lib/notice.js";
 import { optionsForm } from "../lib/options.js";
 import { picker } from "../lib/picker.js";
-import { table } from "../lib/table.js";
+import { servedTable, table } from "../lib/table.js";
 
 const FORCE = { words: "force", unit: "N" };
 
@@ -122,9 +122,8 @@ export async function show(root, query) {
         r.warnings_of_fit.length ? h("details", {}, h("summary", {}, "Before you trust the numbers"), h("ul", {}, r.warnings_of_fit.map((warning) => h("li", {}, symbols(warning))))) : null),
       r.data.leaderboard ? board(r.data.leaderboard.entries, r.choice) : "",
       measuredAndModelled(id, r),
-      section("Parameters", r.parameters.map((shown) => table({
-        caption: shown.caption, columns: shown.columns.map((words) => ({ name: words, symbols: true })), rows: shown.rows }))),
-      section("Goodness of fit by record", table({ columns: r.scores.columns.map((words, k) => ({ name: words, unit: r.scores.units[k], digits: 3 })), rows: r.scores.rows, caption: `From ${number(r.settling, 3)} s after the motion starts, each record's own offset taken` })),
+      section("Parameters", r.parameters.map((shown) => servedTable(shown, { digits: 4, symbols: true }))),
+      section("Goodness of fit by record", servedTable(r.scores, { digits: 3, caption: `From ${number(r.settling, 3)} s after the motion starts, each record's own offset taken` })),
       section("Beside another fit", comparison(job, beside, (other) => ((beside = other), setAddress(root, "identify", { job: id, with: other || undefined })), plot)),
       section("Residuals", r.findings.map((finding) => h("p", {}, `${capital(finding)}.`))),
     );
@@ -139,8 +138,7 @@ export async function show(root, query) {
         h("div", { class: "row" }, h("a", { class: "button", href: `/api/identify/jobs/${id}/page`, download: "" }, "Save the whole page")),
         r.warnings.length ? h("details", {}, h("summary", {}, "Before you trust the numbers"), h("ul", {}, r.warnings.map((warning) => h("li", {}, warning)))) : null),
       measuredAndModelled(id, r),
-      section("Scores", r.tables.map((shown) => table({
-        caption: [shown.caption, ...shown.notes].join(" "), columns: shown.columns.map((words, k) => ({ name: words, unit: shown.units[k], digits: words === "input" ? 5 : 3 })), rows: shown.rows }))),
+      section("Scores", r.tables.map((shown) => servedTable(shown, { caption: [shown.caption, ...shown.notes].join(" "), digits: (name) => (name === "input" ? 5 : 3) }))),
     );
     return undefined;
   }
