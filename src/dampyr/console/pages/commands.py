@@ -7,6 +7,7 @@ import zipfile
 from pathlib import Path
 from typing import Annotated, Any
 
+from anyio import to_thread
 from fastapi import APIRouter, HTTPException, Query, Request
 from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, Field
@@ -50,9 +51,10 @@ class Commands(BaseModel):
 @router.get("/choices")
 async def list_choices(app: CurrentApp, request: Request) -> Commands:
     """The forms of all commands."""
+    described = await to_thread.run_sync(forms)  # at first a third of a second, in which the bench's stream goes on
     return Commands(
         groups={title: list(names) for title, names in groups().items()},
-        forms=forms(),
+        forms=described,
         files=await app.workers.run(request, READING, file_choices, app.data),
         places=[CommandPlace(command=command, page=page, why=why) for command, page, why in command_places()],
     )
