@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dampyr.errors import InputError
-from dampyr.records import Record, cycle_table, spectrum
+from dampyr.records import Record, cut_cycles, cycle_table, cycles, describe, spectrum
 from dampyr.records.cycle_analysis.amplitude_spectrum import repeated_spectrum
 
 
@@ -83,3 +83,17 @@ def test_a_record_without_cycles_has_no_table():
     t = np.arange(100) / 100.0
     with pytest.raises(InputError, match="no whole cycle"):
         cycle_table(Record(t, 0.01 * t, 5.0 * t, voltage=1.0))
+
+
+@pytest.mark.parametrize("seed", [1, 3, 5])
+@pytest.mark.parametrize("grid", [0.0, 1e-4])
+def test_a_random_motion_has_cycles_and_a_spectrum_or_says_why_not(seed, grid):
+    """A random walk passes its middle from one sample to the next: such a pass is no cycle."""
+    rng, t = np.random.default_rng(seed), 0.01 * np.arange(2001)
+    x = 7e-5 * np.cumsum(rng.standard_normal(t.size))
+    x = np.round(x / grid) * grid if grid else x
+    record = Record(t, x, 100.0 * np.sin(8.0 * np.pi * t) + rng.standard_normal(t.size), voltage=0.0)
+    assert all(cycle.last - cycle.first >= 3 for cycle in cut_cycles(record).cycles)
+    assert np.isfinite(repeated_spectrum(record).amplitudes).all()
+    assert cycles(record) is not None
+    assert describe(record)["name"] == record.name

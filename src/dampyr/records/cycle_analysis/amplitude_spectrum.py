@@ -41,7 +41,7 @@ def spectrum(record: Record, channel: str = "force") -> tuple[Array, Array]:
     that the record does not have.
     """
     resampled = _motion(record, _channel(record, channel))
-    amplitudes = _amplitudes(resampled, _hann(resampled.size))
+    amplitudes = _amplitudes(resampled, 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(resampled.size) / resampled.size))
     return np.arange(len(amplitudes)) / (resampled.size * record.dt), amplitudes
 
 
@@ -77,6 +77,8 @@ def repeated_spectrum(record: Record, channel: str = "force") -> RepeatedSpectru
 
     Raises InputError as `spectrum` does.
     """
+    from scipy.signal import welch
+
     values, spans = _channel(record, channel), cycle_bounds(record)
     if spans and repeats(record):
         count = max(int(np.median([i1 - i0 for i0, i1 in spans])), 4)
@@ -88,10 +90,10 @@ def repeated_spectrum(record: Record, channel: str = "force") -> RepeatedSpectru
         return RepeatedSpectrum(frequencies, amplitudes, counted(len(spans), "whole cycle"), excitation, len(spans))
     resampled = _motion(record, values)
     size = max(resampled.size // SEGMENTS, min(resampled.size, MIN_SAMPLES))
-    window, starts = _hann(size), range(0, resampled.size - size + 1, max(size // 2, 1))
-    powers = [_amplitudes(resampled[k : k + size], window) ** 2 for k in starts]
+    # powers are half of the squares of the amplitudes
+    frequencies, powers = welch(resampled, 1.0 / record.dt, nperseg=size, scaling="spectrum")
     of = f"segments of {size * record.dt:.3g} s, averaged (no whole cycle repeats)"
-    return RepeatedSpectrum(np.arange(size // 2 + 1) / (size * record.dt), np.sqrt(np.mean(powers, axis=0)), of)
+    return RepeatedSpectrum(frequencies, np.sqrt(2.0 * powers), of)
 
 
 def _channel(record: Record, channel: str) -> Array:
@@ -107,10 +109,6 @@ def _motion(record: Record, values: Array) -> Array:
     part = slice(first if record.n - first >= MIN_SAMPLES else 0, record.n)
     count = round(float(record.time[-1] - record.time[part][0]) / record.dt) + 1
     return np.interp(record.time[part][0] + record.dt * np.arange(count), record.time[part], values[part])
-
-
-def _hann(count: int) -> Array:
-    return 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(count) / count)
 
 
 def _amplitudes(values: Array, window: Array) -> Array:

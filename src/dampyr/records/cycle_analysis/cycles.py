@@ -43,6 +43,7 @@ HALTED = 0.4  # of a leg's duration near its middle: there the motion pauses
 NEAR_MIDDLE, AT_MIDDLE = 0.05, 0.01  # of a leg: the zone in which a pause is looked for, and its ends
 HALF_LEG = 0.7  # of the leg beyond: two such legs in a row meet where one level ends in the middle and the next begins
 SAME_STROKE, SAME_PERIOD = 0.1, 0.2  # relative: cycles of one level
+FEWEST = 4  # samples of a cycle: three have no loop, and what passes the middle so fast is noise
 # Rising strokes: so many cycles at least, the largest stroke over the smallest, and the rank correlation.
 RISING, RANGE, IN_ORDER = 4, 2.0, 0.9
 RUN_IN_TO = 3  # cycles of a level: single cycles that grow up to it, or fall from it, are its run-in or run-out
@@ -478,7 +479,8 @@ def _number_cycles(
     """The half cycles numbered and paired, the cycles in levels."""
     half_cycles = tuple(_span(record, k + 1, a, b) for k, (a, b) in enumerate(halves))
     pairs = zip(halves[::2], halves[1::2], strict=False)
-    whole = [_span(record, k + 1, a[0], b[1]) for k, (a, b) in enumerate(pairs)]
+    cycles = [_span(record, k + 1, a[0], b[1]) for k, (a, b) in enumerate(pairs)]
+    whole = [cycle for cycle in cycles if cycle.last - cycle.first >= FEWEST - 1]
     groups: list[list[CutCycle]] = []
     for cycle in whole:
         if groups and _alike(groups[-1], cycle):

@@ -201,7 +201,7 @@ def _forces_at_middle(x: Array, force: Array) -> tuple[float, float]:
         int(np.argmin(near)),
         x.size - int(np.argmin(near[::-1])),
     )  # between them lies what is not near its ends
-    k = np.flatnonzero(np.signbit(x[1:end]) != np.signbit(x[: end - 1]))
+    k = np.flatnonzero((x[1:end] < 0.0) != (x[: end - 1] < 0.0))
     k = k[k >= begin]
     part = x[k] / (x[k] - x[k + 1])
     at, up = force[k] + part * (force[k + 1] - force[k]), x[k + 1] > x[k]
