@@ -17,7 +17,7 @@ unexport PYTHONDONTWRITEBYTECODE
 # The workers share the cores: with threads of its own, OpenBLAS takes 200 times as long for an exponential of a small matrix.
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: help demo test prove endure quick check docs site bench pictures lock clean compiler octave chromium axe blas wine rumoca firmware firmware-tools
+.PHONY: help demo test prove endure quick check docs site bench pictures kernels lock clean compiler octave chromium axe blas wine rumoca firmware firmware-tools
 
 help:
 	@echo "make demo    a simulated campaign, from records to a building in an earthquake, as one page in out/demo"
@@ -32,6 +32,7 @@ help:
 	@echo "make site    the documentation as one site, out/site/index.html, without a network"
 	@echo "make bench   timings on this machine, printed and never asserted (BENCH=million: that one)"
 	@echo "make pictures  every page of the console as PNG and every report as PDF, in OUT=$(OUT)"
+	@echo "make kernels   the compiled kernels that a wheel takes along, of this Python and kind of machine, in three minutes"
 	@echo "make lock    resolve $(LOCK) and $(BENCH_LOCK) again (needs uv)"
 	@echo "make clean   remove .venv, .venv-bench, out and all caches"
 
@@ -124,6 +125,10 @@ quick: $(READY)
 check: quick
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# Of another Python than that of .venv: run the tool with one that has dampyr and its dependencies.
+kernels: $(READY)
+	$(BIN)/python tools/make_kernels.py
 
 docs: $(READY)
 	$(BIN)/python tools/make_docs.py

@@ -18,7 +18,7 @@ from benchmarks._timing import race
 from dampyr.errors import DampyrWarning
 from dampyr.ground_motions import el_centro
 from dampyr.models import Damper
-from dampyr.models.codegen import kernels
+from dampyr.models.codegen import kernel_cache, kernels
 from dampyr.structures import Building, control_law, respond, shear_building, two_storey
 from dampyr.structures.sites import make_sites
 from dampyr.structures.time_history.kernel_run import runner
@@ -73,7 +73,7 @@ def _first_calls(tower: Building, damper: Damper, everywhere: dict[Any, Damper])
 @contextmanager
 def _no_kernels() -> Iterator[None]:
     """A folder without kernels in the place of the user's."""
-    kernels_in_memory = (kernels.cache_folder, kernels.bind, kernels._bound)
+    kernels_in_memory = (kernel_cache.cache_folder, kernels.bind, kernels._bound)
     with tempfile.TemporaryDirectory() as folder, patch.dict(os.environ, DAMPYR_CACHE=folder):
         for cache in kernels_in_memory:
             cache.cache_clear()

@@ -9,7 +9,7 @@ import pytest
 
 from dampyr import kernel_warming
 from dampyr.errors import InputError
-from dampyr.models.codegen import kernels
+from dampyr.models.codegen import kernel_cache
 
 COMMANDS = (
     "simulate raminelli_2020 --voltage 1.98",
@@ -55,8 +55,8 @@ def test_work_is_done_once_and_again_when_a_kernel_is_gone(tmp_path: Path, monke
             (tmp_path / f"{name}.nbi").touch()
         raise InputError("an example that cannot be computed")
 
-    monkeypatch.setattr(kernels, "cache_folder", lambda: tmp_path)
-    monkeypatch.setattr(kernels, "used_kernels", lambda: {"one.nbi", "two.nbi"})
+    monkeypatch.setattr(kernel_cache, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(kernel_cache, "used_kernels", lambda: {"one.nbi", "two.nbi"})
     monkeypatch.setattr(kernel_warming, "_usual_work", lambda: [("work", work)])
     told: list[tuple[str, float]] = []
     first = kernel_warming.warm_kernels(lambda name, done: told.append((name, done)))

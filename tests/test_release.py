@@ -50,6 +50,15 @@ def test_nothing_is_lacking_where_all_is_filled_in() -> None:
         assert any(words in line for line in check.list_lacking(*texts)), words
 
 
+def test_each_python_of_the_classifiers_has_kernels_in_the_wheel() -> None:
+    check = module(ROOT / "tools" / "check_release.py")
+    project = '"Programming Language :: Python :: 3.11",\n"Programming Language :: Python :: 3.12",'
+    names = ["dampyr/kernels/cpython-311-x86_64-unknown-linux-gnu.zip", "dampyr/kernels.py"]
+    [lacking] = check.list_without_kernels(names, project)
+    assert "Python 3.12" in lacking
+    assert check.list_without_kernels([*names, "dampyr/kernels/cpython-312-arm64.zip"], project) == []
+
+
 def test_links_of_the_readme_become_addresses() -> None:
     absolute = module(ROOT / "hatch_build.py").absolute
     text = "[how](docs/how-to/bench.md#a) ![picture](docs/a.png) [out](https://example.org) [here](#below)"

@@ -30,7 +30,7 @@ def main() -> int:
     assert version is not None
     lacking = list_lacking(version[1], read["pyproject.toml"], read["CITATION.cff"], read["CHANGELOG.md"])
     if not quick:
-        lacking += list_unbuilt(CHECKOUT / "dist", version[1])
+        lacking += list_unbuilt(CHECKOUT / "dist", version[1], read["pyproject.toml"])
     print("\n".join(lacking) or f"nothing is lacking for a release of {version[1]}")
     return 1 if lacking else 0
 
@@ -67,7 +67,7 @@ def list_lacking(version: str, project: str, citation: str, changes: str) -> lis
     return lacking
 
 
-def list_unbuilt(folder: Path, version: str) -> list[str]:
+def list_unbuilt(folder: Path, version: str, project: str) -> list[str]:
     """What the wheel and the source archive lack, built into ``folder`` without a network."""
     from hatchling import build
 
@@ -75,6 +75,7 @@ def list_unbuilt(folder: Path, version: str) -> list[str]:
     names = build.build_sdist(str(folder)), build.build_wheel(str(folder))
     lacking = [f"{name}: is not of version {version}" for name in names if version not in name]
     with zipfile.ZipFile(folder / names[1]) as wheel:
+        lacking += list_without_kernels(wheel.namelist(), project)
         about = next(name for name in wheel.namelist() if name.endswith("METADATA"))
         text = wheel.read(about).decode()
     relative = re.findall(r"\]\((?!https?://|#)([^)\s]+)\)", text)
@@ -84,6 +85,15 @@ def list_unbuilt(folder: Path, version: str) -> list[str]:
             "addresses once [project.urls] has a Repository"
         )
     return lacking
+
+
+def list_without_kernels(names: list[str], project: str) -> list[str]:
+    """The versions of Python in the classifiers for which the files ``names`` of a wheel hold no kernels."""
+    return [
+        f"the wheel: no kernels for Python 3.{minor}; run tools/make_kernels.py with it, and build again"
+        for minor in re.findall(r"Python :: 3\.(\d+)", project)
+        if not any(name.startswith(f"dampyr/kernels/cpython-3{minor}-") for name in names)
+    ]
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Kernels compiled ahead: what a fresh machine would compile at the first use of each of the usual commands.
 
-Compiled code is kept on disk (`dampyr.models.codegen.kernels`); the first command that needs a kernel waits for it, two to six
-seconds each. `warm_kernels` runs small examples of the usual work, so that all of these wait once, together.
+Compiled code is kept on disk (`dampyr.models.codegen.kernel_cache`); the first command that needs a kernel waits for it, two
+to six seconds each. `warm_kernels` runs small examples of the usual work, so that all of these wait once, together.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def warm_kernels(progress: Progress | None = None) -> WarmedKernels:
     >>> warm_kernels().compiled  # doctest: +SKIP
     57
     """
-    from dampyr.models.codegen.kernels import cache_folder, used_kernels
+    from dampyr.models.codegen.kernel_cache import cache_folder, used_kernels
 
     start, folder = time.perf_counter(), cache_folder()
     before = {file.name for file in folder.glob("*.nbi")}

@@ -42,13 +42,13 @@ def test_it_is_said_once_where_it_takes_long(
 def test_kernels_tell_when_they_are_compiled_and_not_when_they_are_loaded(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from dampyr.models.codegen import kernels
+    from dampyr.models.codegen import kernel_cache, kernels
 
     def double(x: float) -> float:
         return 2.0 * x
 
     monkeypatch.setenv("DAMPYR_CACHE", str(tmp_path))
-    kernels.cache_folder.cache_clear()
+    kernel_cache.cache_folder.cache_clear()
     told: list[bool] = []
     try:
         with compiling.watched(told.append):
@@ -57,4 +57,4 @@ def test_kernels_tell_when_they_are_compiled_and_not_when_they_are_loaded(
             assert kernels.jit(double, keep=True)(1.5) == 3.0
             assert told == [True, False]
     finally:
-        kernels.cache_folder.cache_clear()
+        kernel_cache.cache_folder.cache_clear()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from dampyr.models.codegen import kernels
+from dampyr.models.codegen import kernel_cache
 
 
 def test_kernels_of_old_sources_go_and_all_else_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -18,11 +18,11 @@ def test_kernels_of_old_sources_go_and_all_else_stays(tmp_path: Path, monkeypatc
     os.utime(old, (month_ago, month_ago))
     os.utime(other, (month_ago, month_ago))
     monkeypatch.setenv("DAMPYR_CACHE", str(tmp_path))
-    kernels.cache_folder.cache_clear()
+    kernel_cache.cache_folder.cache_clear()
     try:
-        made = kernels.cache_folder()
+        made = kernel_cache.cache_folder()
     finally:
-        kernels.cache_folder.cache_clear()
+        kernel_cache.cache_folder.cache_clear()
     assert made.parent == tmp_path
     assert made.is_dir()
     assert not old.exists()
@@ -33,9 +33,9 @@ def test_kernels_of_old_sources_go_and_all_else_stays(tmp_path: Path, monkeypatc
 def test_once_a_day_kernels_that_nobody_used_for_a_month_go(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("DAMPYR_CACHE", str(tmp_path))
     month_ago, day_ago = time.time() - 31 * 86400, time.time() - 2 * 86400
-    kernels.cache_folder.cache_clear()
+    kernel_cache.cache_folder.cache_clear()
     try:
-        folder = kernels.cache_folder()
+        folder = kernel_cache.cache_folder()
         old, read, young = (folder / f"{name}.nbc" for name in ("old", "read", "young"))
         for file, times in (
             (old, (month_ago, month_ago)),
@@ -44,14 +44,14 @@ def test_once_a_day_kernels_that_nobody_used_for_a_month_go(tmp_path: Path, monk
         ):
             file.write_bytes(b"x")
             os.utime(file, times)
-        kernels.cache_folder.cache_clear()
-        assert kernels.cache_folder() == folder
+        kernel_cache.cache_folder.cache_clear()
+        assert kernel_cache.cache_folder() == folder
         assert old.exists()  # it has been looked for today
         os.utime(folder / "swept", (day_ago, day_ago))
-        kernels.cache_folder.cache_clear()
-        kernels.cache_folder()
+        kernel_cache.cache_folder.cache_clear()
+        kernel_cache.cache_folder()
     finally:
-        kernels.cache_folder.cache_clear()
+        kernel_cache.cache_folder.cache_clear()
     assert not old.exists()
     assert read.exists()
     assert young.exists()

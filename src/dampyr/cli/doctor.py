@@ -73,7 +73,7 @@ def command(
         return _bring_up(rig, simulated, out, stand_in, faults, as_json)
     if stand_in or faults:
         raise InputError("--stand-in and --fault belong to --bring-up; add that, or leave them out")
-    from dampyr.models.codegen.kernels import cache_folder
+    from dampyr.models.codegen.kernel_cache import cache_folder
 
     compiler = next((path for path in map(shutil.which, ("gcc", "clang", "cc")) if path), None)
     findings = [

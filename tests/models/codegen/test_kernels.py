@@ -16,7 +16,7 @@ from numba.extending import overload
 
 import dampyr
 from dampyr.models import path_integration
-from dampyr.models.codegen import kernels
+from dampyr.models.codegen import kernel_cache, kernels
 from dampyr.models.codegen.composition import compose
 from dampyr.structures.time_history import time_stepping
 
@@ -58,9 +58,9 @@ def test_a_kernel_is_cached_and_an_edited_model_is_compiled_anew(tmp_path: Path)
 def no_kernels(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """A folder without kernels in the place of the user's."""
     monkeypatch.setenv("DAMPYR_CACHE", str(tmp_path))
-    kernels.cache_folder.cache_clear()
+    kernel_cache.cache_folder.cache_clear()
     yield
-    kernels.cache_folder.cache_clear()
+    kernel_cache.cache_folder.cache_clear()
 
 
 @pytest.mark.usefixtures("no_kernels")
@@ -134,11 +134,11 @@ def test_where_the_cache_cannot_be_written_kernels_go_to_a_temporary_folder(
     blocked = tmp_path / "a-file"
     blocked.write_text("")
     monkeypatch.setenv("DAMPYR_CACHE", str(blocked))
-    kernels.cache_folder.cache_clear()
+    kernel_cache.cache_folder.cache_clear()
     try:
-        folder = kernels.cache_folder()
+        folder = kernel_cache.cache_folder()
     finally:
-        kernels.cache_folder.cache_clear()
+        kernel_cache.cache_folder.cache_clear()
     assert folder.is_dir()
     assert blocked not in folder.parents
     assert blocked.read_text() == ""
@@ -159,7 +159,8 @@ def test_two_processes_that_save_at_once_never_exchange_their_code(monkeypatch: 
     def plain() -> None:
         """A kernel."""
 
-    first, second = (kernels._cache_class()(plain)._cache_file for _ in range(2))
+    plain.settings = ()  # type: ignore[attr-defined]
+    first, second = (kernel_cache.cache_class()(plain)._cache_file for _ in range(2))
     first.flush()
     write, look, looks = first._save_data, second._load_index, count()
 

@@ -74,8 +74,8 @@ def _name_of(value: Any) -> str:
         name = f"{getattr(value, '__module__', None) or 'numpy'}.{value.__name__}"
     else:
         return f"{type(value)} {source_digest()}"
-    # the compiler's own class is in the file of the folder's digest
-    own = name.partition(".")[0] == "dampyr" and name != "dampyr.models.codegen.kernels.InnerCompiler"
+    # the compiler's own classes are in a file of the folder's digest
+    own = name.startswith("dampyr.") and not name.startswith("dampyr.models.codegen.kernel_compilers.")
     return f"{name} {source_digest()}" if own else name
 
 

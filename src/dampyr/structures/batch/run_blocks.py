@@ -46,8 +46,6 @@ def functions_of(compositions: tuple[Composition, ...]) -> str:
 
 def _parts(text: str, precision: int) -> dict[str, Any]:
     """The formulas of the parts, for numba to write into the kernel, and the numbers of the step, in one precision."""
-    from numba import njit
-
     kind = np.float64 if precision == 64 else np.float32
     tree, numbers = statements_of(text), Numbers()
     numbers.visit(tree)
@@ -61,8 +59,7 @@ def _parts(text: str, precision: int) -> dict[str, Any]:
     key = hashlib.sha256(f"{text}{precision}".encode()).hexdigest()[:16]
     for name, value in list(names.items()):
         if isinstance(value, FunctionType):
-            options = {"forceinline": _straight(tree, name), "fastmath": FAST, "error_model": "numpy"}
-            names[name] = njit(**options)(named(value, __name__, key))
+            names[name] = jit(named(value, __name__, key), flags=FAST, inline=_straight(tree, name))
     return (
         names
         | {name: kind(value) for name, value in CONSTANTS.items()}

@@ -436,3 +436,6 @@ def integrate(
         store_sample(i + 1, now, work, out)
         if control is not None:
             copy_into(control.level, out.input[i + 1], 0)
+
+
+integrate.vectorised = False  # type: ignore[attr-defined]  # its loops are over some floors and dampers
