@@ -88,7 +88,7 @@ def _equations(damper: Damper, allow_extrapolation: bool) -> str:
             laws.append(f"{_flat(key)} = {_law(law, acting, key)};")
     states = []
     for key, (low, high) in composition.states.items():
-        kind = 'unit="1", ' if high - low < float("inf") else 'unit="m", nominal=1e-3, '
+        kind = 'unit="1", ' if high - low < float("inf") else 'unit="m", nominal=1e-4, '
         states.append(f'    Real {_flat(key)}({kind}start=0.0, fixed=true) "memory, 0 at rest";')
     slopes, forces = [], []
     for slot in composition.layout.slots:
