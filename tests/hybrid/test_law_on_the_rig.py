@@ -286,3 +286,16 @@ def test_the_command_plans_and_runs_a_law(tmp_path: Path, monkeypatch: pytest.Mo
     ):
         refused = CliRunner().invoke(cli, [*words, *more, "--dry-run"])
         assert (refused.exit_code, message in refused.stderr) == (2, True), refused.stderr
+
+
+@pytest.mark.prove
+@pytest.mark.parametrize("ppm", [5000.0, -5000.0])
+def test_it_keeps_up_on_the_slowest_line_whatever_the_unos_clock(ppm: float, tmp_path: Path) -> None:
+    """Each request takes 16 ms: neither a set point nor a voltage comes too late."""
+    slow = replace(RIG, uno=replace(RIG.uno, clock_ppm=ppm, shortest_latency=0.016, longest_latency=0.016))
+    planned = planned_hybrid(step_of(tmp_path, ON_OFF))
+    with simulated(slow) as rig:
+        perform(replace(planned, rig=rig.settings), rig, tmp_path / "out")
+    result = hybrid_result(tmp_path / "out" / f"{planned.tests[0].name}.h5")
+    assert np.abs(result.differences).max() < 0.02
+    assert set(np.unique(result.inputs)) == {0.0, 1.5}  # type: ignore[arg-type]

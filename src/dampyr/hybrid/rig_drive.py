@@ -20,6 +20,7 @@ from dampyr.structures.control_laws import describe_law
 
 Array = NDArray[np.float64]
 REPAIR = "take a lower scale or voltage, a slower clock, a shorter board.block, or a better model of the damper"
+DECIDING = 0.01  # s that a law's decisions of a block may take; so much earlier its set points leave
 STOPPING = 3.0  # s in which the table goes from where the test ends back to the middle
 
 
@@ -130,7 +131,7 @@ class HybridPlayer(Player):
     def _keep_filled(self, followed: int, free: int) -> None:
         """Set points until the next block has come; those of the test follow from what was measured."""
         hybrid, taken = self.hybrid, self._first + sum(len(x) for x, _ in self._measured)
-        ahead = self.rig.board.block + hybrid.reserve
+        ahead = self.rig.board.block + hybrid.reserve + (DECIDING if hybrid.law else 0.0)
         seconds = taken / self.rig.board.rate + ahead
         until = min(self.points, math.ceil(seconds / hybrid.period * self.ratio) + 2)
         if self.sent < until:

@@ -332,13 +332,14 @@ class SubstructureRun(Shown):
 
     def _decide(self, k: int, law: LawInput) -> None:
         """The law's decision at index k, on the state that was predicted for it; the model has the input from there on."""
-        h = self.about.h
-        q, v = np.split(self._work[0], 2)
-        force = self._force_now(self.path[k], self._rate[k], self._s, self._p) + self._difference
-        law.decide_at(k * h, q, v, float(force))
-        check_decided(law.law, "of the hybrid test", law.command, law.command)
+        h, n = self.about.h, self.about.building.n
+        if law.is_due(k * h):
+            force = self._force_now(self.path[k], self._rate[k], self._s, self._p) + self._difference
+            law.decide_at(k * h, self._work[0, :n], self._work[0, n:], float(force))
+            check_decided(law.law, "of the hybrid test", law.command, law.command)
+            self.commands[k:] = law.command
         value = law.input_at((k + 0.5) * h)
-        self.commands[k:], self.inputs[k:] = law.command, value
+        self.inputs[k:] = value
         self._p[:] = self._table.at(value)
 
     def set_points(self, until: int) -> Array:

@@ -31,7 +31,7 @@ from dampyr.campaigns.step import Count, Length, Peaks, Period, Rest, Time, Volt
 from dampyr.errors import DampyrWarning, FileError, InputError, MissingData
 from dampyr.ground_motions import GroundMotion, el_centro, read
 from dampyr.hybrid.delayed_actuator import run_delayed
-from dampyr.hybrid.rig_drive import STOPPING, HybridDrive, law_lead, way_back
+from dampyr.hybrid.rig_drive import DECIDING, STOPPING, HybridDrive, law_lead, way_back
 from dampyr.hybrid.substructure import Substructure, SubstructureRun, substructure_of
 from dampyr.input_kinds import input_arguments
 from dampyr.models import Damper, published
@@ -233,7 +233,8 @@ class Hybrid:
         """
         if reason := self._describe_range(rig) or self._describe_clock_error(rig):
             return reason
-        steps = round((rig.board.block + self.reserve + 2 * self.period + TABLE_LAG) / self.period)
+        reserve = self.reserve + (DECIDING if self.control else 0.0)
+        steps = round((rig.board.block + reserve + 2 * self.period + TABLE_LAG) / self.period)
         for lag_error in (0.0, LAG_ERROR, -LAG_ERROR):
             part = replace(self.substructure(rig), lag=steps * self.h, adaptive=False)
             run = run_delayed(part, self.damper(rig), steps * self.h + lag_error / self.clock, 0.0)
