@@ -66,7 +66,6 @@ def test_a_control_law_on_the_command_line() -> None:
     assert done.exit_code == 0, done.output
     assert json.loads(done.stdout)["law"] == "clipped_optimal 0 to 3.212 V, lag 0.01 s"
     for more, message in (
-        (law, "--control is of --delay"),
         ([*law, "--delay", "0.005", "--voltage", "1"], "--voltage and --control both set the input"),
     ):
         refused = CliRunner().invoke(cli, [*words, *more])

@@ -4,9 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
+from scipy.signal import StateSpace, lsim
+from tests.structures.test_torsion import by_centre_and_turn
 
 import dampyr as dp
-from dampyr.errors import FileError, MissingData
+from dampyr.errors import FileError, InputError, MissingData
 
 STOREYS = """
 name = "three storeys"
@@ -149,3 +152,159 @@ def test_the_first_line_of_a_file_that_is_no_table_is_not_repeated(tmp_path: Pat
     with pytest.raises(FileError, match=r"n.csv: lacks .* in its first line; it must name node") as caught:
         dp.structures.load(written(tmp_path, text))
     assert "root:x" not in str(caught.value)
+
+
+TURNING = """
+name = "plan"
+masses = ["20 t", "16 t"]
+inertias = ["400 t m^2", 2.6e5]
+centres = ["40 cm", -0.3]
+damping_ratio = 0.03
+frames = [
+  { position = "-5 m", stiffnesses = ["6 kN/mm", 5e6] },
+  { position = 1.0, stiffnesses = [4e6, 3e6] },
+  { position = 6, stiffnesses = [9e6, 7e6] },
+]
+"""
+BRIDGE = """
+name = "bridge"
+M = ["20 t", "20 t"]
+K = { unit = "MN/m", values = [[9, -4, -5, 0], [-4, 11, 0, -7], [-5, 0, 5, 0], [0, -7, 0, 7]] }
+C = { unit = "kN s/m", values = [[36, -16], [-16, 44]] }
+supports = ["west", "east"]
+"""
+
+
+def test_floors_that_turn_are_the_building_of_python_and_of_its_frames(tmp_path: Path) -> None:
+    loaded = dp.structures.load(written(tmp_path, TURNING))
+    frames = {-5.0: [6e6, 5e6], 1.0: [4e6, 3e6], 6.0: [9e6, 7e6]}
+    same = dp.structures.torsional_building([2e4, 1.6e4], [4e5, 2.6e5], frames, [0.4, -0.3], damping_ratio=0.03)
+    assert type(loaded) is type(same)
+    assert (loaded.floors, loaded.lines, loaded.name) == (same.floors, (-5.0, 6.0), "plan")
+    for letter in "MCK":
+        np.testing.assert_allclose(getattr(loaded, letter), getattr(same, letter), rtol=1e-12)
+    M, K = by_centre_and_turn()
+    np.testing.assert_allclose((2 * np.pi * loaded.frequencies) ** 2, eigh(K, M, eigvals_only=True), rtol=1e-9)
+    across = dp.structures.load(
+        written(tmp_path, TURNING + 'torsional_stiffness = "5 MN m/rad"\nlines = [-6.0, "6 m"]')
+    )
+    M, K = by_centre_and_turn(5e6)
+    np.testing.assert_allclose((2 * np.pi * across.frequencies) ** 2, eigh(K, M, eigvals_only=True), rtol=1e-9)
+    assert across.lines == (-6.0, 6.0)
+
+
+def test_several_supports_answer_as_scipy_has_them(tmp_path: Path) -> None:
+    """x = q + R y: the whole with its supports in absolute displacements, integrated by scipy."""
+    bridge = dp.structures.load(written(tmp_path, BRIDGE))
+    assert (bridge.supports, bridge.n) == (("west", "east"), 2)
+    t = 0.01 * np.arange(400)
+    a = np.array([np.sin(7 * t) * np.exp(-t), np.where(t > 0.4, np.sin(5 * (t - 0.4)), 0.0)])
+    motions = {
+        name: dp.ground_motions.GroundMotion(row, 0.01, name) for name, row in zip(bridge.supports, a, strict=True)
+    }
+    response = dp.structures.respond(bridge, dp.structures.SupportMotions(motions), step=0.01)
+    K = 1e6 * np.array([[9, -4, -5, 0], [-4, 11, 0, -7]], dtype=float)
+    C, R = 1e3 * np.array([[36, -16], [-16, 44]], dtype=float), -np.linalg.solve(K[:, :2], K[:, 2:])
+    state = np.block([[np.zeros((2, 2)), np.eye(2)], [-K[:, :2] / 2e4, -C / 2e4]])
+    system = StateSpace(state, np.vstack([np.zeros((2, 2)), -R]), np.eye(4)[:2], np.zeros((2, 2)))
+    _, q, _ = lsim(system, a.T, t)
+    np.testing.assert_allclose(response.displacement.T, q, atol=1e-9 * np.abs(q).max())
+
+
+def test_ratios_of_a_structure_on_supports_are_those_of_its_floors(tmp_path: Path) -> None:
+    text = BRIDGE[: BRIDGE.index("C =")] + 'supports = ["west", "east"]\ndamping_ratio = [0.02, 0.04]'
+    np.testing.assert_allclose(dp.structures.load(written(tmp_path, text)).damping_ratios, [0.02, 0.04])
+    rayleigh = dp.structures.load(written(tmp_path, text.replace("[0.02, 0.04]", '0.03\nmethod = "rayleigh"')))
+    np.testing.assert_allclose(rayleigh.damping_ratios, 0.03)
+
+
+def held_in_files() -> dict[str, dp.structures.Building]:
+    K = 1e6 * np.array([[9.1, -4, -5.1, 0], [-4, 11, 0, -7], [-5.1, 0, 5.1, 0], [0, -7, 0, 7]])
+    frames = {-5.0: [6e6, 5e6], 1.0: [4e6, 3e6], 6.0: [9e6, 7e6]}
+    return {
+        "storeys": dp.structures.shear_building([150.0, 140.0, 120.0], [140e3, 110e3, 80e3], damping_ratio=0.03),
+        "influence": dp.structures.Building(
+            np.diag([2.0, 3.0]), np.zeros((2, 2)), [[3e3, -1e3], [-1e3, 1.1e3]], "two", ["low", "high"], [1.0, 0.3]
+        ),
+        "turning": dp.structures.torsional_building(
+            [2e4, 1.6e4], [4e5, 2.6e5], frames, [0.4, -0.3], damping_ratio=0.03, names=("a", "b")
+        ),
+        "supports": dp.structures.with_supports(
+            np.diag([2e4, 1.9e4]), 0.004 * K, K, ("west", "east"), ("deck", "roof")
+        ),
+    }
+
+
+@pytest.mark.parametrize("kind", ["storeys", "influence", "turning", "supports"])
+def test_what_was_saved_answers_the_same_numbers_to_the_last_bit(kind: str, tmp_path: Path) -> None:
+    building = held_in_files()[kind]
+    again = dp.structures.load(dp.structures.save(building, tmp_path / "saved.toml"))
+    assert (type(again), again.name, again.floors) == (type(building), building.name, building.floors)
+    assert again.floors_below == building.floors_below
+    quake = dp.ground_motions.el_centro()
+    short = quake.changed(quake.acceleration[:200], "its begin")
+    motion = dp.structures.SupportMotions({"west": short, "east": short.scaled(0.7)}) if kind == "supports" else short
+    damper = dp.studies.raminelli_2020.damper()
+    dampers = None if kind == "supports" else {1: damper}
+    before, after = (
+        dp.structures.respond(b, motion, dampers, **({} if dampers is None else {"voltage": 1.0}))
+        for b in (building, again)
+    )
+    for name in ("displacement", "velocity", "acceleration"):
+        np.testing.assert_array_equal(getattr(before, name), getattr(after, name))
+    if kind == "turning":
+        np.testing.assert_array_equal(again.rotation, building.rotation)
+        np.testing.assert_array_equal(again.centres, building.centres)
+
+
+def test_what_a_file_would_not_keep_is_not_saved(tmp_path: Path) -> None:
+    tall = dp.structures.shear_building([1e3] * 4, [1e6] * 4, damping_ratio=0.02)
+    with pytest.warns(dp.errors.DampyrWarning):
+        small = tall.condensed([2, 4])
+    car = dp.structures.half_car(580.0, 900.0, 1.2, 1.4, 45.0, 18e3, 190e3, 300.0)
+    for building in (small, car):
+        with pytest.raises(InputError, match="of which a file would not keep everything; save the structure that"):
+            dp.structures.save(building, tmp_path / "saved.toml")
+    with pytest.raises(InputError, match="can move without a spring"):
+        dp.structures.save(dp.structures.Building([[1.0]], [[0.0]], [[0.0]]), tmp_path / "saved.toml")
+    assert not (tmp_path / "saved.toml").exists()
+    with pytest.raises(FileError, match="cannot be written"):
+        dp.structures.save(tall, tmp_path / "none" / "saved.toml")
+
+
+@pytest.mark.parametrize(
+    ("text", "before", "after", "says"),
+    [
+        (TURNING, "inertias", "inertia", "inertia is not known; did you mean 'inertias'"),
+        (TURNING, 'inertias = ["400 t m^2", 2.6e5]', "inertias = [4e5]", "2 masses and 1 inertias do not match"),
+        (TURNING, "400 t m^2", "400 t m", "inertias = '400 t m': the unit"),
+        (TURNING, 'position = "-5 m"', 'position = "-5 kg"', "frames.position = '-5 kg': the unit"),
+        (TURNING, 'position = "-5 m", ', "", "frames.position is missing"),
+        (TURNING, "position = 1.0", "position = 6.0", "two frames stand at one position; add their stiffnesses up"),
+        (TURNING, "[4e6, 3e6]", "[4e6, 3e6, 2e6]", "the frame at 1.0 m"),
+        (TURNING, "damping_ratio = 0.03", 'lines = [1, 1]', "give two different positions in m"),
+        (TURNING, "damping_ratio = 0.03", 'names = ["one"]', "must be two names"),
+        (TURNING, TURNING[TURNING.index("frames"):], "", "frames is missing"),
+        (TURNING, TURNING[TURNING.index("frames"):], "frames = 3", "frames = 3 must be a table"),
+        (BRIDGE, '"east"]', '"east", "mid", "far"]', "K has 4 rows for 4 supports"),
+        (BRIDGE, '"east"]', '"west"]', "give different names"),
+        (BRIDGE, '"east"]', '"east"]\nkeep = [1]', "keep is not of a structure on several supports"),
+        (BRIDGE, '"east"]', '"east"]\ninfluence = [1, 1]', "influence is not of a structure on several supports"),
+        (BRIDGE, 'supports = ["west", "east"]', "below = [0, 0]", "below belongs to a structure on several supports"),
+        (BRIDGE, '"east"]', '"east"]\nbelow = [2, 0]', "below = "),
+        (BRIDGE, '"east"]', '"east"]\nsupport_influence = [[1, 0]]', "support_influence has 1 rows of 2 numbers"),
+        (BRIDGE, "[[36, -16], [-16, 44]]", "[[36]]", "C has shape"),
+        (MATRICES, "M =", "lines = [1, 1]\nM =", "lines = .* must be two different positions in m"),
+        (MATRICES, "M =", "lines = [1, 2]\nM =", "two degrees of freedom each and a centre in m; there are 2 and 0"),
+        (MATRICES, "M =", "lines = [1, 2]\nkeep = [1]\nM =", "keep is not of floors that turn"),
+    ],
+)  # fmt: skip
+def test_mistakes_of_floors_that_turn_and_of_supports(
+    tmp_path: Path, text: str, before: str, after: str, says: str
+) -> None:
+    assert before in text
+    path = written(tmp_path, text.replace(before, after, 1))
+    with pytest.raises(FileError, match=says) as problem:
+        dp.structures.load(path)
+    assert str(problem.value).startswith(str(path))
+    assert "\n" not in str(problem.value)

@@ -81,9 +81,11 @@ def _temperature(drive: Drive, rig: RigSettings) -> list[Violation]:
 
 
 def _voltage(drive: Drive, rig: RigSettings, damper: Damper | None) -> list[Violation]:
-    high, limit = float(drive.voltage.max()), min(rig.limits.voltage, rig.board.range * rig.supply.gain)
+    least, high = drive.voltage_range
+    limit = min(rig.limits.voltage, rig.board.range * rig.supply.gain)
+    lower = "" if not drive.law else "; give the law another high or low"
     if high > limit * (1 + 1e-9):
-        return [Violation("voltage", f"needs {high:.4g} V at the coil, the limit is {limit:.4g} V")]
+        return [Violation("voltage", f"needs {high:.4g} V at the coil, the limit is {limit:.4g} V{lower}")]
     if damper is None:
         return []
     if not damper.has_input:
@@ -91,9 +93,9 @@ def _voltage(drive: Drive, rig: RigSettings, damper: Damper | None) -> list[Viol
     factor = 1.0 if damper.input == "V" else rig.supply.resistance
     low, top = (value * factor for value in damper.range)
     slack = 1e-9 * max(abs(low), abs(top), 1.0)
-    for worst in (high, float(drive.voltage.min())):
+    for worst in (high, least):
         if not low - slack <= worst <= top + slack:
-            words = f"needs {worst:.4g} V at the coil, the damper was calibrated from {low:.4g} to {top:.4g} V"
+            words = f"needs {worst:.4g} V at the coil, the damper was calibrated from {low:.4g} to {top:.4g} V{lower}"
             return [Violation("voltage", words)]
     return []
 

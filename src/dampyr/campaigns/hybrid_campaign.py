@@ -16,7 +16,7 @@ from dampyr.campaigns.planned_tests import Plan, plan
 from dampyr.config import fill
 from dampyr.errors import InputError
 from dampyr.findings import handed_on
-from dampyr.hybrid.hybrid_result import HybridResult, modelled_force, replayed
+from dampyr.hybrid.hybrid_result import HybridResult, follow_record, modelled_force, replayed
 from dampyr.hybrid.rig_drive import HybridDrive
 from dampyr.hybrid.substructure import LARGEST_LAG, lag_of
 from dampyr.models import published
@@ -54,11 +54,15 @@ def hybrid_result(source: Record | str | Path) -> HybridResult:
     settings = fill(RigSettings, json.loads(rig_text)) if rig_text else RigSettings()
     drive: HybridDrive = step.drive(settings)
     run, static = replayed(drive, record.displacement, record.force, settings)
+    law, unit, asked, voltage = drive.substructure.law, "V", None, step.voltage
+    if law is not None:
+        asked, unit = follow_record(drive, run, np.asarray(record.voltage), settings), step.damper(settings).input
+        voltage = float(asked[:-1].mean()) * drive.volts_per_input
     lag, gain = lag_of(run.target, run.achieved, drive.substructure.h, LARGEST_LAG)
     n = drive.substructure.building.n_floors
     return HybridResult(
-        step.title, step.scale, step.clock, step.voltage, np.asarray(np.arange(run.now + 1) * drive.substructure.h, float),
+        step.title, step.scale, step.clock, voltage, np.asarray(np.arange(run.now + 1) * drive.substructure.h, float),
         np.ascontiguousarray(run.z[:, :n].T), run.target, run.achieved, run.force,
         modelled_force(drive.substructure, run), static, lag, gain, run.energy_error,
-        step.computed(settings), record.origin, handed_on([record]),
+        step.computed(settings), record.origin, handed_on([record]), drive.law, asked, unit,
     )  # fmt: skip

@@ -168,7 +168,7 @@ def _plan_test(test: Test, rig: RigSettings, damper: Damper | None) -> PlannedTe
     if not refusal and hasattr(step, "rehearsal") and (words := step.rehearsal(rig)):
         refusal = f"{test.where}: {words}"
     return PlannedTest(
-        test, step, drive, drive.duration, peaks.speed, peaks.position, force, float(drive.voltage.max()),
+        test, step, drive, drive.duration, peaks.speed, peaks.position, force, drive.voltage_range[1],
         energy, notes, refusal, fitted,
     )  # fmt: skip
 

@@ -395,7 +395,7 @@ def header(
     """The header of the file, complete before the test begins."""
     drive = planned.drive
     voltage = drive.voltage[drive.record_from : drive.record_to]
-    constant = bool(np.ptp(voltage) == 0.0)
+    constant = not drive.law and bool(np.ptp(voltage) == 0.0)
     channels = ["time", "displacement", "force", *(() if constant else ("voltage",))]
     raw = {
         "force": RawChannel(
@@ -425,6 +425,8 @@ def header(
         raw["coil_current"] = RawChannel("V", supply.current_scale, 0.0, "A")
     if raw.keys() & {"coil_voltage", "coil_current"}:
         raw["command"] = RawChannel("V", supply.gain, 0.0, "V")
+    if drive.law:
+        raw["asked_voltage"] = RawChannel("V", 1.0, 0.0, "V")
     return RecordingHeader(
         planned.name,
         planned.name,
@@ -458,6 +460,7 @@ def provenance(rig: Rig, calibration: Calibration, planned: PlannedTest, campaig
         "kind": planned.kind,
         "step": as_json(planned.step),
         **({"fitted": planned.fitted} if planned.fitted else {}),
+        **({"law": planned.drive.law} if planned.drive.law else {}),
         "rig": as_json(rig.settings),
         "calibration": json.dumps(
             {key: value for key, value in dataclasses.asdict(calibration).items() if value is not None}
@@ -504,6 +507,7 @@ def file_rows(samples: Samples, selection: slice, record_header: RecordingHeader
         **{f"raw/{name}": volts for name, volts in zip(rig.inputs, samples.volts, strict=True)},
         "raw/position": samples.counts,
         "raw/command": samples.command / rig.supply.gain,
+        "raw/asked_voltage": samples.asked,
     }
     names = [
         *(f"calibrated/{name}" for name in record_header.channels),

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     epilog=examples(
         "dampyr hybrid --scale 0.5 --dry-run",
         "dampyr hybrid --delay 0.01 --voltage 1.98 --report hybrid.html",
+        "dampyr hybrid --control clipped_optimal:period=4ms,high=1.5 --dry-run",
     )
 )
 @click.option(
@@ -60,7 +61,7 @@ if TYPE_CHECKING:
 @click.option(
     "--delay", type=float, metavar="S", help="Use no rig: an actuator with this delay moves the card's model."
 )
-@click.option("--control", metavar="LAW", help="With --delay: a control law sets the input, such as clipped_optimal.")
+@click.option("--control", metavar="LAW", help="A law that sets the input, such as on_off:period=4ms,high=2.")
 @click.option("--lag-error", type=float, default=0.0, metavar="S", help="With --delay: the error of the assumed delay.")
 @click.option(
     "--record",
@@ -103,7 +104,7 @@ def command(
 
     table = {
         "kind": "hybrid", "structure": structure, "motion": motion, "scale": scale, "storey": storey, "voltage": voltage,
-        "clock": clock, "duration": duration, "model": model,
+        "clock": clock, "duration": duration, "model": model, "control": control or "",
     }  # fmt: skip
     if record is not None:
         refuse_typed(OF_A_TEST, "is of a test that is run, and --record tells of one that was; leave it out")
@@ -119,8 +120,6 @@ def command(
             result = _on_delayed_actuator(structure, motion, model, table, delay, lag_error, control)
         _tell(result, report, as_json)
         return None
-    if control is not None:
-        raise InputError("--control is of --delay: a rig's hybrid test has one voltage; leave it out")
     if lag_error:
         raise InputError("--lag-error is of --delay; leave it out")
     if out is None and not dry_run:

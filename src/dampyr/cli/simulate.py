@@ -40,6 +40,7 @@ if TYPE_CHECKING:
         "dampyr simulate damper.toml --voltage 0 --voltage 1.98 --report building.html",
         "dampyr simulate --control on_off:low=0,high=1.98",
         "dampyr simulate --voltage 0 --voltage 1.98 --loads wind.csv",
+        "dampyr simulate --structure bridge.toml --without-damper --supports piers.toml",
     ),
 )
 @click.argument("card", required=False, type=click.Path(path_type=Path))
@@ -56,6 +57,12 @@ if TYPE_CHECKING:
     "--motion",
     type=click.Path(path_type=Path),
     help="A ground motion file; without it El Centro 1940, or none where there are --loads.",
+)
+@click.option(
+    "--supports",
+    "supports_file",
+    type=click.Path(path_type=Path),
+    help="A TOML file of the motions of several supports, a table for each.",
 )
 @click.option(
     "--loads",
@@ -83,6 +90,7 @@ def command(
     options: RespondOptions,
     reading: MotionReadOptions,
     motion: Path | None,
+    supports_file: Path | None,
     loads_file: Path | None,
     load_unit: str | None,
     ground: Ground,
@@ -97,10 +105,11 @@ def command(
 
     CARD is a damper's card or the name of a published damper; without it that of Raminelli (2020) is taken.
     The case without damper always comes first, then one case per --voltage (or --current). With --loads, a table of forces on
-    floors, the ground rests unless --motion is given, too.
+    floors, the ground rests unless --motion is given, too. A structure on several supports has --supports in its place.
     """
     from dampyr.options import command_words
-    from dampyr.structures import read_loads, respond
+    from dampyr.structures import read_loads, read_supports, respond
+    from dampyr.structures.supports import SupportedBuilding
 
     building = structure_of(structure)
     if without_damper:
@@ -111,7 +120,22 @@ def command(
     if load_unit is not None and loads_file is None:
         raise InputError("--load-unit is of the table of --loads; give that, or leave the unit out")
     loads = None if loads_file is None else read_loads(loads_file, load_unit)
-    shaking = ground.motion(motion, options=reading) if motion is not None or loads is None else None
+    shaking: Any = None
+    if supports_file is not None:
+        if typed := [*(["--motion"] if motion is not None else []), *ground.typed(), *command_words(reading)]:
+            raise InputError(f"{typed[0]} is of one ground motion, and --supports has its own; write it in that file")
+        if not isinstance(building, SupportedBuilding):
+            raise InputError(
+                f"--supports is of a structure on several supports, and {building.name} stands on one ground"
+            )
+        shaking = read_supports(supports_file)
+    elif motion is not None or loads is None:
+        if isinstance(building, SupportedBuilding):
+            raise InputError(
+                f"{building.name} stands on several supports ({', '.join(building.supports)}); give their motions with "
+                "--supports"
+            )
+        shaking = ground.motion(motion, options=reading)
     if shaking is None and (flags := [*ground.typed(), *command_words(reading)]):
         raise InputError(
             f"{flags[0]} is of a ground motion, and the loads act alone; give --motion, too, or leave it out"

@@ -76,7 +76,8 @@ KIND_OF_FILE = {
     "paths": "records", "records": "records", "record": "records", "card": "dampers",
     "structure": "structures", "motion": "motions",
     "motions": "motions", "file": "motions", "rig": "rigs", "folders": "folders", "folder": "folders",
-    "criteria": "criteria", "limits": "files", "design": "files", "loads_file": "files", "study": "studies",
+    "criteria": "criteria", "limits": "files", "design": "files", "loads_file": "files",
+    "supports_file": "files", "study": "studies",
     "name": "data sets", "reference": "references",
 }  # fmt: skip
 """Parameter -> what is chosen for it from the data folder, or by name from what is published."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.hybrid import substructure_kernel
-from dampyr.hybrid.substructure import Substructure, SubstructureRun
+from dampyr.hybrid.substructure import ParameterTable, Substructure, SubstructureRun
 from dampyr.models import Damper
 from dampyr.models.codegen.kernels import bind
 from dampyr.structures.law_input import LawInput
@@ -39,7 +39,8 @@ def run_delayed(
         s by which set points are sent ahead of their time, 0 to 1; None: as long as the delay.
     law
         A control law that sets the input of the specimen in the place of ``part.voltage``, and of the model that predicts its
-        force: it decides at the ends of the steps on the computed structure, the ground and the specimen's force.
+        force: it decides at the ends of the steps on the computed structure, the ground and the specimen's force. One that
+        ``part`` has itself decides on what is predicted, as on the rig.
 
     Returns
     -------
@@ -68,6 +69,7 @@ def run_delayed(
         if law is None
         else LawInput(law, specimen, part.building, part.row, GroundMotion(part.ground, h, "ground"))
     )
+    table = None if part.law is None else ParameterTable(specimen, part.law)
     run.set_points(ahead)
     while not run.over:
         k = run.now + 1
@@ -77,7 +79,10 @@ def run_delayed(
             voltage = decided.input_at(k * h)
             p = np.ascontiguousarray(specimen.values(voltage, static=False))
             run.set_input(voltage)
+            run.commands[run.now :] = decided.command
         run.set_points(min(k + ahead, part.steps))
+        if table is not None:
+            p = table.at(float(run.inputs[k - 1]))
         place = min(max(0.0, k - late), run.given)
         index = int(place)
         last = min(index + 1, run.given)

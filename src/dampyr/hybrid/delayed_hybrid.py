@@ -94,4 +94,5 @@ def delayed_result(
         run.target, run.achieved, run.force, modelled_force(part, run), 0.0,
         delay - run.lag.lag, run.lag.gain, run.energy_error, computed,
         origin=replace(combined([damper.origin]), kind="virtual"), law="" if law is None else describe_law(law, damper.input),
+        inputs=None if law is None else run.commands, input_unit=damper.input if law is not None else "V",
     )  # fmt: skip

@@ -11,7 +11,7 @@ from dampyr.errors import InputError
 from dampyr.findings import Finding, worst_first
 from dampyr.hybrid import substructure_kernel
 from dampyr.hybrid.rig_drive import HybridDrive, static_force
-from dampyr.hybrid.substructure import Substructure, SubstructureRun
+from dampyr.hybrid.substructure import Substructure, SubstructureRun, followed
 from dampyr.models.codegen.kernels import bind
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.rig import RigSettings
@@ -51,6 +51,8 @@ class HybridResult(Shown):
     origin: Origin = NOT_STATED
     of_record: tuple[Finding, ...] = ()  # what is wrong or in doubt in the record of the test; none of a computed one
     law: str = ""  # what set the input, in words, where a control law did; ``voltage`` is its mean then
+    inputs: Array | None = None  # (T,) what that law asked for in the step that follows, in ``input_unit``
+    input_unit: str = "V"
 
     @property
     def input_words(self) -> str:
@@ -96,8 +98,8 @@ def modelled_force(part: Substructure, run: SubstructureRun) -> Array:
     follow = bind(substructure_kernel.follow_path, (part.model.composition,))
     s, out = np.array(part.model.composition.state0, float), np.zeros(len(run.achieved))
     begins = np.flatnonzero(np.diff(run.inputs[: part.steps], prepend=np.nan))  # of stretches of one input
-    for first, last in zip(begins, [*begins[1:], part.steps], strict=True):
-        p = np.ascontiguousarray(part.model.values(run.inputs[first], static=False))
+    table = np.ascontiguousarray(part.model.values(run.inputs[begins], static=False))
+    for first, last, p in zip(begins, [*begins[1:], part.steps], table, strict=True):
         follow(run.achieved, part.h, int(first), int(last), s, p, out)
     out[-1] = out[-2]
     return out
@@ -115,3 +117,13 @@ def replayed(drive: HybridDrive, displacement: Array, force: Array, rig: RigSett
         rows = slice(begin + k * points, begin + (k + 1) * points)
         run.measured(float(displacement[rows.stop - 1]), float(np.mean(force[rows])) - static)
     return run, static
+
+
+def follow_record(drive: HybridDrive, run: SubstructureRun, voltage: Array, rig: RigSettings) -> Array:
+    """What the law asked for (T,) [V or A] in each step, by the voltage of a record; the model of ``run`` gets its inputs."""
+    part, points = drive.substructure, round(drive.period * rig.board.rate)
+    middle = (drive.lead_in + np.arange(part.steps)) * points + points // 2
+    asked = np.append(voltage[middle], voltage[middle[-1]]) / drive.volts_per_input
+    # A voltage that is read back has noise, which the range of the model does not allow for.
+    run.inputs[:] = followed(np.clip(asked, part.law.low, part.law.high), part.law.low, part.law.lag, part.h)
+    return asked

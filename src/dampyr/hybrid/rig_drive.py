@@ -9,15 +9,18 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.errors import RigFault
+from dampyr.errors import InputError, RigFault
 from dampyr.hybrid.substructure import GAINS, LARGEST_LAG, Substructure, lag_of
 from dampyr.rig.drive import Drive
 from dampyr.rig.firmware.protocol import QUEUE
 from dampyr.rig.interlock import Samples
 from dampyr.rig.player import Player
+from dampyr.rig.settings import RigSettings
+from dampyr.structures.control_laws import describe_law
 
 Array = NDArray[np.float64]
 REPAIR = "take a lower scale or voltage, a slower clock, a shorter board.block, or a better model of the damper"
+DECIDING = 0.01  # s that a law's decisions of a block may take; so much earlier its set points leave
 STOPPING = 3.0  # s in which the table goes from where the test ends back to the middle
 
 
@@ -37,19 +40,45 @@ class HybridPlayer(Player):
 
     def prepare(self) -> None:
         """Make the run of the computed part, whose kernel may have to be compiled."""
-        self.run = self.hybrid.substructure.run()
+        part = self.hybrid.substructure
+        # Two decisions of a run that is thrown away: what a law calls first at its second one is compiled then, too.
+        part.run().fix(1 if part.law is None else round(part.law.period / part.h) + 1)
+        self.run = part.run()
 
     def target(self, first: int, n: int) -> None:
         """None: what the table is sent follows from what was measured, and is known too late to be compared."""
 
-    def feed(self, samples: Samples) -> None:
-        """Take a block, and send the set points until the next one has come."""
+    @property
+    def ahead(self) -> int | None:
+        """Under a law less than else: the later it decides, the less of its measures is predicted."""
+        if not self.hybrid.law:
+            return None
+        return math.ceil(law_lead(self.rig, self.hybrid.reserve) * self.rig.board.rate)
+
+    def voltage(self, first: int, n: int) -> Array:
+        """The coil's voltage for n samples from ``first`` on: during the test what the law decides."""
+        volts, part = super().voltage(first, n), self.hybrid.substructure
+        step = (np.arange(first, first + n) - self.start) // self._points - self.hybrid.lead_in
+        during = (step >= 0) & (step < part.steps)
+        if self.hybrid.law and during.any():
+            self._fix(int(step[during][-1]) + 1)
+            volts[during] = self.run.commands[step[during]] * self.hybrid.volts_per_input
+        return volts
+
+    def _fix(self, until: int) -> None:
+        """Fix what the law decides; a RigFault where it asks for more than it may."""
+        try:
+            self.run.fix(until)
+        except InputError as problem:
+            raise RigFault(f"{describe_stop(self.run.about, self.run.now)}: {problem}", "check") from None
+
+    def take(self, samples: Samples) -> None:
+        """Make the steps that a block completes."""
         after = samples.first + samples.n
         if after > self.start and not self.finished:
             skip = max(0, self.start - samples.first)
             self._measured.append((samples.displacement[skip:], samples.force[skip:]))
             self._compute(after - self.start)
-        super().feed(samples)
 
     def _follow(self, now: int) -> None:
         """Send the first set points a block before their time, and follow them from ``start`` on: they all are at rest."""
@@ -102,7 +131,7 @@ class HybridPlayer(Player):
     def _keep_filled(self, followed: int, free: int) -> None:
         """Set points until the next block has come; those of the test follow from what was measured."""
         hybrid, taken = self.hybrid, self._first + sum(len(x) for x, _ in self._measured)
-        ahead = self.rig.board.block + hybrid.reserve
+        ahead = self.rig.board.block + hybrid.reserve + (DECIDING if hybrid.law else 0.0)
         seconds = taken / self.rig.board.rate + ahead
         until = min(self.points, math.ceil(seconds / hybrid.period * self.ratio) + 2)
         if self.sent < until:
@@ -120,6 +149,7 @@ class HybridPlayer(Player):
         points = hybrid.displacement[first : first + n].copy()
         during = (index > 0) & (index <= steps)
         if during.any():
+            self._fix(int(index[during][-1]))
             self.run.set_points(int(index[during][-1]))
             points[during] = self.run.sent[index[during]]
             self._check_speed(index[during])
@@ -147,6 +177,7 @@ class HybridDrive(Drive):
 
     ``cycles`` : first and last set point of whole cycles of the lead-in, in which the static force is measured. ``clock`` : how
     much slower than the structure's own time the test runs. ``reserve`` : s of set points sent beyond the next block.
+    ``volts_per_input`` : at the coil for the input of the damper's model, which a law decides on.
     """
 
     substructure: Substructure = field(kw_only=True)
@@ -154,8 +185,31 @@ class HybridDrive(Drive):
     cycles: tuple[int, int] = field(kw_only=True)
     clock: float = field(default=1.0, kw_only=True)
     reserve: float = field(default=0.034, kw_only=True)
+    volts_per_input: float = field(default=1.0, kw_only=True)
 
     player: ClassVar[type[Player]] = HybridPlayer
+
+    @property
+    def law(self) -> str:
+        """The control law that decides on what the building is predicted to do, in words."""
+        part = self.substructure
+        return "" if part.law is None or part.model is None else describe_law(part.law, part.model.input)
+
+    @property
+    def voltage_range(self) -> tuple[float, float]:
+        """Under a law its own bounds, whatever it is expected to ask for."""
+        law = self.substructure.law
+        if law is None:
+            return super().voltage_range
+        return law.low * self.volts_per_input, law.high * self.volts_per_input
+
+
+def law_lead(rig: RigSettings, reserve: float) -> float:
+    """s by which a law's voltage is asked for before its time: a block and twice what set points have in reserve.
+
+    Twice, as a board whose command ends stops at once, while an Uno follows what it has been sent.
+    """
+    return rig.board.block + 2.0 * reserve
 
 
 def static_force(force: Array, first: int, last: int) -> float:

@@ -15,6 +15,10 @@ the actuator adds because the specimen is not where the computation has it,
 
 and is compared with the energy that the ground has put in.
 
+Where a control law sets the damper's input, it decides on the same prediction: at its samples it measures the structure, the
+ground and the force as they will be when its decision acts, from what was measured last. The model that predicts the force
+has the inputs that were decided, through the lag of the coil.
+
 References: G. Mosqueda, B. Stojadinovic, S. Mahin, Real-time error monitoring for hybrid simulation, J. Struct. Eng. 133
 (2007); Y. Chae, K. Kazemibidokhti, J. Ricles, Adaptive time series compensator for delay compensation of servo-hydraulic
 actuator systems, Earthquake Eng. Struct. Dyn. 42 (2013).
@@ -31,12 +35,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.errors import InputError
+from dampyr.ground_motions import GroundMotion
 from dampyr.hybrid import substructure_kernel
 from dampyr.hybrid.setup import building_step
 from dampyr.models import Damper, compose
 from dampyr.models.codegen.kernels import bind
 from dampyr.shown import Shown
 from dampyr.structures import Building, Response
+from dampyr.structures.control_laws import check_decided
+from dampyr.structures.law_input import LawInput
 from dampyr.structures.time_history.modal_coordinates import refined
 
 Array = NDArray[np.float64]
@@ -46,6 +53,7 @@ SMALLEST = 1e-5  # m of a stroke: two counts of the encoder
 SMOOTHING = 0.1  # s of the structure's time in which the difference of measured and predicted force is smoothed
 LARGEST_LAG = 0.05  # s of the structure's time in either direction that is compensated
 GAINS = (0.8, 1.25)  # between which the gain of the actuator is believed
+ROWS = 1025  # of the table of a model's parameters over the inputs of a law, straight between them
 FLOOR = 0.25  # of the energy that the ground is expected to put in: an error of energy is compared with no less
 
 
@@ -96,7 +104,9 @@ class Substructure(Shown):
     ``ground`` (T,) m/s2 every ``h`` s of the structure's time, scaled. ``model`` with its ``voltage`` predicts the force
     (None: it is held). ``lag`` s is known of the actuator beforehand; ``adaptive``: it is followed. ``size`` m is the stroke
     that is expected, ``input_energy`` J what the ground is expected to put in, and ``energy_limit`` the error of energy, over
-    the energy that the ground has put in, at which the test is stopped.
+    the energy that the ground has put in, at which the test is stopped. ``law`` is a control law that sets the input in the
+    place of ``voltage``, which is that before the test then; its decisions, at least ``law_lead`` s before their time, are the
+    ``commands`` of the run.
     """
 
     building: Building
@@ -110,12 +120,28 @@ class Substructure(Shown):
     size: float = 0.01
     input_energy: float = 0.0
     energy_limit: float = 0.1
+    law: Any = None
+    law_lead: float = 0.0
 
     def __post_init__(self) -> None:
         if not self.h > 0.0:
             raise InputError(f"h = {self.h:g} s is not allowed; it must be greater than 0")
         if len(self.ground) < 2:
             raise InputError("the ground motion is shorter than two steps of the hybrid test; give a shorter period")
+        if self.law is not None:
+            self._check_law()
+
+    def _check_law(self) -> None:
+        """Raise InputError where the law cannot decide on what is predicted."""
+        if self.model is None:
+            raise InputError("a control law decides on what the damper's model predicts; give a model")
+        steps = self.law.period / self.h
+        if round(steps) < 1 or abs(steps - round(steps)) > 1e-9 * steps:
+            near = max(1, round(steps)) * self.h
+            raise InputError(
+                f"period = {self.law.period:g} s of the control law is not a whole number of the test's steps of {self.h:g} s; "
+                f"give period={near:.6g}"
+            )
 
     @property
     def steps(self) -> int:
@@ -197,19 +223,21 @@ class SubstructureRun(Shown):
 
     Arrays over the steps: ``z`` (T, 2n) states of the structure, ``target`` the displacement [m] that the specimen should have
     and ``achieved`` that it had, ``force`` [N] the mean of the step that follows, ``sent`` the set points [m], ``lags`` [s] and
-    ``gains`` as estimated, ``inputs`` [V or A] of the damper in the step that follows; ``now`` steps of them are made.
+    ``gains`` as estimated, ``inputs`` [V or A] of the damper in the step that follows, and ``commands`` [V or A], what a law
+    has asked for then; ``now`` steps of them are made.
     """
 
     def __init__(self, about: Substructure) -> None:
         self.about, n = about, about.building.n
         self.states, self.by_ground, self.by_force = building_step(about.building, about.row, about.h)
-        size, beyond = about.steps + 1, math.ceil(LARGEST_LAG / about.h)
+        size, beyond = about.steps + 1, math.ceil(max(LARGEST_LAG, about.law_lead) / about.h)
         self._ground = np.concatenate([about.ground, np.zeros(beyond)])
         self.path, self._rate, self._model = (np.zeros(size + beyond) for _ in range(3))
         self.z, self.sent, self._sent_rate = np.zeros((size, 2 * n)), np.zeros(size), np.zeros(size)
         self.force, self.achieved, self.target = np.zeros(size), np.zeros(size), np.zeros(size)
         self.lags, self.gains = np.full(size, about.lag), np.ones(size)
         self.inputs = np.full(size, float(about.voltage))
+        self.commands = self.inputs.copy()
         self.now = self.given = self._fixed = 0
         self.error = self.input = self.largest_input = 0.0
         composition = compose("spring") if about.model is None else about.model.composition
@@ -221,6 +249,13 @@ class SubstructureRun(Shown):
             else np.ascontiguousarray(about.model.values(about.voltage, static=False))
         )
         self._look_ahead = bind(substructure_kernel.look_ahead, (composition,))
+        self._law: LawInput | None = None
+        if about.law is not None:
+            assert about.model is not None  # as `Substructure` checks
+            motion = GroundMotion(about.ground, about.h, "ground")
+            self._law = LawInput(about.law, about.model, about.building, about.row, motion)
+            self._force_now = bind(substructure_kernel.force_now, (composition,))
+            self._table = ParameterTable(about.model, about.law)
         self._pull = about.building.influence @ about.building.M
         self._difference, self._share = 0.0, 1.0 - math.exp(-about.h / SMOOTHING)
         self.begin(about.lag)
@@ -270,19 +305,50 @@ class SubstructureRun(Shown):
         reference = max(self.largest_input, FLOOR * self.about.input_energy)
         return abs(self.error) / reference if reference > 0.0 else 0.0
 
+    def fix(self, until: int) -> None:
+        """Fix the path, and what a law decides on it, to index ``until`` of the steps.
+
+        InputError where the law asks for an input beyond its own bounds.
+        """
+        first, last = self._fixed, min(until, len(self.path) - 1)
+        if last <= first:
+            return
+        if self._law is None:
+            self._predict(first, last)
+        else:
+            self._predict(first, first)
+            for k in range(first, last):
+                self._decide(k, self._law)
+                self._predict(k, k + 1)
+        self._fixed = last
+
+    def _predict(self, fixed: int, until: int) -> None:
+        """The path from index ``fixed`` on to ``until``; ``_work[0]`` is the structure's state there then."""
+        self._look_ahead(
+            self.now, until, fixed, self.states, self.by_ground, self.by_force, self.about.row, self._ground,
+            self.about.h, self.z[self.now], self._work, self._difference, self.about.model is not None, self.path,
+            self._rate, self._model, self._s, self._trial, self._p,
+        )  # fmt: skip
+
+    def _decide(self, k: int, law: LawInput) -> None:
+        """The law's decision at index k, on the state that was predicted for it; the model has the input from there on."""
+        h, n = self.about.h, self.about.building.n
+        if law.is_due(k * h):
+            force = self._force_now(self.path[k], self._rate[k], self._s, self._p) + self._difference
+            law.decide_at(k * h, self._work[0, :n], self._work[0, n:], float(force))
+            check_decided(law.law, "of the hybrid test", law.command, law.command)
+            self.commands[k:] = law.command
+        value = law.input_at((k + 0.5) * h)
+        self.inputs[k:] = value
+        self._p[:] = self._table.at(value)
+
     def set_points(self, until: int) -> Array:
         """The set points [m] after the last that was given, to index ``until`` of the steps."""
         first, until = self.given, min(until, self.about.steps)
         if until <= first:
             return np.zeros(0)
-        fixed = min(until + math.ceil(self.lag.lag / self.about.h - 1e-9), len(self.path) - 1)
-        if fixed > self._fixed:
-            self._look_ahead(
-                self.now, fixed, self._fixed, self.states, self.by_ground, self.by_force, self.about.row, self._ground,
-                self.about.h, self.z[self.now], self._work, self._difference, self.about.model is not None, self.path,
-                self._rate, self._model, self._s, self._trial, self._p,
-            )  # fmt: skip
-            self._fixed = fixed
+        h = self.about.h
+        self.fix(max(until + math.ceil(self.lag.lag / h - 1e-9), self.now + math.ceil(self.about.law_lead / h - 1e-9)))
         self.given = until
         new = np.arange(first + 1, until + 1)
         place = new + self.lag.lag / self.about.h
@@ -290,6 +356,32 @@ class SubstructureRun(Shown):
         self.sent[new] = np.interp(place, every, self.path[every]) / self.lag.gain
         self._sent_rate[new] = np.interp(place, every, self._rate[every]) / self.lag.gain
         return self.sent[new]
+
+
+class ParameterTable:
+    """The parameters of a damper at the inputs of a law, without its static force: interpolated, so that they are quick."""
+
+    def __init__(self, damper: Any, law: Any) -> None:
+        self.low, self.step = law.low, (law.high - law.low) / (ROWS - 1)
+        self.rows = damper.values(np.linspace(law.low, law.high, ROWS), static=False)
+
+    def at(self, value: float) -> Array:
+        """The parameters (P,) at an input [V or A]."""
+        place = (value - self.low) / self.step if self.step > 0.0 else 0.0
+        index = min(max(int(place), 0), ROWS - 2)
+        row: Array = self.rows[index] + (place - index) * (self.rows[index + 1] - self.rows[index])
+        return row
+
+
+def followed(commands: Array, first: float, lag: float, h: float) -> Array:
+    """The input (T,) in the middle of each step of ``h`` s: the coil follows the ``commands`` (T,) with its ``lag`` [s]."""
+    if lag == 0.0:
+        return commands.copy()
+    inputs, level, left = np.empty(len(commands)), first, math.exp(-0.5 * h / lag)
+    for k, command in enumerate(commands):
+        inputs[k] = command + (level - command) * left
+        level = command + (inputs[k] - command) * left
+    return inputs
 
 
 def _interpolate(values: Array, place: float) -> float:

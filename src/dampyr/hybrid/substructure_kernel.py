@@ -78,6 +78,11 @@ def look_ahead(
                 follow_path(path, h, j, j + 1, s, p, model)
 
 
+def force_now(x, v, s, p):
+    """The model's force at this stroke and rate, its states being ``s``."""
+    return force(0, s, x, v, 0.0, p)
+
+
 def put(values, out):
     """Copy ``values`` into ``out``."""
     for k in range(values.size):

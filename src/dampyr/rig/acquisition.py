@@ -195,7 +195,7 @@ class Acquisition:
         if len(voltage) < n:  # the timed command has ended: the coil is at 0 V
             voltage = np.concatenate([voltage, np.zeros(n - len(voltage))])
             factors = np.concatenate([factors, np.ones(n - len(factors))])
-        command, readings = voltage * factors, dict(zip(self.rig.inputs, volts, strict=True))
+        asked, command, readings = voltage, voltage * factors, dict(zip(self.rig.inputs, volts, strict=True))
         if "coil_voltage" in readings:
             voltage = readings["coil_voltage"] * self.rig.supply.voltage_scale / factors
         self._next, self.status = first + n, status
@@ -218,6 +218,7 @@ class Acquisition:
             passes - round(calibration.middle),
             command,
             None if player is None else player.target(first, n),
+            asked,
         )
 
     def _align(self, counts: NDArray[np.int64], status: Status) -> None:
@@ -243,12 +244,18 @@ class Acquisition:
 
     def _feed(self, samples: Samples) -> None:
         if self.player:
+            self.player.take(samples)
+        self._queue_command()  # before the Uno is asked for anything, as its line may be slow
+        if self.player:
             try:
                 self.player.feed(samples)
             except RigFault as refused:
                 raise self._cause(refused) from None
+
+    def _queue_command(self) -> None:
         if self._timed:
-            n = self._ahead - len(self._command)
+            ahead = (self.player.ahead if self.player else None) or self._ahead
+            n = max(0, ahead - len(self._command))
             volts = self.player.voltage(self.queued, n) if self.player else np.zeros(n)
             if n > 0:
                 factor = self.warmth.resistance if self.rig.supply.compensated else 1.0
@@ -272,7 +279,8 @@ class Acquisition:
         # Without the lock: a path is interpolated and a kernel compiled, and blocks are read meanwhile.
         player = player_of(drive, self.rig, self.uno, self.uno_clock)
         with self.lock:
-            player.start, self.player = self.queued, player
+            # After a drive whose voltage was asked for late, less of it is queued than a drive needs to begin.
+            player.start, self.player = max(self.queued, self._next + self._ahead if self._timed else 0), player
             return player
 
     def end_drive(self) -> None:

@@ -68,6 +68,16 @@ class Drive(Shown):
             raise InputError(f"period = {self.period:g} s must be a whole number of milliseconds from 1 to 1000")
 
     @property
+    def law(self) -> str:
+        """The control law that sets the coil's voltage as the drive is played, in words; empty where ``voltage`` does."""
+        return ""
+
+    @property
+    def voltage_range(self) -> tuple[float, float]:
+        """The least and the greatest voltage [V] that it may ask for."""
+        return float(self.voltage.min()), float(self.voltage.max())
+
+    @property
     def time(self) -> Array:
         """Of the set points (n,) [s]."""
         return np.arange(self.n, dtype=np.float64) * self.period

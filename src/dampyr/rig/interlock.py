@@ -47,6 +47,8 @@ class Samples:
     """The command [V at the coil] that was output: `voltage` as asked for, more by the warmth of the coil."""
     target: Array | None = None
     """The position [m] that a drive asks for, nan before and after it; None where none is played that asks for positions."""
+    asked: Array = field(default_factory=lambda: np.empty(0))
+    """The voltage [V] that was asked for, of a coil at 20 degC."""
 
     @property
     def n(self) -> int:

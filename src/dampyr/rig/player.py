@@ -59,6 +59,11 @@ class Player:
         self.path = Akima1DInterpolator(self.drive.time, self.drive.displacement)
 
     @property
+    def ahead(self) -> int | None:
+        """Samples by which its voltage is asked for ahead of the reading; None: as the loop does."""
+        return None
+
+    @property
     def end(self) -> int:
         """The sample after the last."""
         return self.start + round(self.drive.duration * self.rig.board.rate) + 1
@@ -83,6 +88,9 @@ class Player:
             return None
         target: Array = self.path((np.arange(first, first + n) - self.start) / self.rig.board.rate)
         return target
+
+    def take(self, samples: Samples) -> None:
+        """Take what was measured, before anything that follows from it is asked for."""
 
     def feed(self, samples: Samples) -> None:
         """Start, keep the queue filled, detect the end, after a block of samples was read."""

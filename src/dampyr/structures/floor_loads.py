@@ -2,7 +2,13 @@
 
 A table has a column of times and one of forces for each loaded floor, such as ``time [s], floor 1 [kN], roof [kN]``. The forces
 are linear between the times, which need not be even: a blow is four rows. They act in the direction of the displacements,
-are 0 before the first time and keep their last value after the last.
+are 0 before the first time and keep their last value after the last. In a TOML file they are lists, with units where they are
+texts::
+
+    time = [0, "10 ms", "20 ms", "1 s"]
+
+    [forces]
+    roof = [0, "0.5 kN", 0, 0]
 """
 
 from __future__ import annotations
@@ -11,17 +17,18 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from dampyr.channel_columns import NAMES, ColumnTable, TextOptions, plain_name
+from dampyr.config import fill, load_toml
 from dampyr.errors import FileError, InputError
 from dampyr.shown import Shown
 from dampyr.structures.building import Building
 from dampyr.text_table import read_table
-from dampyr.units import in_si, to_si
+from dampyr.units import Quantity, in_si, to_si
 
 Array = NDArray[np.float64]
 FLOOR = re.compile(r"(?:floor|storey|dof)[\s_-]*(\S+)", re.IGNORECASE)
@@ -149,6 +156,7 @@ def read_loads(path: str | Path, units: str | None = None, name: str | None = No
 
     The header names the columns, with their units in brackets: ``time [s], floor 1 [kN], roof [kN]``. A floor is a label of the
     building, a count from 1, or ``floor`` and a count. Delimiter, decimal mark and encoding are found as those of records.
+    A TOML file has the list ``time``, the lists of the table ``forces`` by their floors, and a ``name``.
 
     Parameters
     ----------
@@ -173,6 +181,8 @@ def read_loads(path: str | Path, units: str | None = None, name: str | None = No
     {'floor 2': 500.0}
     """
     file = Path(path)
+    if file.suffix.lower() == ".toml":
+        return _of_toml(file, units, name)
     table = read_table(file, TextOptions())
     if not table.names:
         raise FileError(file, "names no columns; the first line must be such as: time [s],floor 1 [kN],floor 2 [kN]")
@@ -191,6 +201,26 @@ def read_loads(path: str | Path, units: str | None = None, name: str | None = No
     forces = {header: _in_si(file, table, k, "N", units) for k, header in enumerate(table.names) if k != times[0]}
     try:
         return FloorLoads(time, forces, name or file.stem, file.name, table.notes)
+    except InputError as problem:
+        raise FileError(file, str(problem)) from None
+
+
+@dataclass(frozen=True)
+class LoadLists:
+    """What the TOML file of loads holds."""
+
+    time: Annotated[tuple[float, ...], Quantity("s"), "from 0 on, rising"]
+    forces: Annotated[Mapping[str, tuple[float, ...]], Quantity("N"), "of each loaded floor, as many as times"]
+    name: Annotated[str, "what the loads are called"] = ""
+
+
+def _of_toml(file: Path, units: str | None, name: str | None) -> FloorLoads:
+    document = load_toml(file)
+    try:
+        if units is not None:
+            raise InputError(f"units = {units!r} is of a table of text; here each force has its own, such as '0.5 kN'")
+        lists = fill(LoadLists, document)
+        return FloorLoads(np.array(lists.time), lists.forces, name or lists.name or file.stem, file.name)  # type: ignore[arg-type]
     except InputError as problem:
         raise FileError(file, str(problem)) from None
 

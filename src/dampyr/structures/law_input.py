@@ -38,7 +38,7 @@ class LawInput:
             )
         self.motion = motion
         if motion is not None:
-            a, dt = motion.acceleration, motion.dt
+            a, dt, self.time = motion.acceleration, motion.dt, motion.time
             self.ground = np.concatenate([[0.0], np.cumsum(0.5 * dt * (a[1:] + a[:-1]))])
         self.next, self.command, self.level, self.since = 0.0, law.low, law.low, 0.0
 
@@ -48,13 +48,17 @@ class LawInput:
             return self.command
         return self.command + (self.level - self.command) * float(np.exp(-(t - self.since) / self.lag))
 
+    def is_due(self, t: float) -> bool:
+        """Whether the law's period has passed at a time."""
+        return t >= self.next - 1e-9 * float(self.law.period)
+
     def decide_at(self, t: float, x: Array, v: Array, force: float) -> None:
         """The law's decision at a committed time, where its period has passed."""
         self.level, self.since = self.input_at(t), t
-        if t < self.next - 1e-9 * self.law.period:
+        if not self.is_due(t):
             return
         ground = [0.0, 0.0]
         if self.motion is not None:
-            ground = [float(np.interp(t, self.motion.time, of)) for of in (self.ground, self.motion.acceleration)]
+            ground = [float(np.interp(t, self.time, of)) for of in (self.ground, self.motion.acceleration)]
         self.command = self.run.decide(np.concatenate([x, v, ground, [force]]))
         self.next += self.law.period * max(1.0, np.floor((t - self.next) / self.law.period + 1e-9) + 1.0)

@@ -7,6 +7,11 @@ back into the building. Before, whole cycles of a small sine show the table's la
 small and slow as this one cannot move as a building does under most records: with ``fit_limits`` the plan lowers the scale s to
 what the rig can do, and says so. A ``clock`` of 5 lets the building's time pass 5 times slower instead; a force that depends on
 the velocity is wrong then, and the plan says by how much.
+
+With ``control`` a law sets the voltage at its samples, a whole number of ``period`` apart. It measures the computed building
+and ground and the load cell's force as they will be when its voltage is at the coil: a block and twice ``reserve`` later,
+predicted as the set points are. The coil follows it with the lag of the rig's coil (``supply.inductance`` over
+``supply.resistance``), unless the law is given a ``lag`` of its own.
 """
 
 from __future__ import annotations
@@ -14,7 +19,7 @@ from __future__ import annotations
 import hashlib
 import math
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
@@ -23,16 +28,18 @@ import numpy as np
 
 from dampyr.campaigns.paths import AFTER, Array, PathPiece, hold, raised, sampled
 from dampyr.campaigns.step import Count, Length, Peaks, Period, Rest, Time, Volts, check_ranges
-from dampyr.errors import DampyrWarning, FileError, MissingData
+from dampyr.errors import DampyrWarning, FileError, InputError, MissingData
 from dampyr.ground_motions import GroundMotion, el_centro, read
 from dampyr.hybrid.delayed_actuator import run_delayed
-from dampyr.hybrid.rig_drive import STOPPING, HybridDrive, way_back
+from dampyr.hybrid.rig_drive import DECIDING, STOPPING, HybridDrive, law_lead, way_back
 from dampyr.hybrid.substructure import Substructure, SubstructureRun, substructure_of
 from dampyr.input_kinds import input_arguments
 from dampyr.models import Damper, published
 from dampyr.rig import RigSettings
+from dampyr.rig.instruments.catalogue import OUTPUT
 from dampyr.rig.specimen import specimen_of
 from dampyr.structures import Building, Response, load, respond, two_storey
+from dampyr.structures.control_laws import law_of
 from dampyr.units import Quantity
 
 BUILT_IN = "el_centro"
@@ -73,14 +80,23 @@ class Hybrid:
     ] = 0.034
     rest_before: Annotated[float, Rest, "rest before the motion, recorded so that offsets can be read"] = 1.0
     period: Annotated[float, Period, "time from set point to set point"] = 0.002
+    control: Annotated[
+        str, "control law that sets the voltage, such as on_off:period=4ms,high=2; empty: the voltage stays"
+    ] = field(default="", repr=False)
 
     lowers: ClassVar[tuple[str, ...]] = ("scale", "voltage")
-    named: ClassVar[tuple[str, ...]] = ("title", "scale", "voltage")
     fixed: ClassVar[bool] = False
     closed_loop: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         check_ranges(self)
+        if self.control and self.voltage:
+            raise InputError("voltage and control both set the coil's voltage; give one of the two")
+
+    @property
+    def named(self) -> tuple[str, ...]:
+        """The fields in a test's name and words."""
+        return ("title", "scale", "control" if self.control else "voltage")
 
     @property
     def title(self) -> str:
@@ -120,22 +136,39 @@ class Hybrid:
         """The model that predicts the force, without what is the rig's own: delay and lag."""
         return _without_delays(_card(self.model, self.contents.get("model", "")) if self.model else specimen_of(rig))
 
+    def law(self, rig: RigSettings) -> Any:
+        """The control law, its coil as late as the rig's unless it says otherwise; None without one.
+
+        InputError where this rig cannot offer it.
+        """
+        if not self.control:
+            return None
+        damper = self.damper(rig)
+        if not damper.has_input:
+            raise InputError("the damper's model has no input, which a control law would set; leave out control")
+        if rig.wires.supply != OUTPUT:
+            raise InputError(
+                f"control = {self.control}: the rig's supply ({rig.wires.supply}) has no sample clock, so a law's voltage "
+                "would come at times that are not known; wire an output of the board to it (wires.supply), or leave out control"
+            )
+        law = law_of(self.control, damper)
+        return law if law.lag else replace(law, lag=rig.supply.inductance / rig.supply.resistance / self.clock)
+
+    def input(self, rig: RigSettings) -> Any:
+        """What the model takes: the control law, or what `input_of` gives for the voltage."""
+        return self.law(rig) or input_of(self.damper(rig), self.voltage, rig)
+
     def computed(self, rig: RigSettings) -> Response:
         """The response of the building with the damper's model: all of it computed."""
-        damper = self.damper(rig)
-        return _compute(self, damper, input_of(damper, self.voltage, rig), tuple(sorted(self.contents.items())))
+        return _compute(self, self.damper(rig), self.input(rig), tuple(sorted(self.contents.items())))
 
     def substructure(self, rig: RigSettings) -> Substructure:
         """The computed part."""
-        damper = self.damper(rig)
-        part = substructure_of(
-            building_of(self.structure),
-            self.storey,
-            self.computed(rig),
-            self.h,
-            damper,
-            input_of(damper, self.voltage, rig),
-        )
+        law, computed, building = self.law(rig), self.computed(rig), building_of(self.structure)
+        value = self.input(rig) if law is None else law.low
+        part = substructure_of(building, self.storey, computed, self.h, self.damper(rig), value)
+        if law is not None:
+            part = replace(part, law=law, law_lead=law_lead(rig, self.reserve) / self.clock)
         return replace(
             part, adaptive=self.adaptive, size=max(self.lead_amplitude, part.size), energy_limit=self.energy_limit
         )
@@ -160,9 +193,15 @@ class Hybrid:
         x = np.concatenate([before, during, after])
         begin = self.rest_before + grown
         steady_cycles = round(begin / self.period), round((begin + STEADY / frequency) / self.period)
+        voltage, per_input = np.full(x.size, self.voltage), 1.0
+        if part.law is not None:
+            per_input = rig.supply.resistance if self.damper(rig).input == "A" else 1.0
+            voltage[:] = part.law.low * per_input
+            expected = np.interp(inside - self.h, response.time, response.input[0])  # over the steps that begin then
+            voltage[len(before) - 1 : len(before) - 1 + part.steps] = per_input * expected
         return HybridDrive(
-            self.period, x, np.full(x.size, self.voltage), substructure=part, lead_in=len(before) - 1, cycles=steady_cycles,
-            clock=self.clock, reserve=self.reserve,
+            self.period, x, voltage, substructure=part, lead_in=len(before) - 1, cycles=steady_cycles,
+            clock=self.clock, reserve=self.reserve, volts_per_input=per_input,
         )  # fmt: skip
 
     def _lead_frequency(self, rig: RigSettings) -> float:
@@ -194,7 +233,8 @@ class Hybrid:
         """
         if reason := self._describe_range(rig) or self._describe_clock_error(rig):
             return reason
-        steps = round((rig.board.block + self.reserve + 2 * self.period + TABLE_LAG) / self.period)
+        reserve = self.reserve + (DECIDING if self.control else 0.0)
+        steps = round((rig.board.block + reserve + 2 * self.period + TABLE_LAG) / self.period)
         for lag_error in (0.0, LAG_ERROR, -LAG_ERROR):
             part = replace(self.substructure(rig), lag=steps * self.h, adaptive=False)
             run = run_delayed(part, self.damper(rig), steps * self.h + lag_error / self.clock, 0.0)
@@ -214,6 +254,8 @@ class Hybrid:
     def _describe_range(self, rig: RigSettings) -> str:
         """Why the model cannot predict the force at this voltage."""
         damper, factor = self.damper(rig), 1.0
+        if self.control:
+            return ""  # a law is refused by itself where its inputs are outside
         if damper.input == "A":
             factor = rig.supply.resistance
         low, high = (value * factor for value in damper.range)
@@ -241,7 +283,7 @@ class Hybrid:
         damper, response = self.damper(rig), self.computed(rig)
         t, x = response.time, response.stroke[0]
         rate = response.velocity.T @ building_of(self.structure).connection(self.storey)
-        value = input_of(damper, self.voltage, rig)
+        value = response.input[0] if self.control else input_of(damper, self.voltage, rig)
         inputs = input_arguments(damper.input, value)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", DampyrWarning)  # as for the computed response
@@ -300,7 +342,7 @@ def _without_delays(damper: Damper) -> Damper:
 
 
 @lru_cache(maxsize=64)
-def _compute(step: Hybrid, damper: Damper, value: float, contents: tuple[tuple[str, str], ...]) -> Response:
+def _compute(step: Hybrid, damper: Damper, value: Any, contents: tuple[tuple[str, str], ...]) -> Response:
     """The response of a step's building; ``contents`` tells files of one name apart."""
     inputs = input_arguments(damper.input, value)
     with warnings.catch_warnings():

@@ -24,6 +24,7 @@ def describe_result(result: HybridResult) -> Description:
             ("ground motion", f"scaled to {result.scale:g}, {length}"),
             ("damper", f"{result.input_words}, {np.abs(result.force).max():.4g} N at most"),
             ("peaks", ", ".join(f"{1e3 * peak:.4g} mm ({100 * by:+.2g} %)" for peak, by in pairs)),
+            *([] if result.inputs is None else [("input", decided(result))]),
             ("tracking", f"{100 * result.tracking_error:.2g} % rms, {1e3 * result.lag:.2g} ms late"),
             ("energy error", f"{100 * result.energy_error:.2g} % of what the ground put in"),
         ],
@@ -51,6 +52,13 @@ def peaks_table(result: HybridResult) -> Table:
         caption=f"{result.tested.capitalize()} of {result.title}, {inputs}: peak displacements relative to the ground.",
         digits=4,
     )
+
+
+def decided(result: HybridResult) -> str:
+    """What a law asked for, in words."""
+    inputs, unit = np.asarray(result.inputs)[:-1], result.input_unit
+    changes = int(np.count_nonzero(np.diff(inputs)))
+    return f"{inputs.min():.4g} to {inputs.max():.4g} {unit}, {inputs.mean():.4g} {unit} in the mean, {changes} changes"
 
 
 def outcome(result: HybridResult) -> list[str]:
@@ -101,5 +109,6 @@ def _histories(result: HybridResult) -> DataFrameColumns:
             "target_m": result.target,
             "achieved_m": result.achieved,
             "force_N": result.force,
+            **({} if result.inputs is None else {f"input_{result.input_unit}": result.inputs}),
         }
     )

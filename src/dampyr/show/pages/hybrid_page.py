@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from dampyr.hybrid.hybrid_result import HybridResult
+from dampyr.hybrid.hybrid_result import Array, HybridResult
 from dampyr.origin import OriginKind
 from dampyr.phrases import sentence
 from dampyr.show.figures.building import building_response
 from dampyr.show.figures.ground_motion import ground_motion
 from dampyr.show.figures.loops import loops
-from dampyr.show.figures.style import DISPLACEMENT
-from dampyr.show.hybrid.hybrid_result import outcome, peaks_table
+from dampyr.show.figures.style import DISPLACEMENT, input_axis
+from dampyr.show.hybrid.hybrid_result import decided, outcome, peaks_table
 from dampyr.show.pages.blocks import FigureBlock, Section, Text, to_look_at
 from dampyr.show.pages.html_page import page
 from dampyr.show.structures.responses import floor_name
@@ -76,14 +76,25 @@ def _floor(result: HybridResult, floor: int) -> FigureBlock:
     )
 
 
+def _inputs(result: HybridResult, inputs: Array) -> FigureBlock:
+    computed = np.interp(result.time, result.computed.time, result.computed.input[0])
+    return FigureBlock(
+        building_response(result.time, {"computed": computed, "asked": inputs}, input_axis(result.input_unit)),
+        f"The input: {result.law}. As the law asked for it in the test, and as it is in the computed response, where the coil "
+        f"follows the law with its lag. {decided(result).capitalize()}.",
+    )
+
+
 def _damper(result: HybridResult) -> list[FigureBlock]:
     moved = {"wanted": result.target, "achieved": result.achieved}
     velocity = np.gradient(result.achieved, result.time) / result.clock
+    asked = [] if result.inputs is None else [_inputs(result, result.inputs)]
     return [
         FigureBlock(
             building_response(result.time, moved, DISPLACEMENT),
             "The damper's stroke: as the building wants it, and as it was achieved.",
         ),
+        *asked,
         FigureBlock(
             loops(result.achieved, velocity, result.force, {"model": result.modelled}, record_origin=result.origin),
             f"The damper's loops: {result.origin.series}, less the static force, and the model along the same path.",

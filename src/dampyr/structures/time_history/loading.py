@@ -128,6 +128,8 @@ def excitation(
     elif motion is not None:
         assert isinstance(building, SupportedBuilding)
         columns += [_sampled(each, time)[:, None] for each in motion.of(building)]
+    elif isinstance(building, SupportedBuilding):  # its supports rest
+        columns += [np.zeros((len(time), len(building.supports)))]
     whole = GroundMotion(ground, dt, title, history=("sampled with the loads",))
     supports = motion if isinstance(motion, SupportMotions) else None
     return Excitation(whole, loads, supports, loads.floors_of(building), np.hstack(columns), title)
