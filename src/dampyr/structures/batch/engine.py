@@ -24,8 +24,8 @@ from dampyr.structures.controller import design_controller
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-MAX_SITES = 3  # Newton's matrix is written out
 MAX_HISTORIES = 16 * BLOCK_WIDTH  # in a call: 16 blocks, whose rows take about half a megabyte
+MANY_ROWS = 1000  # beyond, fewer blocks: twenty sites have 2,600 rows
 
 
 @dataclass(frozen=True)
@@ -103,9 +103,9 @@ class Engine:
         """The forces of delayed dampers at the latest nodes (sites, nodes * width): a power of two of them, all at rest."""
         nodes, wide = 2 * int(np.ceil(steps.max(initial=0.0))) + 6, block.shape[1]
         ring = np.zeros((max(self.text.sites, 1), wide << (nodes - 1).bit_length()), block.dtype)
-        for d in range(self.text.sites):
+        for row, d in enumerate(self.text.order):
             if self.text.is_delayed(d):
-                ring[d, :wide] = block[self.text.rows[f"R{d}"]]
+                ring[row, :wide] = block[self.text.rows[f"R{d}"]]
         return ring
 
     def _read(self, final_block: Array) -> dict[str, Array]:
@@ -194,10 +194,9 @@ def engine(
     """
     building_step = step(building, connections, dt / m, basis_of(building))
     text = KernelText(building_step, compositions, quantities, BLOCK_WIDTH * 64 // precision, controls=controls)
-    compiled_engine = Engine(text, compositions, precision, m, launch_blocks, branchless=branchless)
-    compiled(
-        text.source, compositions, precision, branchless, text.functions
-    )  # by one thread, before several ask for it
+    blocks = max(1, MAX_HISTORIES // BLOCK_WIDTH * MANY_ROWS // max(MANY_ROWS, len(text.rows.names)))
+    compiled_engine = Engine(text, text.kinds, precision, m, launch_blocks, BLOCK_WIDTH * blocks, branchless)
+    compiled(text.source, text.kinds, precision, branchless, text.functions)  # by one thread, before several ask for it
     return compiled_engine
 
 
@@ -213,8 +212,8 @@ def control_of(building: Building, connections: Array, d: int, law: Any, damper:
 
 
 def can_run(compositions: Sequence[Composition]) -> bool:
-    """Whether an engine can run these dampers: few, without a mass of their own."""
-    return len(compositions) <= MAX_SITES and not any(map(_uses_acceleration, compositions))
+    """Whether an engine can run these dampers: those without a mass of their own."""
+    return not any(map(_uses_acceleration, compositions))
 
 
 def _uses_acceleration(composition: Composition) -> bool:

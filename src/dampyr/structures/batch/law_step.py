@@ -162,16 +162,43 @@ class LawStep:
         self.text.carry(f"{self.name}_level", f"{self.name}_at_d")
         return lines
 
+    @property
+    def jumps(self) -> bool:
+        """Whether the force jumps where the law decides."""
+        return self.control.lag == 0.0 and not self.text.compositions[self.d].in_series
+
+    def jump(self) -> tuple[list[str], dict[str, str]]:
+        """Lines with the force under the input that was just decided on, and what each row is to hold after them."""
+        text, d, composition = self.text, self.d, self.text.compositions[self.d]
+        states = [f"s{d}_{k}" for k in range(composition.n_states)]
+        values = [f"p{d}_{k}" for k in range(len(composition.parameters))]
+        motion = {"x": text.starts[d], "v": text.starts[text.sites + d], "a": "zero"}
+        lines = [
+            f"force_now{d} = {force_now(composition, f'_now{d}', states, values, motion)}",
+            f"middle{d} = mf{d} + force_now{d} - f{d}",
+        ]
+        return lines, {f"f{d}": f"force_now{d}", f"mf{d}": f"middle{d}"}
+
     def decision(self) -> list[str]:
         """The loop in which the law measures and decides, and what it remembers."""
-        text, name, controller = self.text, self.name, self.controller
-        updates: dict[str, str] = {}
+        text = self.text
         lines = ["ground_rise = high - low", "a0 = low + ground_rise*part"]
         known = [*(f"z{k}" for k in range(text.size)), "V", "a0", *(f"f{d}" for d in range(text.sites))]
-        measured = []
-        for c, row in enumerate(self.control.rows):
-            lines.append(f"{name}_m{c} = {text.sum(row, known)}")
-            measured.append(f"{name}_m{c}")
+        lines += [
+            f"{name} = {text.sum(row, known)}" for name, row in zip(self.measured, self.control.rows, strict=True)
+        ]
+        more, updates = self.decide()
+        return [f"if steps % {self.every} == 0:", *_loop(text, lines + more, updates)]
+
+    @property
+    def measured(self) -> list[str]:
+        """The names of what the law measures."""
+        return [f"{self.name}_m{c}" for c in range(len(self.control.rows))]
+
+    def decide(self) -> tuple[list[str], dict[str, str]]:
+        """Lines in which the law decides on what it measured, and what each row is to hold after them."""
+        text, name, controller = self.text, self.name, self.controller
+        lines, updates, measured = list[str](), dict[str, str](), self.measured
         if not controller.is_ideal:
             measured = [self._sensed(c, lines, updates) for c in range(len(measured))]
         memory = [f"{name}_x{k}" for k in range(len(controller.F))]
@@ -192,7 +219,7 @@ class LawStep:
             updates |= {
                 f"p{self.d}_{k}": f"p{self.d}_{k}now" for k, (count, _) in enumerate(self.control.pieces) if count
             }
-        return [f"if steps % {self.every} == 0:", *_loop(text, lines, updates)]
+        return lines, updates
 
     def _sensed(self, c: int, lines: list[str], updates: dict[str, str]) -> str:
         """The name of what the sensor of channel c gives, whose lines are added."""
@@ -207,7 +234,8 @@ class LawStep:
             pair = channel // 2
             drawn = f"{name}_n{2 * pair}, {name}_n{2 * pair + 1} = normal_pair("
             if not any(line.startswith(drawn) for line in lines):
-                first = f"(steps//{self.every})*{counter(1, 0, 0)} + {counter(0, self.d, pair)}"
+                place = text.whole_number(counter(0, self.d, pair))
+                first = f"(steps//{self.every})*{counter(1, 0, 0)} + {place}"
                 lines.append(f"{drawn}{name}_seed, {first})")
             value += f" + {text.number(noise)}*{name}_n{channel}"
         value += f" + {text.number(bias)}" if bias else ""
@@ -234,20 +262,14 @@ class LawStep:
 
 def jumps(text: Any, laws: dict[int, LawStep]) -> list[str]:
     """The loop in which forces jump with the input of coils without a lag, and the peaks that they raise at once."""
-    jumping = [law for law in laws.values() if law.control.lag == 0.0 and not text.compositions[law.d].in_series]
+    jumping = [law for law in laws.values() if law.jumps]
     if not jumping:
         return []
     lines, updates = ["ground_rise = high - low", "a0 = low + ground_rise*part"], dict[str, str]()
     for law in jumping:
-        d, composition = law.d, text.compositions[law.d]
-        states = [f"s{d}_{k}" for k in range(composition.n_states)]
-        values = [f"p{d}_{k}" for k in range(len(composition.parameters))]
-        motion = {"x": text.starts[d], "v": text.starts[text.sites + d], "a": "zero"}
-        lines += [
-            f"force_now{d} = {force_now(composition, f'_now{d}', states, values, motion)}",
-            f"middle{d} = mf{d} + force_now{d} - f{d}",
-        ]
-        updates |= {f"f{d}": f"force_now{d}", f"mf{d}": f"middle{d}"}
+        some, more = law.jump()
+        lines += some
+        updates |= more
     known = [f"z{k}" for k in range(text.size)] + [updates.get(f"f{d}", f"f{d}") for d in range(text.sites)] + ["a0"]
     raised = set()
     for quantity, i, row in text.outputs():

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.structures.batch import bouc_wen_branchless
+from dampyr.structures.batch.assemble import SITES_WRITTEN_OUT
 from dampyr.structures.batch.engine import Engine, control_of, engine
 from dampyr.structures.batch.gpu import engine as gpu_engine
 from dampyr.structures.batch.law_step import pieces_of, values_of
@@ -319,7 +320,7 @@ def _engine_of(
     )
     with _LOCK:
         if key not in _ENGINES:
-            make = gpu_engine if cases.device == "gpu" else engine
+            make = gpu_engine if cases.device == "gpu" and len(sites) <= SITES_WRITTEN_OUT else engine
             rows = connections(building, sites)
             controls = (
                 control_of(building, rows, d, site.law, site.damper, dt, m) if site.law else None
