@@ -44,7 +44,7 @@ from dampyr.structures.batch.damper_step import Half, half_step
 from dampyr.structures.batch.law_step import JUMPING, LawStep, SiteControl, ground_velocity, jumps
 from dampyr.structures.batch.loop_fission import Loops
 from dampyr.structures.batch.modal import ModalStep
-from dampyr.structures.batch.site_loops import RING_ROW, SiteLoops
+from dampyr.structures.batch.site_loops import RING_ROW, SiteLoops, SiteRows
 
 Array = NDArray[np.float64]
 QUANTITIES = ("displacement", "drift", "acceleration", "force", "stroke", "energy")
@@ -133,6 +133,21 @@ class KernelText:
         """The text of the formulas of control laws."""
         written = self.loops_of_sites.written if self.loops_of_sites else self.laws
         return "\n\n".join(dict.fromkeys(text for d in written if d in self.laws for text in self.laws[d].functions))
+
+    @property
+    def searches(self) -> tuple[tuple[str, Composition], ...]:
+        """The searches of laws that ask for a force, by name, and the dampers that they run backwards."""
+        written = self.loops_of_sites.written if self.loops_of_sites else self.laws
+        return tuple(
+            (self.laws[d].search_function, self.compositions[d])
+            for d in written
+            if d in self.laws and self.laws[d].control.search
+        )
+
+    @property
+    def own_rows(self) -> Rows:
+        """All rows, where a site in a loop writes to its own."""
+        return self.rows.rows if isinstance(self.rows, SiteRows) else self.rows
 
     @property
     def kinds(self) -> tuple[Composition, ...]:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from dampyr.models.codegen.composition import Composition
 from dampyr.structures.batch.assemble import KernelText
 from dampyr.structures.batch.branchless_math import BLOCK_WIDTH
+from dampyr.structures.batch.lane_inverse import left_after_period, sizes_of
 from dampyr.structures.batch.law_step import SiteControl, pieces_of
 from dampyr.structures.batch.modal import basis_of, step
 from dampyr.structures.batch.run_blocks import compiled
@@ -130,7 +131,9 @@ def launch_blocks(engine: Engine, batch: Batch) -> Array:
     )
     block = buffer.reshape(-1, width)
     delayed, ring = any(map(text.is_delayed, range(text.sites))), np.empty((0, 0))
-    kernel = compiled(text.source, engine.compositions, engine.precision, engine.branchless, text.functions)
+    kernel = compiled(
+        text.source, engine.compositions, engine.precision, engine.branchless, text.functions, text.searches
+    )
     for k, ground in enumerate(grounds(batch.motions, batch.scales, width, kind)):
         some = slice(k * width, (k + 1) * width)
         ends = batch.ends[some]
@@ -196,7 +199,8 @@ def engine(
     text = KernelText(building_step, compositions, quantities, BLOCK_WIDTH * 64 // precision, controls=controls)
     blocks = max(1, MAX_HISTORIES // BLOCK_WIDTH * MANY_ROWS // max(MANY_ROWS, len(text.rows.names)))
     compiled_engine = Engine(text, text.kinds, precision, m, launch_blocks, BLOCK_WIDTH * blocks, branchless)
-    compiled(text.source, text.kinds, precision, branchless, text.functions)  # by one thread, before several ask for it
+    # by one thread, before several ask for it
+    compiled(text.source, text.kinds, precision, branchless, text.functions, text.searches)
     return compiled_engine
 
 
@@ -208,7 +212,8 @@ def control_of(building: Building, connections: Array, d: int, law: Any, damper:
         if basis is None
         else np.hstack([controller.rows[:, : 2 * n] @ basis, controller.rows[:, 2 * n :]])
     )
-    return SiteControl(controller, rows, round(law.period * m / dt), lag_of(law, damper), pieces_of(damper))
+    every, left = round(law.period * m / dt), left_after_period(law, damper)
+    return SiteControl(controller, rows, every, lag_of(law, damper), pieces_of(damper), sizes_of(law, damper), left)
 
 
 def can_run(compositions: Sequence[Composition]) -> bool:

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from dampyr.models.codegen.formula import Formula
 from dampyr.models.laws import polynomial_table
 from dampyr.structures.batch.damper_step import force_now
+from dampyr.structures.batch.lane_inverse import SearchSizes, search_numbers
 from dampyr.structures.batch.loop_fission import Loops
 from dampyr.structures.control_laws import check_decided
 from dampyr.structures.controller import Controller, law_texts, setting_names
@@ -46,6 +47,8 @@ class SiteControl:
     every: int
     lag: float
     pieces: tuple[tuple[int, int], ...]
+    search: SearchSizes | None = None  # of a law that asks for a force
+    left: float = 0.0  # see `dampyr.structures.batch.lane_inverse.left_after_period`
 
 
 def pieces_of(damper: Any) -> tuple[tuple[int, int], ...]:
@@ -61,7 +64,7 @@ def _degree(coefficients: Array) -> int:
     return int(np.max(np.flatnonzero(np.any(coefficients != 0.0, axis=0)), initial=0))
 
 
-def values_of(damper: Any, values: Array, seed: int, pieces: tuple[tuple[int, int], ...]) -> Array:
+def values_of(damper: Any, values: Array, law: Any, pieces: tuple[tuple[int, int], ...]) -> Array:
     """The numbers of a site under a law, in the order of `LawStep.value_rows`."""
     knots, coefficients = polynomial_table(damper, static=False)
     more = [
@@ -70,7 +73,7 @@ def values_of(damper: Any, values: Array, seed: int, pieces: tuple[tuple[int, in
         for piece in range(count)
         for number in (knots[k, piece] if np.isfinite(knots[k, piece]) else 0.0, *coefficients[k, piece, : degree + 1])
     ]
-    return np.array([*values, *more, float(seed)])
+    return np.array([*values, *more, float(law.seed), *search_numbers(law, damper)])
 
 
 class LawStep:
@@ -101,7 +104,12 @@ class LawStep:
             for piece in range(count)
             for name in (f"knot{d}_{k}_{piece}", *(f"q{d}_{k}_{piece}_{j}" for j in range(degree + 1)))
         ]
-        return [*(f"p{d}_{k}" for k in range(len(pieces))), *table, f"{self.name}_seed"]
+        return [*(f"p{d}_{k}" for k in range(len(pieces))), *table, f"{self.name}_seed", *self.search_rows]
+
+    @property
+    def search_rows(self) -> list[str]:
+        """The rows of the search of a law that asks for a force."""
+        return [f"{self.name}_i{k}" for k in range(self.control.search.rows if self.control.search else 0)]
 
     @property
     def starts(self) -> dict[str, float]:
@@ -208,7 +216,11 @@ class LawStep:
         if self.formulas.update is not None:
             lines.append(f"{', '.join(f'{state}n' for state in states)} = {self._call(self.formulas.update, '')}")
             updates |= {state: f"{state}n" for state in states}
-        lines.append(f"{name}_decided = {self._call(self.formulas.decide, 'n')}")
+        decided = self._call(self.formulas.decide, "n")
+        if self.control.search is not None:
+            lines.append(f"{name}_wanted = {decided}")
+            decided = self._input_of_force(f"{name}_wanted", self.control.search)
+        lines.append(f"{name}_decided = {decided}")
         lines += [f"{name}_{end}n = {by}({name}_{end}, {name}_decided)" for end, by in EXTREMES.items()]
         updates |= {f"{name}_command": f"{name}_decided"} | {f"{name}_{end}": f"{name}_{end}n" for end in EXTREMES}
         for k, row in enumerate(np.hstack([controller.F, controller.G])):
@@ -220,6 +232,25 @@ class LawStep:
                 f"p{self.d}_{k}": f"p{self.d}_{k}now" for k, (count, _) in enumerate(self.control.pieces) if count
             }
         return lines, updates
+
+    @property
+    def search_function(self) -> str:
+        """The name of the search for the input of a force."""
+        return f"{self.name}_search"
+
+    def _input_of_force(self, wanted: str, sizes: SearchSizes) -> str:
+        """A call of `dampyr.structures.batch.lane_inverse.command_of`."""
+        text, law, wide = self.text, self.controller.law, self.text.block_width
+        first, second, *_ = [text.rows[row] for row in self.search_rows]
+        at = text.own_rows.run(f"~{self.name}_work", range(-(-sizes.workspace // wide)))
+        place = f"{first} + site" if text.in_loops else str(first)
+        x, v = (f"{self.name}_s{j}" for j in self.formulas.stroke_and_rate)
+        numbers = (text.number(value) for value in (law.low, law.high, self.control.left, law.period))
+        return (
+            f"{self.search_function}(b, l, {wide}, {place}, {second - first}, {at * wide}, "
+            f"{', '.join(map(str, sizes[:-1]))}, {sizes.rows}, steps, {wanted}, {x}, {v}, {self.name}_command, "
+            f"{', '.join(numbers)})"
+        )
 
     def _sensed(self, c: int, lines: list[str], updates: dict[str, str]) -> str:
         """The name of what the sensor of channel c gives, whose lines are added."""

@@ -95,7 +95,7 @@ class SiteLoops:
 
         def written() -> Any:
             law = LawStep(text, 0, control)  # as if it were the first
-            return law.decide(), law.coil(), control.pieces, len(law.measured)
+            return law.decide(), law.coil(), control.pieces, control.search, len(law.measured)
 
         return repr((type(control.controller.law), self._apart(written, apart_rows=True)[0]))
 
@@ -153,13 +153,16 @@ class SiteLoops:
         """The loops of the sites of a text in a step: before the guess, the laws along its path, and after the correction."""
         group, written, numbers = self.groups[k], list[Any](), list[list[float]]()
         for d in group:
-            rows = SiteRows(self.text.rows, [d], self.text.sites) if d != group[0] else self.rows[k]
-            _, coefficients, lines = self._apart(partial(self._step_of, d), rows)
+            _, coefficients, lines = self._apart(partial(self._step_of, d), self._rows_of(k, d))
             written.append(lines)
             numbers.append(coefficients)
         lines, updates, cuts = written[0]
         loops = Loops(lines, [0, *cuts, len(lines)], updates, self.rows[k], self.places).written()
         return [self._over(k, loop, numbers) for loop in loops]
+
+    def _rows_of(self, k: int, d: int) -> SiteRows:
+        """The rows that site ``d`` of text k writes its lines with: the first for all, another for its coefficients alone."""
+        return self.rows[k] if d == self.groups[k][0] else SiteRows(self.text.rows, [d], self.text.sites)
 
     def _step_of(self, d: int) -> None:
         """Emit a site's lines of a step."""
@@ -285,7 +288,7 @@ class SiteLoops:
             clock = f"{law.every} = floor(c0 + half)"
             found = [f"if {due}:", "    due = True", *(["    jump = True"] if law.jumps else [])]
             lines += self._over(k, found, numbers, (clock,))
-            made = [self._apart(partial(self._clocked, d), self.rows[k]) for d in group]
+            made = [self._apart(partial(self._clocked, d), self._rows_of(k, d)) for d in group]
             (some, updates), _, _ = made[0]
             decide += self._over(k, self._decided(k, due, some, updates), [row for _, row, _ in made], (clock,))
             if law.jumps:
