@@ -56,7 +56,7 @@ def _sensors(names: tuple[str, ...]) -> dict[str, Sensor]:
         pytest.param({2: [of("dahl + compliance"), of("hyperbolic_tangent")]}, None, id="series", marks=pytest.mark.prove),
         pytest.param(
             "published", control_law("clipped_optimal_lqg", high=HIGH, lag=0.01, seed=5, sensors=_sensors(("accelerations",))),
-            id="filter", marks=pytest.mark.prove,
+            id="filter",
         ),
         pytest.param(
             "published", control_law("inverse_tracking", high=HIGH, lag=0.01), id="inverse", marks=pytest.mark.prove,
@@ -119,7 +119,8 @@ def test_dashpots_are_those_of_the_matrix() -> None:
         np.testing.assert_allclose(dataset.displacement[0, 0, 0, 0, s], scale * np.abs(x).max(axis=0), rtol=2e-4)
 
 
-@pytest.mark.parametrize("name", [pytest.param("bang_bang", marks=pytest.mark.prove), "clipped_optimal_lqg"])
+@pytest.mark.prove
+@pytest.mark.parametrize("name", ["bang_bang", "clipped_optimal_lqg"])
 def test_laws_at_many_sites_are_those_of_a_response(name: str, cubics: Damper) -> None:
     """At the same step with the same noise of each sensor; a filter for each place; a number beside the law."""
     sensors = _sensors(("accelerations",)) if name == "clipped_optimal_lqg" else {}
