@@ -85,7 +85,7 @@ def scalar(law: Any, m: int = 8) -> Callable[[], Any]:
         step(building, rows, motion.dt / m), (site.composition,), QUANTITIES, block_width=1, controls=(control,)
     )
     engine = Engine(text, (site.composition,), 64, m, launch_blocks)
-    values = np.tile(values_of(damper, site.values, law.seed, control.pieces), (len(FEW), 1))
+    values = np.tile(values_of(damper, site.values, law, control.pieces), (len(FEW), 1))
     return lambda: engine.run([motion.acceleration] * len(FEW), [values], np.zeros((len(FEW), 1)), scales=FEW)
 
 

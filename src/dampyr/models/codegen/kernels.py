@@ -75,7 +75,7 @@ def named(function: FunctionType, module: str, key: str) -> FunctionType:
 
 
 @lru_cache(maxsize=256)
-def bind(driver: Callable[..., Any], compositions: tuple[Composition, ...], more: str = "") -> Any:
+def bind(driver: Callable[..., Any], compositions: tuple[Composition, ...], more: str = "", keep: bool = True) -> Any:
     """``driver`` compiled with the functions of ``compositions`` in the place of the names in `BOUND`.
 
     ``site`` in the driver's calls says which of the compositions is meant. Functions that it calls are bound with it where they
@@ -83,11 +83,11 @@ def bind(driver: Callable[..., Any], compositions: tuple[Composition, ...], more
     which ``decide`` is given to the driver too.
 
     A kernel is one for all compositions whose functions are the same as far as the driver calls them: a delay, which has no
-    formula, makes no building's kernel compile anew.
+    formula, makes no building's kernel compile anew. Without ``keep`` it is a function that another kernel may call.
     """
     text = text_of(compositions)
     called = [name for name in (*BOUND, *MORE) if _reaches(driver, frozenset([name]))]
-    return _bound(driver, _needed(f"{text}\n\n{more}" if more else text, called))
+    return _bound(driver, _needed(f"{text}\n\n{more}" if more else text, called), keep)
 
 
 def _needed(text: str, wanted: Iterable[str]) -> str:
@@ -104,7 +104,7 @@ def _needed(text: str, wanted: Iterable[str]) -> str:
 
 
 @lru_cache(maxsize=256)
-def _bound(driver: Callable[..., Any], text: str) -> Any:
+def _bound(driver: Callable[..., Any], text: str, keep: bool = True) -> Any:
     """``driver`` with the functions of ``text``."""
     names: dict[str, Any] = {"__name__": __name__} | {name: getattr(math, name) for name in _MATH}
     names.update((name, _rebound(getattr(fast_math, name), {}, "alone", _shared)) for name in QUICK)
@@ -113,7 +113,7 @@ def _bound(driver: Callable[..., Any], text: str) -> Any:
     for name, value in list(names.items()):
         if isinstance(value, FunctionType):
             names[name] = jit(named(value, __name__, key))
-    return _rebound(driver, {name: names[name] for name in (*BOUND, *MORE) if name in names}, key, {}, keep=True)
+    return _rebound(driver, {name: names[name] for name in (*BOUND, *MORE) if name in names}, key, {}, keep)
 
 
 _shared: dict[Any, Any] = {}  # compiled functions that reach no part of a damper: one for all kernels

@@ -7,8 +7,9 @@ follow by their tangents. Nothing branches. At the middle of the step a site is 
 error that remains is measured in every ensemble (see `dampyr.structures.ensemble`).
 
 Every history is a column of a block; `Rows` says which row holds what. A small building's sums are written out, without the
-terms whose coefficients are 0; a large one's run in loops over its modes. Either way the text depends on the building's
-pattern and not on its numbers, which come as a vector.
+terms whose coefficients are 0; a large one's run in loops over its modes. Up to three sites are written out one after another;
+more run in loops over those of one text (`dampyr.structures.batch.site_loops`). In every case the text depends on the pattern
+of the building and not on its numbers, which come as a vector.
 
 Names in the text, of site d and coordinate i; a row of the same name is a value carried to the next step:
 
@@ -43,10 +44,12 @@ from dampyr.structures.batch.damper_step import Half, half_step
 from dampyr.structures.batch.law_step import JUMPING, LawStep, SiteControl, ground_velocity, jumps
 from dampyr.structures.batch.loop_fission import Loops
 from dampyr.structures.batch.modal import ModalStep
+from dampyr.structures.batch.site_loops import RING_ROW, SiteLoops, SiteRows
 
 Array = NDArray[np.float64]
 QUANTITIES = ("displacement", "drift", "acceleration", "force", "stroke", "energy")
 WRITTEN_OUT_UP_TO = 4  # coordinates: two floors, whose sums have few terms
+SITES_WRITTEN_OUT = 3  # beyond, Newton's matrix has too many terms to stand in the text
 # Of a kernel: from which sample to which; steps per sample; the motions' accelerations, which of them each history has and
 # its scale; the lengths of `TIMES`; coefficients of the building; the block; the ring of past forces, and its size less 1.
 ARGUMENTS = ("first", "last", "parts", "ground", "motion", "scale", "times", "c", "b", "ring", "mask")
@@ -68,10 +71,10 @@ class Rows:
     def at(self, name: str) -> str:
         return f"b[{self[name] * self.block_width} + l]"
 
-    def run(self, letter: str, size: int) -> int:
-        """The first of ``size`` rows that follow each other."""
-        places = [self[f"{letter}{k}"] for k in range(size)]
-        return places[0]
+    def run(self, letter: str, numbers: Iterable[int]) -> int:
+        """The first of the rows of a letter with these ``numbers``, which follow each other."""
+        places = [self[f"{letter}{k}"] for k in numbers]
+        return places[0] if places else 0
 
 
 @dataclass
@@ -101,21 +104,55 @@ class KernelText:
         self.ring_width = self.ring_width or str(self.block_width)
         self.size, self.sites = self.step.end.shape[0], len(self.compositions)
         self.unknown = [f"g{r}" for r in range(2 * self.sites)]
-        controlled = ((d, control) for d, control in enumerate(self.controls) if control is not None)
-        self.laws = {d: LawStep(self, d, control) for d, control in controlled}
-        self.frame = (Small if self.size <= WRITTEN_OUT_UP_TO else Large)(self)
+        width = self.size + 2 + self.sites
+        self.moved = (self.step.sites @ self.step.end)[
+            :, width:
+        ]  # strokes, then rates, at the end by the unknown forces
+        x, v = self.moved[: self.sites], self.moved[self.sites :]
+        self.mid_moved = np.vstack([0.5 * x - self.step.h / 8.0 * v, 1.5 / self.step.h * x - 0.25 * v])
+        controlled = {d: control for d, control in enumerate(self.controls) if control is not None}
+        self.in_loops = self.sites > SITES_WRITTEN_OUT
+        self.loops_of_sites = SiteLoops(self, controlled) if self.in_loops else None
+        if self.loops_of_sites:
+            self.order, self.laws = self.loops_of_sites.order, self.loops_of_sites.laws
+        else:
+            self.order = list(range(self.sites))
+            self.laws = {d: LawStep(self, d, control) for d, control in controlled.items()}
+        small = self.size <= WRITTEN_OUT_UP_TO and not self.in_loops
+        self.frame = (Small if small else Large)(self)
         self.starts = self.frame.starts
         self.frame.before()
-        if self.sites:
+        if self.sites and not self.in_loops:
             self._dampers()
         self.frame.after()
-        self.decisions = self._decisions()
+        self.decisions = self.loops_of_sites.decisions() if self.loops_of_sites else self._decisions()
         self.source = self._source()
 
     @property
     def functions(self) -> str:
         """The text of the formulas of control laws."""
-        return "\n\n".join(dict.fromkeys(text for law in self.laws.values() for text in law.functions))
+        written = self.loops_of_sites.written if self.loops_of_sites else self.laws
+        return "\n\n".join(dict.fromkeys(text for d in written if d in self.laws for text in self.laws[d].functions))
+
+    @property
+    def searches(self) -> tuple[tuple[str, Composition], ...]:
+        """The searches of laws that ask for a force, by name, and the dampers that they run backwards."""
+        written = self.loops_of_sites.written if self.loops_of_sites else self.laws
+        return tuple(
+            (self.laws[d].search_function, self.compositions[d])
+            for d in written
+            if d in self.laws and self.laws[d].control.search
+        )
+
+    @property
+    def own_rows(self) -> Rows:
+        """All rows, where a site in a loop writes to its own."""
+        return self.rows.rows if isinstance(self.rows, SiteRows) else self.rows
+
+    @property
+    def kinds(self) -> tuple[Composition, ...]:
+        """The dampers whose functions the kernel calls."""
+        return tuple(dict.fromkeys(self.compositions)) if self.loops_of_sites else self.compositions
 
     @property
     def starts_at(self) -> dict[str, float]:
@@ -155,6 +192,10 @@ class KernelText:
         self.coefficients.append(float(value))
         return f"c{len(self.coefficients) - 1}"
 
+    def whole_number(self, value: int) -> str:
+        """A whole number: of a site in a loop over sites it is one of the coefficients."""
+        return f"floor({self.number(value)} + half)" if self.in_loops else str(value)
+
     def sum(self, row: Iterable[float], names: Sequence[str]) -> str:
         """The sum of a row of coefficients times names."""
         pairs = [(value, name) for value, name in zip(row, names, strict=True) if value != 0.0]
@@ -162,28 +203,30 @@ class KernelText:
         return " + ".join(terms) or "zero"
 
     def _dampers(self) -> None:
-        N, h, width = self.sites, self.step.h, self.size + 2 + self.sites
-        moved = (self.step.sites @ self.step.end)[:, width:]
-        x, v = moved[:N], moved[N:]
-        self.middles = [self._numbers(row) for row in np.vstack([0.5 * x - h / 8.0 * v, 1.5 / h * x - 0.25 * v])]
-        self.ends = [self._numbers(row) for row in moved]
+        N = self.sites
+        self.middles, self.ends = ([self._numbers(row) for row in rows] for rows in (self.mid_moved, self.moved))
         for d in range(N):
-            self.emit(*(self._delayed(d) if self.is_delayed(d) else self._guess(d)))
+            self.emit(*self.guess(d))
         for law in self.laws.values():
             self.emit(*law.coil())
         self.cut()
-        done = self._laws()
+        self.emit(*(f"e{r} = {self._moved(r)}" for r in range(2 * N)))
+        done = [self.law_of(d) for d in range(N)]
         self.cut()
         self._correct(done)
         for r in range(2 * N):
             self.emit(f"new{r} = {self._moved(r)}")
-        self._finish(done)
+        for d in range(N):
+            self.finish(d, *done[d])
 
     def is_delayed(self, d: int) -> bool:
         """Whether a site's force is that of some time ago."""
         return self.compositions[d].has_delay
 
-    def _guess(self, d: int) -> list[str]:
+    def guess(self, d: int) -> list[str]:
+        """The first guess of the forces of a step."""
+        if self.is_delayed(d):
+            return self._delayed(d)
         rise = f"force_rise{d}"
         return [f"{rise} = f{d} - mf{d}", f"g{d} = f{d} + half*{rise}", f"g{self.sites + d} = f{d} + {rise}"]
 
@@ -193,9 +236,15 @@ class KernelText:
         self.rows[f"R{d}"]
         for name, ahead in ((f"g{d}", "half"), (f"g{self.sites + d}", "one")):
             lines += [f"when = real(steps) + {ahead} - {self._delay(d)}", "past = floor(when)"]
-            nodes = ", ".join(f"ring[{d}, ((2*past + {k}) & mask)*{self.ring_width} + l]" for k in range(3))
+            nodes = ", ".join(
+                f"ring[{self._ring_row(d)}, ((2*past + {k}) & mask)*{self.ring_width} + l]" for k in range(3)
+            )
             lines.append(f"{name} = quadratic({nodes}, when - real(past)) if when > zero else R{d}")
         return lines
+
+    def _ring_row(self, d: int) -> str:
+        """The row of a site in the ring."""
+        return RING_ROW if self.in_loops else str(d)
 
     def _delay(self, d: int) -> str:
         self.rows[f"D{d}"]
@@ -215,27 +264,24 @@ class KernelText:
             f"h{self.sites + d} = three_half_rate*({x1} - {x0}) - quarter*({v0} + {v1})",
         ]
 
-    def _laws(self) -> list[tuple[Half, Half]]:
-        """The dampers' laws along the path of the guess."""
-        N, done = self.sites, []
-        self.emit(*(f"e{r} = {self._moved(r)}" for r in range(2 * N)))
-        for d, composition in enumerate(self.compositions):
-            self.emit(*self._middle(d, f"e{d}", f"e{N + d}"))
-            quarter, half, three, end = (
-                [self._value(d, k, at) for k in range(len(composition.parameters))] for at in "abcd"
-            )
-            states = [f"s{d}_{k}" for k in range(composition.n_states - composition.in_series)]
-            before = f"u{d}" if self.is_delayed(d) else f"f{d}"
-            states += [before] * composition.in_series
-            early = {"x0": self.starts[d], "x1": f"h{d}", "v0": self.starts[N + d], "v1": f"h{N + d}", "dt": "dt"}
-            early |= {"g0": before, "g1": before if self.is_delayed(d) else f"g{d}"}
-            late = {"x0": f"h{d}", "x1": f"e{d}", "v0": f"h{N + d}", "v1": f"e{N + d}", "dt": "dt"}
-            first = half_step(composition, f"_half{d}", states, quarter, early, half)
-            late |= {"g0": first.force, "g1": first.force if self.is_delayed(d) else f"g{N + d}"}
-            second = half_step(composition, f"_end{d}", [*first.ends, *states[len(first.ends) :]], three, late, end)
-            self.emit(*first.lines, *second.lines)
-            done.append((first, second))
-        return done
+    def law_of(self, d: int) -> tuple[Half, Half]:
+        """Emit the law of a damper along the path of the guess."""
+        N, composition = self.sites, self.compositions[d]
+        self.emit(*self._middle(d, f"e{d}", f"e{N + d}"))
+        quarter, half, three, end = (
+            [self._value(d, k, at) for k in range(len(composition.parameters))] for at in "abcd"
+        )
+        states = [f"s{d}_{k}" for k in range(composition.n_states - composition.in_series)]
+        before = f"u{d}" if self.is_delayed(d) else f"f{d}"
+        states += [before] * composition.in_series
+        early = {"x0": self.starts[d], "x1": f"h{d}", "v0": self.starts[N + d], "v1": f"h{N + d}", "dt": "dt"}
+        early |= {"g0": before, "g1": before if self.is_delayed(d) else f"g{d}"}
+        late = {"x0": f"h{d}", "x1": f"e{d}", "v0": f"h{N + d}", "v1": f"e{N + d}", "dt": "dt"}
+        first = half_step(composition, f"_half{d}", states, quarter, early, half)
+        late |= {"g0": first.force, "g1": first.force if self.is_delayed(d) else f"g{N + d}"}
+        second = half_step(composition, f"_end{d}", [*first.ends, *states[len(first.ends) :]], three, late, end)
+        self.emit(*first.lines, *second.lines)
+        return first, second
 
     def _value(self, d: int, k: int, at: str) -> str:
         """The name of a parameter at an instant of the step."""
@@ -259,29 +305,28 @@ class KernelText:
             matrix.append([f"j{r}_{c}" for c in range(2 * N)])
         self.emit(*solved(matrix, right), *(f"g{r} = g{r} + r{r}" for r in range(2 * N)))
 
-    def _finish(self, done: list[tuple[Half, Half]]) -> None:
-        """States, corrected by their tangents and held to their bounds, forces and energy at the end."""
-        N = self.sites
-        for d, composition in enumerate(self.compositions):
-            second = done[d][1]
-            for k, (low, high) in enumerate(list(composition.states.values())[: len(second.ends)]):
-                value = second.ends[k]
-                for name, row in ((second.by_x[k], d), (second.by_v[k], N + d)):
-                    value += f" + {name}*(new{row} - e{row})" if name else ""
-                if np.isfinite([low, high]).all():
-                    value = f"min(max({value}, {self.number(low)}), {self.number(high)})"
-                self.emit(f"t{d}_{k} = {value}")
-                self.carry(f"s{d}_{k}", f"t{d}_{k}")
-            if self.is_delayed(d):
-                self.emit(*(f"ring[{d}, slot_{k}*{self.ring_width} + l] = {done[d][k].force}" for k in range(2)))
-                self.carry(f"u{d}", second.force)
-            if "energy" in self.quantities:
-                self.emit(*self._middle(d, f"new{d}", f"new{N + d}"))
-                power = f"f{d}*{self.starts[N + d]} + four*g{d}*h{N + d} + g{N + d}*new{N + d}"
-                self.emit(f"En{d} = E{d} + sixth*({power})")
-                self.carry(f"E{d}", f"En{d}")
-            self.carry(f"f{d}", f"g{N + d}")
-            self.carry(f"mf{d}", f"g{d}")
+    def finish(self, d: int, first: Half, second: Half) -> None:
+        """States, corrected by their tangents and held to their bounds, forces and energy of a site at the end."""
+        N, composition = self.sites, self.compositions[d]
+        for k, (low, high) in enumerate(list(composition.states.values())[: len(second.ends)]):
+            value = second.ends[k]
+            for name, row in ((second.by_x[k], d), (second.by_v[k], N + d)):
+                value += f" + {name}*(new{row} - e{row})" if name else ""
+            if np.isfinite([low, high]).all():
+                value = f"min(max({value}, {self.number(low)}), {self.number(high)})"
+            self.emit(f"t{d}_{k} = {value}")
+            self.carry(f"s{d}_{k}", f"t{d}_{k}")
+        if self.is_delayed(d):
+            forces = enumerate((first.force, second.force))
+            self.emit(*(f"ring[{self._ring_row(d)}, slot_{k}*{self.ring_width} + l] = {force}" for k, force in forces))
+            self.carry(f"u{d}", second.force)
+        if "energy" in self.quantities:
+            self.emit(*self._middle(d, f"new{d}", f"new{N + d}"))
+            power = f"f{d}*{self.starts[N + d]} + four*g{d}*h{N + d} + g{N + d}*new{N + d}"
+            self.emit(f"En{d} = E{d} + sixth*({power})")
+            self.carry(f"E{d}", f"En{d}")
+        self.carry(f"f{d}", f"g{N + d}")
+        self.carry(f"mf{d}", f"g{d}")
 
     def outputs(self) -> list[tuple[str, int, Array]]:
         """What peaks are taken of: (quantity, which, its row over the state, the forces and the ground's acceleration at the
@@ -332,7 +377,7 @@ class KernelText:
                 f"def integrate_block({', '.join(ARGUMENTS)}):",
                 TIMES,
                 *numbers,
-                *(law.clock for law in self.laws.values()),
+                *([] if self.in_loops else [law.clock for law in self.laws.values()]),
                 "for i in range(first, last):",
                 "    part = zero",
                 f"    for l in range({self.block_width}):",

@@ -89,11 +89,13 @@ class Large:
         self.text = text
         N = text.sites
         self.starts = [f"{'x' if r < N else 'v'}{r % N}" for r in range(2 * N)]
-        size = text.size
-        self.z, self.k = text.rows.run("z", size), text.rows.run("~k", size)
-        self.a, self.f = text.rows.run("~a", 2), text.rows.run("f", N) if N else 0
-        self.base = text.rows.run("~base", 2 * N) if N else 0
-        self.g = text.rows.run("~g", 2 * N) if N else 0
+        size, self.both = text.size, [*text.order, *(N + d for d in text.order)]
+        self.z, self.k = text.rows.run("z", range(size)), text.rows.run("~k", range(size))
+        self.a = text.rows.run("~a", range(2))
+        text.rows.run("f", text.order)
+        self.forces = [text.rows[f"f{d}"] for d in range(N)]
+        self.base, self.g = text.rows.run("~base", self.both), text.rows.run("~g", self.both)
+        self.unknown = [text.rows[f"~g{r}"] for r in range(2 * N)]
         off_block = np.kron(np.eye(size // 2), np.ones((2, 2))) == 0
         self.pairs = not np.any(text.step.end[:, :size][off_block])
 
@@ -102,11 +104,15 @@ class Large:
 
     def after(self) -> None:
         text = self.text
-        for r, start in enumerate(self.starts):
-            text.carry(start, f"new{r}")
+        if text.loops_of_sites:
+            text.loops_of_sites.write(self)
+        else:
+            for r, start in enumerate(self.starts):
+                text.carry(start, f"new{r}")
         outputs = text.outputs()
-        self.values = text.rows.run("~q", len(outputs))
-        self.top, self.mid, self.old = (text.rows.run(letter, len(outputs)) for letter in ("P", "Pb", "Pc"))
+        self.values, self.top, self.mid, self.old = (
+            text.rows.run(letter, range(len(outputs))) for letter in ("~q", "P", "Pb", "Pc")
+        )
         for r, (quantity, i, _) in enumerate(outputs):
             text.peaks[quantity, i] = f"P{r}"
         self.jumping = [text.jumps(quantity) for quantity, _, _ in outputs]
@@ -119,7 +125,7 @@ class Large:
     @property
     def named(self) -> int:
         """How many coefficients have names in the kernel."""
-        return self.named_
+        return 0 if self.text.loops_of_sites else self.named_
 
     def body(self) -> list[str]:
         """The lines of a step."""
@@ -127,25 +133,25 @@ class Large:
         self.named_ = len(text.coefficients)  # the others are matrices, behind them
         size, N = text.size, text.sites
         shared = {f"base{r}": f"~base{r}" for r in range(2 * N)} | {f"g{r}": f"~g{r}" for r in range(2 * N)}
-        dampers = text.loops(shared) if N else []
+        dampers = text.loops_of_sites.body() if text.loops_of_sites else text.loops(shared) if N else []
         width = size + 2 + N
         explicit, unknown = text.step.end[:, :width], text.step.end[:, width:]
         ground = [f"{name} = {text.rows.at(name)}" for name in ("low", "high")]
         lines = [f"for l in range({text.block_width}):", *(f"    {line}" for line in [*ground, *GROUND])]
         lines += [f"    b[{(self.a + j) * text.block_width} + l] = a{j}" for j in range(2)]
-        others = [self.a, self.a + 1, *(self.f + d for d in range(N))]
+        others = [self.a, self.a + 1, *self.forces]
         if self.pairs:
             lines += self._pairs(explicit[:, :size])
-            lines += self._product(explicit[:, size:], others, self.k, start=self.k)
+            lines += self.product(explicit[:, size:], others, self.k, start=self.k)
         else:
-            lines += self._product(explicit, [*range(self.z, self.z + size), *others], self.k)
+            lines += self.product(explicit, [*range(self.z, self.z + size), *others], self.k)
         if N:
             for part in (0, N):  # strokes, then rates: each takes half of the modes' coordinates
-                rows = text.step.sites[part : part + N]
-                lines += self._product(rows, range(self.k, self.k + size), self.base + part)
+                rows = text.step.sites[self.both[part : part + N]]
+                lines += self.product(rows, range(self.k, self.k + size), self.base + part)
         lines += dampers
-        lines += self._product(unknown, range(self.g, self.g + 2 * N), self.z, start=self.k)
-        lines += self._values([*range(self.z, self.z + size), *(self.f + d for d in range(N)), self.a + 1])
+        lines += self.product(unknown, self.unknown, self.z, start=self.k)
+        lines += self._values([*range(self.z, self.z + size), *self.forces, self.a + 1])
         pieces = [
             (jumps, len(list(some))) for jumps, some in groupby(self.jumping)
         ]  # of outputs of the same kind in a row
@@ -160,16 +166,16 @@ class Large:
         """What peaks are taken of; drifts are differences of displacements where both are wanted."""
         wanted, n = self.text.quantities, len(self.text.step.displacement)
         if not {"displacement", "drift"} <= set(wanted) or not self.text.step.is_stack:
-            return self._product(self.outputs, columns, self.values)
-        lines = self._product(self.outputs[:n], columns, self.values)
-        first = {"x": self._row(self.values + n), "y": self._row(self.values)}
-        lines += self._loop(1, first, [], ["x[l] = y[l]"])
-        rows = {"x": self._row(self.values + n + 1), "y": self._row(self.values + 1), "z": self._row(self.values)}
-        lines += self._loop(n - 1, rows, [], ["x[l] = y[l] - z[l]"])
+            return self.product(self.outputs, columns, self.values)
+        lines = self.product(self.outputs[:n], columns, self.values)
+        first = {"x": self.row(self.values + n), "y": self.row(self.values)}
+        lines += self.loop(1, first, [], ["x[l] = y[l]"])
+        rows = {"x": self.row(self.values + n + 1), "y": self.row(self.values + 1), "z": self.row(self.values)}
+        lines += self.loop(n - 1, rows, [], ["x[l] = y[l] - z[l]"])
         rest = self.outputs[2 * n :]
-        return lines + (self._product(rest, columns, self.values + 2 * n) if len(rest) else [])
+        return lines + (self.product(rest, columns, self.values + 2 * n) if len(rest) else [])
 
-    def _stored(self, values: Array) -> int:
+    def stored(self, values: Array) -> int:
         """Append numbers to the named coefficients; returns the index of the first."""
         first = len(self.text.coefficients)
         self.text.coefficients.extend(float(v) for v in np.ravel(values))
@@ -178,18 +184,18 @@ class Large:
     def _pairs(self, blocks: Array) -> list[str]:
         """The state carried on, pair by pair."""
         size = len(blocks)
-        first = self._stored(np.array([blocks[i, i - i % 2 : i - i % 2 + 2] for i in range(size)]))
+        first = self.stored(np.array([blocks[i, i - i % 2 : i - i % 2 + 2] for i in range(size)]))
         rows = {
-            "u": self._row(self.z, 2),
-            "v": self._row(self.z + 1, 2),
-            "x": self._row(self.k, 2),
-            "y": self._row(self.k + 1, 2),
+            "u": self.row(self.z, 2),
+            "v": self.row(self.z + 1, 2),
+            "x": self.row(self.k, 2),
+            "y": self.row(self.k + 1, 2),
         }
         lines = [f"q{j} = c[{first + j} + r*4]" for j in range(4)]
         sums = [f"{out}[l] = q{2 * j}*u[l] + q{2 * j + 1}*v[l]" for j, out in enumerate("xy")]
-        return self._loop(size // 2, rows, lines, sums)
+        return self.loop(size // 2, rows, lines, sums)
 
-    def _product(self, matrix: Array, columns: Any, target: int, start: int | None = None) -> list[str]:
+    def product(self, matrix: Array, columns: Any, target: int, start: int | None = None) -> list[str]:
         """Rows of a block from ``target`` on: a matrix times the rows ``columns``, added to the rows from ``start`` on.
 
         Some columns at a time, so that a row is loaded and stored once for as many products; columns of zeros are left out.
@@ -199,31 +205,31 @@ class Large:
         lines = []
         for at in range(0, max(len(columns), 1), PRODUCTS_AT_ONCE):
             some = columns[at : at + PRODUCTS_AT_ONCE]
-            first = self._stored(matrix[:, at : at + PRODUCTS_AT_ONCE])
-            rows = {"x": self._row(target)} if at or start is None else {"x": self._row(target), "y": self._row(start)}
+            first = self.stored(matrix[:, at : at + PRODUCTS_AT_ONCE])
+            rows = {"x": self.row(target)} if at or start is None else {"x": self.row(target), "y": self.row(start)}
             terms = [f"q{k}*b[{row * self.text.block_width} + l]" for k, row in enumerate(some)]
             terms += ["x[l]"] if at else ["y[l]"] if start is not None else []
             given = [f"q{k} = c[{first} + r*{len(some)} + {k}]" for k in range(len(some))]
-            lines += self._loop(len(matrix), rows, given, [f"x[l] = {' + '.join(terms) or 'zero'}"])
+            lines += self.loop(len(matrix), rows, given, [f"x[l] = {' + '.join(terms) or 'zero'}"])
         return lines
 
     def _peaks(self, first: int, count: int, jumps: bool) -> list[str]:
         rows = {
-            "now": self._row(self.values + first),
-            "old": self._row(self.old + first),
-            "mid": self._row(self.mid + first),
-            "top": self._row(self.top + first),
+            "now": self.row(self.values + first),
+            "old": self.row(self.old + first),
+            "mid": self.row(self.mid + first),
+            "top": self.row(self.top + first),
         }
         loop = [f"{name}_ = {name}[l]" for name in rows]
         loop += self.text.peak("top_", "now_", "mid_", "old_", jumps)
-        return self._loop(count, rows, [], [*loop, "top[l] = top_n", "old[l] = mid_", "mid[l] = now_"])
+        return self.loop(count, rows, [], [*loop, "top[l] = top_n", "old[l] = mid_", "mid[l] = now_"])
 
-    def _row(self, first: int, apart: int = 1) -> str:
+    def row(self, first: int, apart: int = 1) -> str:
         """Row ``first`` of a block, then every next one as r counts."""
         wide = self.text.block_width
         return f"b[r*{apart * wide} + {first * wide} : r*{apart * wide} + {(first + 1) * wide}]"
 
-    def _loop(self, count: int, rows: dict[str, str], given: list[str], lines: list[str]) -> list[str]:
+    def loop(self, count: int, rows: dict[str, str], given: list[str], lines: list[str]) -> list[str]:
         """A loop over rows with one over the histories inside."""
         return [
             f"for r in range({count}):",

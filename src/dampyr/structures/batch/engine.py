@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from dampyr.models.codegen.composition import Composition
 from dampyr.structures.batch.assemble import KernelText
 from dampyr.structures.batch.branchless_math import BLOCK_WIDTH
+from dampyr.structures.batch.lane_inverse import left_after_period, sizes_of
 from dampyr.structures.batch.law_step import SiteControl, pieces_of
 from dampyr.structures.batch.modal import basis_of, step
 from dampyr.structures.batch.run_blocks import compiled
@@ -24,8 +25,8 @@ from dampyr.structures.controller import design_controller
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-MAX_SITES = 3  # Newton's matrix is written out
 MAX_HISTORIES = 16 * BLOCK_WIDTH  # in a call: 16 blocks, whose rows take about half a megabyte
+MANY_ROWS = 1000  # beyond, fewer blocks: twenty sites have 2,600 rows
 
 
 @dataclass(frozen=True)
@@ -103,9 +104,9 @@ class Engine:
         """The forces of delayed dampers at the latest nodes (sites, nodes * width): a power of two of them, all at rest."""
         nodes, wide = 2 * int(np.ceil(steps.max(initial=0.0))) + 6, block.shape[1]
         ring = np.zeros((max(self.text.sites, 1), wide << (nodes - 1).bit_length()), block.dtype)
-        for d in range(self.text.sites):
+        for row, d in enumerate(self.text.order):
             if self.text.is_delayed(d):
-                ring[d, :wide] = block[self.text.rows[f"R{d}"]]
+                ring[row, :wide] = block[self.text.rows[f"R{d}"]]
         return ring
 
     def _read(self, final_block: Array) -> dict[str, Array]:
@@ -130,7 +131,9 @@ def launch_blocks(engine: Engine, batch: Batch) -> Array:
     )
     block = buffer.reshape(-1, width)
     delayed, ring = any(map(text.is_delayed, range(text.sites))), np.empty((0, 0))
-    kernel = compiled(text.source, engine.compositions, engine.precision, engine.branchless, text.functions)
+    kernel = compiled(
+        text.source, engine.compositions, engine.precision, engine.branchless, text.functions, text.searches
+    )
     for k, ground in enumerate(grounds(batch.motions, batch.scales, width, kind)):
         some = slice(k * width, (k + 1) * width)
         ends = batch.ends[some]
@@ -194,10 +197,10 @@ def engine(
     """
     building_step = step(building, connections, dt / m, basis_of(building))
     text = KernelText(building_step, compositions, quantities, BLOCK_WIDTH * 64 // precision, controls=controls)
-    compiled_engine = Engine(text, compositions, precision, m, launch_blocks, branchless=branchless)
-    compiled(
-        text.source, compositions, precision, branchless, text.functions
-    )  # by one thread, before several ask for it
+    blocks = max(1, MAX_HISTORIES // BLOCK_WIDTH * MANY_ROWS // max(MANY_ROWS, len(text.rows.names)))
+    compiled_engine = Engine(text, text.kinds, precision, m, launch_blocks, BLOCK_WIDTH * blocks, branchless)
+    # by one thread, before several ask for it
+    compiled(text.source, text.kinds, precision, branchless, text.functions, text.searches)
     return compiled_engine
 
 
@@ -209,12 +212,13 @@ def control_of(building: Building, connections: Array, d: int, law: Any, damper:
         if basis is None
         else np.hstack([controller.rows[:, : 2 * n] @ basis, controller.rows[:, 2 * n :]])
     )
-    return SiteControl(controller, rows, round(law.period * m / dt), lag_of(law, damper), pieces_of(damper))
+    every, left = round(law.period * m / dt), left_after_period(law, damper)
+    return SiteControl(controller, rows, every, lag_of(law, damper), pieces_of(damper), sizes_of(law, damper), left)
 
 
 def can_run(compositions: Sequence[Composition]) -> bool:
-    """Whether an engine can run these dampers: few, without a mass of their own."""
-    return len(compositions) <= MAX_SITES and not any(map(_uses_acceleration, compositions))
+    """Whether an engine can run these dampers: those without a mass of their own."""
+    return not any(map(_uses_acceleration, compositions))
 
 
 def _uses_acceleration(composition: Composition) -> bool:

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from dampyr.models.codegen.formula import Formula
 from dampyr.models.laws import polynomial_table
 from dampyr.structures.batch.damper_step import force_now
+from dampyr.structures.batch.lane_inverse import SearchSizes, search_numbers
 from dampyr.structures.batch.loop_fission import Loops
 from dampyr.structures.control_laws import check_decided
 from dampyr.structures.controller import Controller, law_texts, setting_names
@@ -46,6 +47,8 @@ class SiteControl:
     every: int
     lag: float
     pieces: tuple[tuple[int, int], ...]
+    search: SearchSizes | None = None  # of a law that asks for a force
+    left: float = 0.0  # see `dampyr.structures.batch.lane_inverse.left_after_period`
 
 
 def pieces_of(damper: Any) -> tuple[tuple[int, int], ...]:
@@ -61,7 +64,7 @@ def _degree(coefficients: Array) -> int:
     return int(np.max(np.flatnonzero(np.any(coefficients != 0.0, axis=0)), initial=0))
 
 
-def values_of(damper: Any, values: Array, seed: int, pieces: tuple[tuple[int, int], ...]) -> Array:
+def values_of(damper: Any, values: Array, law: Any, pieces: tuple[tuple[int, int], ...]) -> Array:
     """The numbers of a site under a law, in the order of `LawStep.value_rows`."""
     knots, coefficients = polynomial_table(damper, static=False)
     more = [
@@ -70,7 +73,7 @@ def values_of(damper: Any, values: Array, seed: int, pieces: tuple[tuple[int, in
         for piece in range(count)
         for number in (knots[k, piece] if np.isfinite(knots[k, piece]) else 0.0, *coefficients[k, piece, : degree + 1])
     ]
-    return np.array([*values, *more, float(seed)])
+    return np.array([*values, *more, float(law.seed), *search_numbers(law, damper)])
 
 
 class LawStep:
@@ -101,7 +104,12 @@ class LawStep:
             for piece in range(count)
             for name in (f"knot{d}_{k}_{piece}", *(f"q{d}_{k}_{piece}_{j}" for j in range(degree + 1)))
         ]
-        return [*(f"p{d}_{k}" for k in range(len(pieces))), *table, f"{self.name}_seed"]
+        return [*(f"p{d}_{k}" for k in range(len(pieces))), *table, f"{self.name}_seed", *self.search_rows]
+
+    @property
+    def search_rows(self) -> list[str]:
+        """The rows of the search of a law that asks for a force."""
+        return [f"{self.name}_i{k}" for k in range(self.control.search.rows if self.control.search else 0)]
 
     @property
     def starts(self) -> dict[str, float]:
@@ -162,16 +170,43 @@ class LawStep:
         self.text.carry(f"{self.name}_level", f"{self.name}_at_d")
         return lines
 
+    @property
+    def jumps(self) -> bool:
+        """Whether the force jumps where the law decides."""
+        return self.control.lag == 0.0 and not self.text.compositions[self.d].in_series
+
+    def jump(self) -> tuple[list[str], dict[str, str]]:
+        """Lines with the force under the input that was just decided on, and what each row is to hold after them."""
+        text, d, composition = self.text, self.d, self.text.compositions[self.d]
+        states = [f"s{d}_{k}" for k in range(composition.n_states)]
+        values = [f"p{d}_{k}" for k in range(len(composition.parameters))]
+        motion = {"x": text.starts[d], "v": text.starts[text.sites + d], "a": "zero"}
+        lines = [
+            f"force_now{d} = {force_now(composition, f'_now{d}', states, values, motion)}",
+            f"middle{d} = mf{d} + force_now{d} - f{d}",
+        ]
+        return lines, {f"f{d}": f"force_now{d}", f"mf{d}": f"middle{d}"}
+
     def decision(self) -> list[str]:
         """The loop in which the law measures and decides, and what it remembers."""
-        text, name, controller = self.text, self.name, self.controller
-        updates: dict[str, str] = {}
+        text = self.text
         lines = ["ground_rise = high - low", "a0 = low + ground_rise*part"]
         known = [*(f"z{k}" for k in range(text.size)), "V", "a0", *(f"f{d}" for d in range(text.sites))]
-        measured = []
-        for c, row in enumerate(self.control.rows):
-            lines.append(f"{name}_m{c} = {text.sum(row, known)}")
-            measured.append(f"{name}_m{c}")
+        lines += [
+            f"{name} = {text.sum(row, known)}" for name, row in zip(self.measured, self.control.rows, strict=True)
+        ]
+        more, updates = self.decide()
+        return [f"if steps % {self.every} == 0:", *_loop(text, lines + more, updates)]
+
+    @property
+    def measured(self) -> list[str]:
+        """The names of what the law measures."""
+        return [f"{self.name}_m{c}" for c in range(len(self.control.rows))]
+
+    def decide(self) -> tuple[list[str], dict[str, str]]:
+        """Lines in which the law decides on what it measured, and what each row is to hold after them."""
+        text, name, controller = self.text, self.name, self.controller
+        lines, updates, measured = list[str](), dict[str, str](), self.measured
         if not controller.is_ideal:
             measured = [self._sensed(c, lines, updates) for c in range(len(measured))]
         memory = [f"{name}_x{k}" for k in range(len(controller.F))]
@@ -181,7 +216,11 @@ class LawStep:
         if self.formulas.update is not None:
             lines.append(f"{', '.join(f'{state}n' for state in states)} = {self._call(self.formulas.update, '')}")
             updates |= {state: f"{state}n" for state in states}
-        lines.append(f"{name}_decided = {self._call(self.formulas.decide, 'n')}")
+        decided = self._call(self.formulas.decide, "n")
+        if self.control.search is not None:
+            lines.append(f"{name}_wanted = {decided}")
+            decided = self._input_of_force(f"{name}_wanted", self.control.search)
+        lines.append(f"{name}_decided = {decided}")
         lines += [f"{name}_{end}n = {by}({name}_{end}, {name}_decided)" for end, by in EXTREMES.items()]
         updates |= {f"{name}_command": f"{name}_decided"} | {f"{name}_{end}": f"{name}_{end}n" for end in EXTREMES}
         for k, row in enumerate(np.hstack([controller.F, controller.G])):
@@ -192,7 +231,26 @@ class LawStep:
             updates |= {
                 f"p{self.d}_{k}": f"p{self.d}_{k}now" for k, (count, _) in enumerate(self.control.pieces) if count
             }
-        return [f"if steps % {self.every} == 0:", *_loop(text, lines, updates)]
+        return lines, updates
+
+    @property
+    def search_function(self) -> str:
+        """The name of the search for the input of a force."""
+        return f"{self.name}_search"
+
+    def _input_of_force(self, wanted: str, sizes: SearchSizes) -> str:
+        """A call of `dampyr.structures.batch.lane_inverse.command_of`."""
+        text, law, wide = self.text, self.controller.law, self.text.block_width
+        first, second, *_ = [text.rows[row] for row in self.search_rows]
+        at = text.own_rows.run(f"~{self.name}_work", range(-(-sizes.workspace // wide)))
+        place = f"{first} + site" if text.in_loops else str(first)
+        x, v = (f"{self.name}_s{j}" for j in self.formulas.stroke_and_rate)
+        numbers = (text.number(value) for value in (law.low, law.high, self.control.left, law.period))
+        return (
+            f"{self.search_function}(b, l, {wide}, {place}, {second - first}, {at * wide}, "
+            f"{', '.join(map(str, sizes[:-1]))}, {sizes.rows}, steps, {wanted}, {x}, {v}, {self.name}_command, "
+            f"{', '.join(numbers)})"
+        )
 
     def _sensed(self, c: int, lines: list[str], updates: dict[str, str]) -> str:
         """The name of what the sensor of channel c gives, whose lines are added."""
@@ -207,7 +265,8 @@ class LawStep:
             pair = channel // 2
             drawn = f"{name}_n{2 * pair}, {name}_n{2 * pair + 1} = normal_pair("
             if not any(line.startswith(drawn) for line in lines):
-                first = f"(steps//{self.every})*{counter(1, 0, 0)} + {counter(0, self.d, pair)}"
+                place = text.whole_number(counter(0, self.d, pair))
+                first = f"(steps//{self.every})*{counter(1, 0, 0)} + {place}"
                 lines.append(f"{drawn}{name}_seed, {first})")
             value += f" + {text.number(noise)}*{name}_n{channel}"
         value += f" + {text.number(bias)}" if bias else ""
@@ -234,20 +293,14 @@ class LawStep:
 
 def jumps(text: Any, laws: dict[int, LawStep]) -> list[str]:
     """The loop in which forces jump with the input of coils without a lag, and the peaks that they raise at once."""
-    jumping = [law for law in laws.values() if law.control.lag == 0.0 and not text.compositions[law.d].in_series]
+    jumping = [law for law in laws.values() if law.jumps]
     if not jumping:
         return []
     lines, updates = ["ground_rise = high - low", "a0 = low + ground_rise*part"], dict[str, str]()
     for law in jumping:
-        d, composition = law.d, text.compositions[law.d]
-        states = [f"s{d}_{k}" for k in range(composition.n_states)]
-        values = [f"p{d}_{k}" for k in range(len(composition.parameters))]
-        motion = {"x": text.starts[d], "v": text.starts[text.sites + d], "a": "zero"}
-        lines += [
-            f"force_now{d} = {force_now(composition, f'_now{d}', states, values, motion)}",
-            f"middle{d} = mf{d} + force_now{d} - f{d}",
-        ]
-        updates |= {f"f{d}": f"force_now{d}", f"mf{d}": f"middle{d}"}
+        some, more = law.jump()
+        lines += some
+        updates |= more
     known = [f"z{k}" for k in range(text.size)] + [updates.get(f"f{d}", f"f{d}") for d in range(text.sites)] + ["a0"]
     raised = set()
     for quantity, i, row in text.outputs():

@@ -13,9 +13,10 @@ import numpy as np
 
 from dampyr.models.codegen.composition import Composition, text_of
 from dampyr.models.codegen.formula import read
-from dampyr.models.codegen.kernels import jit, named
+from dampyr.models.codegen.kernels import bind, jit, named
 from dampyr.models.codegen.syntax_trees import statements_of
 from dampyr.structures.batch import bouc_wen_branchless, branchless_math
+from dampyr.structures.batch.lane_inverse import command_of
 from dampyr.structures.time_history.kernel_math import quadratic
 
 FAST = {"contract", "nsz", "arcp", "nnan", "ninf"}
@@ -26,12 +27,20 @@ CONSTANTS = {"zero": 0.0, "one": 1.0, "two": 2.0, "four": 4.0, "half": 0.5, "qua
 
 @lru_cache(maxsize=64)
 def compiled(
-    source: str, compositions: tuple[Composition, ...], precision: int, branchless: bool = False, more: str = ""
+    source: str,
+    compositions: tuple[Composition, ...],
+    precision: int,
+    branchless: bool = False,
+    more: str = "",
+    searches: tuple[tuple[str, Composition], ...] = (),
 ) -> Any:
-    """The kernel of a text, cached on disk; ``branchless`` takes the branch-free Bouc-Wen state, ``more`` are functions."""
+    """The kernel of a text, cached on disk; ``branchless`` takes the branch-free Bouc-Wen state, ``more`` are functions.
+
+    ``searches`` are the names of `dampyr.structures.batch.lane_inverse.command_of` in the text, and the damper of each."""
     text = functions_of(compositions) + (f"\n\n{more}" if more else "")
     text += "\n\n" + bouc_wen_branchless.source() if branchless else ""
     names = _parts(text, precision)
+    names |= {name: bind(command_of, (composition,), keep=False) for name, composition in searches}
     exec(compile(source, "<block>", "exec"), names)
     key = hashlib.sha256(f"{source}{text}{precision}".encode()).hexdigest()[:16]
     return jit(named(names["integrate_block"], __name__, key), keep=True, flags=FAST)

@@ -23,8 +23,10 @@ from numpy.typing import NDArray
 
 from dampyr.errors import InputError
 from dampyr.structures.batch import bouc_wen_branchless
+from dampyr.structures.batch.assemble import SITES_WRITTEN_OUT
 from dampyr.structures.batch.engine import Engine, control_of, engine
 from dampyr.structures.batch.gpu import engine as gpu_engine
+from dampyr.structures.batch.lane_inverse import sizes_of
 from dampyr.structures.batch.law_step import pieces_of, values_of
 from dampyr.structures.building import Building, Condensed
 from dampyr.structures.ensembles.ensemble_accuracy import BOUNDS
@@ -148,7 +150,12 @@ def _kinds(cases: Cases, lines: range) -> dict[tuple[Any, ...], list[Member]]:
         b, d, u, k = cases.line(number)
         if (b, d, u) not in cached:
             sites = tuple(map(_without_zero_delay, cases.sites_of(b, d, u)))
-            laws = tuple((replace(site.law, seed=0), pieces_of(site.damper)) if site.law else None for site in sites)
+            laws = tuple(
+                (replace(site.law, seed=0), pieces_of(site.damper), sizes_of(site.law, site.damper))
+                if site.law
+                else None
+                for site in sites
+            )
             same = (*(id(site.damper) for site in sites), u, laws)
             if same not in slopes_of:
                 slopes_of[same] = difference_slopes(sites)
@@ -252,7 +259,7 @@ def _values(site: Site) -> Array:
     """What a site brings to an engine: its parameters, and under a law what these follow."""
     if site.law is None:
         return site.values
-    return values_of(site.damper, site.values, site.law.seed, pieces_of(site.damper))
+    return values_of(site.damper, site.values, site.law, pieces_of(site.damper))
 
 
 @dataclass(frozen=True, eq=False)
@@ -319,7 +326,7 @@ def _engine_of(
     )
     with _LOCK:
         if key not in _ENGINES:
-            make = gpu_engine if cases.device == "gpu" else engine
+            make = gpu_engine if cases.device == "gpu" and len(sites) <= SITES_WRITTEN_OUT else engine
             rows = connections(building, sites)
             controls = (
                 control_of(building, rows, d, site.law, site.damper, dt, m) if site.law else None

@@ -28,7 +28,7 @@ from dampyr.structures.batch.law_step import MAX_DELAY
 from dampyr.structures.building import Building, Condensed
 from dampyr.structures.building_options import EnsembleOptions
 from dampyr.structures.control_laws import is_control_law, parts, spelled
-from dampyr.structures.controller import asks_force, design_controller
+from dampyr.structures.controller import design_controller
 from dampyr.structures.floor_loads import refuse_loads
 from dampyr.structures.sites import (
     Site,
@@ -172,8 +172,6 @@ class Cases:
 def runs_in_blocks(sites: tuple[Site, ...]) -> bool:
     """Whether an engine can run these sites: under laws without a delay of the damper, and with short ones of the sensors."""
     if not can_run([site.composition for site in sites]):
-        return False
-    if any(map(asks_force, laws_of(sites))):  # its search has no form without branches
         return False
     late = (sensor.delay for law in laws_of(sites) for _, sensor in law.sensors)
     return not laws_of(sites) or (not any(site.delay > 0 for site in sites) and max(late, default=0) <= MAX_DELAY)
