@@ -27,6 +27,15 @@ def test_no_false_alarm_on_the_campaign(published):
     )
 
 
+def test_a_motion_that_nearly_repeats_itself_is_not_taken_for_smoothed():
+    """Friction under a building in an earthquake has odd harmonics, as a square wave: its even ones are zeros of its own."""
+    rng, t = np.random.default_rng(0), np.arange(20_000) / 1000.0
+    lines = zip(2.17 + 0.25 * rng.standard_normal(9), rng.random(9), 6.28 * rng.random(9))  # Hz, amplitudes, phases
+    x = 2e-3 * sum(a * np.sin(2 * np.pi * f * t + phase) for f, a, phase in lines)
+    force = 100.0 * np.tanh(np.gradient(x, t) / 2e-3) + 0.2 * rng.standard_normal(t.size)
+    assert recognise_smoothing(Record(t, x, force, voltage=0.0)) == ()
+
+
 def test_a_tenth_of_the_period_on_the_campaign_to_the_sample(published):
     """Real noise and steps of 5 um and 0.19 N at 100 Hz, smoothed by a program with full precision."""
     for record in published[::3]:

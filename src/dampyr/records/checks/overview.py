@@ -47,18 +47,20 @@ class Overview(Shown):
 
 def overview(record: Record) -> Overview:
     """Describe the motion of a record, whatever it is."""
-    first = int(np.searchsorted(record.time, motion_start(record)))
-    moves = record.n - first >= MIN_SAMPLES
-    part = slice(first if moves else 0, record.n)
-    speed = differentiate(record.time, record.displacement, default_bandwidth(record))[part]
+    speed, dominant = _moving(record)
     return Overview(
         repeats=repeats(record),
         stroke_m=float(np.ptp(record.displacement)),
         peak_speed=float(np.max(np.abs(speed))),
         rms_speed=float(np.sqrt(np.mean(speed**2))),
-        dominant_hz=_dominant(record.time[part], speed, record.dt) if moves else None,
+        dominant_hz=dominant,
         work=work(record),
     )
+
+
+def dominant_frequency(record: Record) -> float | None:
+    """The strongest frequency of the velocity from the motion's begin on, Hz; None of a record that does not move."""
+    return _moving(record)[1]
 
 
 def repeats(record: Record) -> bool:
@@ -75,6 +77,15 @@ def work(record: Record) -> float:
     """What the force about its mean dissipates over the whole record, J."""
     force = record.force - np.mean(record.force)  # else gas force times the net way would count as dissipated
     return path_work(record.displacement, force)
+
+
+def _moving(record: Record) -> tuple[Array, float | None]:
+    """The velocity where the record is in motion, everywhere where it never is, and its strongest frequency."""
+    first = int(np.searchsorted(record.time, motion_start(record)))
+    moves = record.n - first >= MIN_SAMPLES
+    part = slice(first if moves else 0, record.n)
+    speed = differentiate(record.time, record.displacement, default_bandwidth(record))[part]
+    return speed, _dominant(record.time[part], speed, record.dt) if moves else None
 
 
 def _dominant(time: Array, speed: Array, dt: float) -> float:

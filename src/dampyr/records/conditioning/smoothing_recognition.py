@@ -9,6 +9,7 @@ which gives the standard error.
 The lines of a periodic motion have zeros of their own (a square wave has no even harmonics). So of a motion that repeats itself
 the difference of the channel and itself one period later is taken, which leaves the noise, and of its spectrum only what this
 difference does not weaken. Where nothing is left, as of a computed signal that repeats itself exactly, nothing is recognised.
+A building in an earthquake nearly repeats itself: of such a motion windows are tried to a quarter of its strongest period too.
 
 Where the converter's step q is known, there is a second sign: N times the differences of successive samples of an average over
 N are multiples of q, and less than N times are not. (The smoothed values alone only tell q/N.)
@@ -24,7 +25,7 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
-from dampyr.records.checks.overview import repeats
+from dampyr.records.checks.overview import dominant_frequency, repeats
 from dampyr.records.conditioning.moving_average import AVERAGED, UNITS
 from dampyr.records.cycle_analysis.cycles import RUN_IN_TO, cut_cycles
 from dampyr.records.cycle_analysis.measure import fundamental
@@ -71,7 +72,7 @@ def recognise_smoothing(record: Record, steps: Mapping[str, float] | None = None
     """The moving averages that a record's displacement, velocity and force show, at most one a channel.
 
     ``steps``: the converter's step of a channel in its SI unit, where it is known, such as ``{"displacement":
-    5e-6}``. Windows from four samples to a quarter of the period of a motion that repeats itself, and to a sixteenth
+    5e-6}``. Windows from four samples to a quarter of the motion's period, or of its strongest one, and to a sixteenth
     of the record, are tried; of a test with rising or falling strokes within one level of three cycles or more.
     Channels that the record says are smoothed are left out, and so is a record with uneven sampling.
     """
@@ -80,17 +81,20 @@ def recognise_smoothing(record: Record, steps: Mapping[str, float] | None = None
     part, period = _telling_part(record)
     if part is None:
         return ()
+    dominant = None if period is not None else dominant_frequency(record)
+    longest = period if not dominant else 1.0 / dominant / record.dt
     stated = record.smoothed.channels if record.smoothed is not None else ()
     channels = {c: getattr(record, c)[part] for c in AVERAGED if c not in stated and getattr(record, c) is not None}
-    windows = {c: _by_zeros(values, period, record.thresholds) for c, values in channels.items()}
+    windows = {c: _by_zeros(values, period, longest, record.thresholds) for c, values in channels.items()}
     clear = [window[0] for window in windows.values() if window is not None]
     recognised = []
     for channel, values in channels.items():
         window = windows[channel]
         if window is None and clear:  # what is clear in another channel needs less to be believed in this one
-            window = _by_zeros(values, period, record.thresholds, range(min(clear) - 1, max(clear) + 2), EASED)
+            near = range(min(clear) - 1, max(clear) + 2)
+            window = _by_zeros(values, period, longest, record.thresholds, near, EASED)
         step = (steps or {}).get(channel)
-        on_grid = None if step is None else _by_grid(values, step, period)
+        on_grid = None if step is None else _by_grid(values, step, longest)
         if window is None and on_grid is None:
             continue
         samples, contrast, sigmas = window or (0, math.nan, math.nan)
@@ -155,16 +159,22 @@ def _telling_part(record: Record) -> tuple[slice | None, float | None]:
     return (slice(first, last), level.period_s / record.dt) if level.count >= RUN_IN_TO else (None, None)
 
 
-def _last_window(n: int, period: float | None) -> int:
-    return int(min(n / WINDOWS, n if period is None else OF_PERIOD * period))
+def _last_window(n: int, longest: float | None) -> int:
+    return int(min(n / WINDOWS, n if longest is None else OF_PERIOD * longest))
 
 
 def _by_zeros(
-    values: Array, period: float | None, limits: RecordThresholds, tried: range | None = None, part: float = 1.0
+    values: Array,
+    period: float | None,
+    longest: float | None,
+    limits: RecordThresholds,
+    tried: range | None = None,
+    part: float = 1.0,
 ) -> tuple[int, float, float] | None:
     """The window, its contrast in dB and that in standard errors; None where none stands out.
 
-    ``tried``: these windows only, which need ``part`` of the contrast and of the standard errors.
+    ``longest``: the period in samples that bounds the windows. ``tried``: these windows only, which need ``part`` of the
+    contrast and of the standard errors.
     """
     lag = None if period is None else round(period)
     rest = values if lag is None else values[lag:] - values[:-lag]
@@ -177,7 +187,7 @@ def _by_zeros(
     if lag is not None:
         seen &= np.abs(np.sin(np.pi * frequency * lag)) > SEEN
     level, at = 10.0 * np.log10(power[seen]), frequency[seen]
-    passed = _passed(level, at, tried or _spaced(_last_window(bent.size, period)), limits, part)
+    passed = _passed(level, at, tried or _spaced(_last_window(bent.size, longest)), limits, part)
     if tried is None:
         close = {k + away for k in passed for away in range(-round(COARSE * k) - 1, round(COARSE * k) + 2)}
         passed |= _passed(level, at, sorted(k for k in close if k >= SHORTEST and k not in passed), limits, part)
@@ -245,10 +255,10 @@ def _in_each_lobe(phase: Array, level: Array, at_zero: Bools, between: Bools, ze
     return deep >= IN_LOBES * zeros
 
 
-def _by_grid(values: Array, step: float, period: float | None) -> int | None:
+def _by_grid(values: Array, step: float, longest: float | None) -> int | None:
     """The smallest N of which N times the differences are multiples of ``step``; None where they are without, or never are."""
     differences = np.diff(values) / step
-    for samples in range(1, _last_window(values.size, period) + 1):
+    for samples in range(1, _last_window(values.size, longest) + 1):
         whole = samples * differences[samples:-samples]  # at its ends an average may be over fewer samples
         if whole.size and np.all(np.abs(whole - np.rint(whole)) < ON_STEP):
             return samples if samples >= SHORTEST else None

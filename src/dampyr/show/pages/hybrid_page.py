@@ -81,7 +81,7 @@ def _inputs(result: HybridResult, inputs: Array) -> FigureBlock:
     return FigureBlock(
         building_response(result.time, {"computed": computed, "asked": inputs}, input_axis(result.input_unit)),
         f"The input: {result.law}. As the law asked for it in the test, and as it is in the computed response, where the coil "
-        f"follows the law with its lag. {decided(result).capitalize()}.",
+        f"follows the law with its lag. {decided(result)}.",
     )
 
 
