@@ -97,12 +97,10 @@ def command_of(
     found = b[free + states + parameters : free + states + parameters + 4]
     if steps > 0:
         past[2] = command + (past[2] - command) * left
+        if past[2] != past[2]:  # as in `dampyr.structures.time_history.followed_model.follow`
+            past[2] = low
         look_up(knots, coefficients, past[2], p)
         advance(0, s, past[0], x, past[1], v, period, p)
-    if (
-        past[2] != past[2]
-    ):  # of a history that grew without bound; the search goes on to its upper bound, which must be one
-        past[2] = low
     past[0], past[1] = x, v
     u = past[2]
     find_input(

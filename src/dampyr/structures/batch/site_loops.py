@@ -25,15 +25,8 @@ from dampyr.structures.batch.loop_fission import Loops
 
 Array = NDArray[np.float64]
 RING_ROW = "ring_row"
-SHARED = (
-    "base",
-    "g",
-    "e",
-    "new",
-    "r",
-    "fx",
-    "fv",
-)  # names of all sites, at h/2 and at h, which loops and products share
+# names of all sites, at h/2 and at h, which loops and products share
+SHARED = ("base", "g", "e", "new", "r", "fx", "fv")
 OF_A_SITE = re.compile(rf"(~?)({'|'.join((*SHARED, *'fsptxvuRDEq'))}|mf|En|law|knot)(\d+)(.*)")
 TAGGED = re.compile(r".*_(half|end|now)\d+")
 

@@ -28,6 +28,8 @@ def follow(d: int, s: Any, control: Any, models: Any) -> None:
     else:
         command = control.command[d]
         past[2] = command + (past[2] - command) * models.left[d]
+        if past[2] != past[2]:  # the motion grew without bound; the search's upper bound must be a number all the same
+            past[2] = models.bounds[d, 0]
         look_up(control.knots[d], control.coefficients[d], past[2], models.params[d])
         advance(models.kind[d], models.states[d], past[0], x, past[1], v, models.period[d], models.params[d])
     past[0], past[1] = x, v
