@@ -116,6 +116,7 @@ def test_the_studies_are_listed() -> None:
     ]  # fmt: skip
 
 
+@pytest.mark.prove
 def test_a_study_that_is_a_list_of_numbers_is_printed_with_what_differs(tmp_path: Path) -> None:
     result = run("quarter_car_2025", "--out", tmp_path / "out")
     assert result.exit_code == 0, result.stderr

@@ -23,7 +23,13 @@ def test_it_does_not_matter_how_the_lag_is_parted(lead, motion):
     assert peak(run) == pytest.approx(PRINTED[0.8712], rel=1e-4)
 
 
-@pytest.mark.parametrize("name", ["clipped_optimal", "inverse_tracking", "modulated_friction"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "clipped_optimal",
+        *(pytest.param(k, marks=pytest.mark.prove) for k in ("inverse_tracking", "modulated_friction")),
+    ],
+)
 def test_under_a_law_it_is_the_response_under_that_law(name):
     """On an actuator without a delay, with the model that predicts; the force is held over its steps."""
     damper, building, h = raminelli_2020.damper(), two_storey(), 5e-4

@@ -222,6 +222,7 @@ def decide(high: float) -> float:
     return 1.5 * high
 
 
+@pytest.mark.prove
 def test_a_law_that_asks_beyond_its_bounds_moves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(hybrid, "law_of", lambda text, damper: Beyond(0.0, 1.0, 0.004))
     with pytest.raises(InputError, match=r"asked for 1\.5; it must stay between its low = 0 and high = 1"):

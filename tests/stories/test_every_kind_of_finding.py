@@ -181,6 +181,7 @@ def test_what_is_made_of_the_record_says_it_once(kind: str, records: dict[str, R
     assert set(times.values()) == {0 if severity == "note" else 1}, times  # notes stay with the record
 
 
+@pytest.mark.prove
 def test_a_card_holds_the_list_of_its_damper_and_hands_on_what_matters(
     records: dict[str, Record], tmp_path: Path
 ) -> None:

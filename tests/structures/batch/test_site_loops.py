@@ -56,7 +56,7 @@ def _sensors(names: tuple[str, ...]) -> dict[str, Sensor]:
         pytest.param({2: [of("dahl + compliance"), of("hyperbolic_tangent")]}, None, id="series", marks=pytest.mark.prove),
         pytest.param(
             "published", control_law("clipped_optimal_lqg", high=HIGH, lag=0.01, seed=5, sensors=_sensors(("accelerations",))),
-            id="filter",
+            id="filter", marks=pytest.mark.prove,
         ),
         pytest.param(
             "published", control_law("inverse_tracking", high=HIGH, lag=0.01), id="inverse", marks=pytest.mark.prove,
@@ -77,10 +77,12 @@ def test_loops_give_what_is_written_out(placement: Any, law: Any, cubics: Damper
 
     written = run()
     in_loops()
+    looped = run()
     for quantity in QUANTITIES:
-        np.testing.assert_allclose(run()[quantity], written[quantity], rtol=1e-7)
+        np.testing.assert_allclose(looped[quantity], written[quantity], rtol=1e-7)
 
 
+@pytest.mark.prove
 def test_sites_of_several_kinds_are_those_of_a_response() -> None:
     """Two kinds in turns, two dampers in a storey, a place between two floors; nothing runs one by one."""
     placement = {
@@ -149,6 +151,7 @@ def test_twenty_sites_in_either_precision() -> None:
     np.testing.assert_array_equal(alone.drift, double.drift[..., -2:, :])
 
 
+@pytest.mark.prove
 def test_a_case_that_grows_without_bound_is_counted() -> None:
     feeding = Damper("spring + dahl", {"spring.k0": -3e6, "dahl.kx": 1.0, "dahl.kw": 1.0, "dahl.rho": 10.0})
     with pytest.warns(DampyrWarning, match="1 cases grew without bound"):

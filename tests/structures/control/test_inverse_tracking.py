@@ -20,14 +20,14 @@ def test_the_wanted_force_is_that_of_clipped_optimal():
 
 
 def test_no_other_input_gives_a_force_nearer_to_the_wanted_one(cubics: Damper):
-    """The forward model along the measured strokes, held inputs and all, under 121 inputs of the period to come."""
+    """The forward model along the measured strokes, held inputs and all, under 61 inputs of the period to come."""
     law, motion = control_law("inverse_tracking", high=HIGH, period=PERIOD), short(8.0)
     response = respond(two_storey(), motion, {1: cubics}, voltage=law, step=0.0025)
     z = np.vstack([response.displacement, response.velocity])
     wanted = sensed("inverse_tracking")[:4] @ z
     x, v, t = z[0], z[2], motion.time
     commands = np.append(response.input[0, 1:], np.nan)  # what was decided at a sample acts at the next
-    grid, met = np.linspace(0.0, HIGH, 121), 0
+    grid, met = np.linspace(0.0, HIGH, 61), 0
     for k in range(20, len(t) - 1, 37):
         past = t[: k + 2], np.append(x[: k + 1], x[k] + PERIOD * v[k]), np.append(v[: k + 1], v[k])
         inputs = np.append(0.0, commands[: k + 1])
