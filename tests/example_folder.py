@@ -15,6 +15,12 @@ from tests.campaigns.specimen_folders import QUASI_STATIC, dahl, specimen_folder
 from tests.ground_motions import accelerograph_files
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
+BRIDGE = """
+M = ["20 t", "20 t"]
+K = { unit = "MN/m", values = [[9, -4, -5, 0], [-4, 11, 0, -7], [-5, 0, 5, 0], [0, -7, 0, 7]] }
+damping_ratio = 0.02
+supports = ["west", "east"]
+"""
 
 
 def fill_example_folder(folder: Path) -> None:
@@ -44,6 +50,8 @@ def fill_example_folder(folder: Path) -> None:
     (folder / "test.csv").write_text("t [s];x [mm];Load cell [kN]\n" + "\n".join(rows).replace(".", ","))
     write_response(folder / "response", 0.01)
     (folder / "wind.csv").write_text("time [s],floor 1 [N],floor 2 [kN]\n0,0,0\n0.5,300,0.2\n1,100,0.5\n4,0,0\n")
+    (folder / "bridge.toml").write_text(BRIDGE)
+    (folder / "piers.toml").write_text('[west]\nmotion = "el_centro"\n[east]\nmotion = "el_centro"\nscale = 0.9\n')
     (folder / "limits.csv").write_text("quantity,high [ms]\nt63,20\n")
 
 
