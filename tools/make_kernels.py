@@ -13,18 +13,18 @@ import tempfile
 import time
 
 from dampyr.kernel_warming import warm_kernels
-from dampyr.models.codegen.shipped_kernels import archive, collected, write_archive
+from dampyr.models.codegen.shipped_kernels import archive_path, collected_kernels, write_archive
 
 
 def main() -> None:
     start = time.perf_counter()
-    archive().unlink(missing_ok=True)
-    with tempfile.TemporaryDirectory() as folder, collected() as found:
+    archive_path().unlink(missing_ok=True)
+    with tempfile.TemporaryDirectory() as folder, collected_kernels() as kernels:
         os.environ["DAMPYR_CACHE"] = folder
         warm_kernels(lambda name, done: None if done else print(f"  {name}", flush=True))
-    path = write_archive(found)
+    path = write_archive(kernels)
     size = path.stat().st_size / 2**20
-    print(f"{path}: {len(found)} kernels, {size:.1f} MiB, in {time.perf_counter() - start:.0f} s")
+    print(f"{path}: {len(kernels)} kernels, {size:.1f} MiB, in {time.perf_counter() - start:.0f} s")
 
 
 if __name__ == "__main__":

@@ -22,7 +22,7 @@ from dampyr.errors import InputError, RigFault
 from dampyr.hybrid import Substructure, run_delayed
 from dampyr.hybrid.delayed_hybrid import delayed_result
 from dampyr.hybrid.hybrid_result import HybridResult
-from dampyr.hybrid.substructure import followed
+from dampyr.hybrid.substructure import coil_inputs
 from dampyr.input_kinds import NO_INPUT
 from dampyr.models import Damper
 from dampyr.models.part import checked
@@ -83,7 +83,7 @@ def test_it_agrees_with_the_computed_response_and_with_the_virtual_test(
     assert np.abs(result.differences).max() < 0.015
     assert np.abs(result.peaks / virtual.peaks - 1.0).max() < 0.015
     assert result.inputs is not None
-    acting = followed(result.inputs, law.low, law.lag, result.time[1])
+    acting = coil_inputs(result.inputs, law.low, law.lag, result.time[1])
     assert acting[:-1].mean() == pytest.approx(float(result.computed.mean_input[0]), rel=0.03)
 
 
@@ -158,8 +158,8 @@ def test_the_coil_follows_as_a_filter_of_first_order() -> None:
     share = np.exp(-0.002 / 0.01)
     ends = np.concatenate([[0.3], lfilter([1.0 - share], [1.0, -share], commands, zi=[share * 0.3])[0]])
     half = np.exp(-0.001 / 0.01)
-    np.testing.assert_allclose(followed(commands, 0.3, 0.01, 0.002), commands + (ends[:-1] - commands) * half)
-    np.testing.assert_array_equal(followed(commands, 0.3, 0.0, 0.002), commands)
+    np.testing.assert_allclose(coil_inputs(commands, 0.3, 0.01, 0.002), commands + (ends[:-1] - commands) * half)
+    np.testing.assert_array_equal(coil_inputs(commands, 0.3, 0.0, 0.002), commands)
 
 
 @pytest.mark.parametrize(

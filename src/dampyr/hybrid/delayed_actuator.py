@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from dampyr.errors import InputError
 from dampyr.ground_motions import GroundMotion
 from dampyr.hybrid import substructure_kernel
-from dampyr.hybrid.substructure import ParameterTable, Substructure, SubstructureRun
+from dampyr.hybrid.substructure import Substructure, SubstructureRun
 from dampyr.models import Damper
 from dampyr.models.codegen.kernels import bind
+from dampyr.models.laws import look_up, polynomial_table
 from dampyr.structures.law_input import LawInput
 
 Array = NDArray[np.float64]
@@ -69,7 +70,7 @@ def run_delayed(
         if law is None
         else LawInput(law, specimen, part.building, part.row, GroundMotion(part.ground, h, "ground"))
     )
-    table = None if part.law is None else ParameterTable(specimen, part.law)
+    parameters = None if part.law is None else polynomial_table(specimen, static=False)
     run.set_points(ahead)
     while not run.over:
         k = run.now + 1
@@ -81,8 +82,8 @@ def run_delayed(
             run.set_input(voltage)
             run.commands[run.now :] = decided.command
         run.set_points(min(k + ahead, part.steps))
-        if table is not None:
-            p = table.at(float(run.inputs[k - 1]))
+        if parameters is not None:
+            look_up(*parameters, float(run.inputs[k - 1]), p)
         place = min(max(0.0, k - late), run.given)
         index = int(place)
         last = min(index + 1, run.given)

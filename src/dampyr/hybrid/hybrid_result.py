@@ -11,7 +11,7 @@ from dampyr.errors import InputError
 from dampyr.findings import Finding, worst_first
 from dampyr.hybrid import substructure_kernel
 from dampyr.hybrid.rig_drive import HybridDrive, static_force
-from dampyr.hybrid.substructure import Substructure, SubstructureRun, followed
+from dampyr.hybrid.substructure import Substructure, SubstructureRun, coil_inputs
 from dampyr.models.codegen.kernels import bind
 from dampyr.origin import NOT_STATED, Origin
 from dampyr.rig import RigSettings
@@ -125,5 +125,5 @@ def follow_record(drive: HybridDrive, run: SubstructureRun, voltage: Array, rig:
     middle = (drive.lead_in + np.arange(part.steps)) * points + points // 2
     asked = np.append(voltage[middle], voltage[middle[-1]]) / drive.volts_per_input
     # A voltage that is read back has noise, which the range of the model does not allow for.
-    run.inputs[:] = followed(np.clip(asked, part.law.low, part.law.high), part.law.low, part.law.lag, part.h)
+    run.inputs[:] = coil_inputs(np.clip(asked, part.law.low, part.law.high), part.law.low, part.law.lag, part.h)
     return asked

@@ -40,6 +40,7 @@ from dampyr.hybrid import substructure_kernel
 from dampyr.hybrid.setup import building_step
 from dampyr.models import Damper, compose
 from dampyr.models.codegen.kernels import bind
+from dampyr.models.laws import look_up, polynomial_table
 from dampyr.shown import Shown
 from dampyr.structures import Building, Response
 from dampyr.structures.control_laws import check_decided
@@ -53,7 +54,6 @@ SMALLEST = 1e-5  # m of a stroke: two counts of the encoder
 SMOOTHING = 0.1  # s of the structure's time in which the difference of measured and predicted force is smoothed
 LARGEST_LAG = 0.05  # s of the structure's time in either direction that is compensated
 GAINS = (0.8, 1.25)  # between which the gain of the actuator is believed
-ROWS = 1025  # of the table of a model's parameters over the inputs of a law, straight between them
 FLOOR = 0.25  # of the energy that the ground is expected to put in: an error of energy is compared with no less
 
 
@@ -255,7 +255,7 @@ class SubstructureRun(Shown):
             motion = GroundMotion(about.ground, about.h, "ground")
             self._law = LawInput(about.law, about.model, about.building, about.row, motion)
             self._force_now = bind(substructure_kernel.force_now, (composition,))
-            self._table = ParameterTable(about.model, about.law)
+            self._parameters = polynomial_table(about.model, static=False)
         self._pull = about.building.influence @ about.building.M
         self._difference, self._share = 0.0, 1.0 - math.exp(-about.h / SMOOTHING)
         self.begin(about.lag)
@@ -340,7 +340,7 @@ class SubstructureRun(Shown):
             self.commands[k:] = law.command
         value = law.input_at((k + 0.5) * h)
         self.inputs[k:] = value
-        self._p[:] = self._table.at(value)
+        look_up(*self._parameters, value, self._p)
 
     def set_points(self, until: int) -> Array:
         """The set points [m] after the last that was given, to index ``until`` of the steps."""
@@ -358,22 +358,7 @@ class SubstructureRun(Shown):
         return self.sent[new]
 
 
-class ParameterTable:
-    """The parameters of a damper at the inputs of a law, without its static force: interpolated, so that they are quick."""
-
-    def __init__(self, damper: Any, law: Any) -> None:
-        self.low, self.step = law.low, (law.high - law.low) / (ROWS - 1)
-        self.rows = damper.values(np.linspace(law.low, law.high, ROWS), static=False)
-
-    def at(self, value: float) -> Array:
-        """The parameters (P,) at an input [V or A]."""
-        place = (value - self.low) / self.step if self.step > 0.0 else 0.0
-        index = min(max(int(place), 0), ROWS - 2)
-        row: Array = self.rows[index] + (place - index) * (self.rows[index + 1] - self.rows[index])
-        return row
-
-
-def followed(commands: Array, first: float, lag: float, h: float) -> Array:
+def coil_inputs(commands: Array, first: float, lag: float, h: float) -> Array:
     """The input (T,) in the middle of each step of ``h`` s: the coil follows the ``commands`` (T,) with its ``lag`` [s]."""
     if lag == 0.0:
         return commands.copy()

@@ -30,9 +30,9 @@ from numpy.typing import ArrayLike, NDArray
 from dampyr.errors import InputError
 from dampyr.input_kinds import NO_INPUT
 from dampyr.structures.building import Building
-from dampyr.structures.shear import positive
 from dampyr.structures.time_history.peaks import storey_heights
 from dampyr.structures.time_history.response import Response
+from dampyr.structures.yielding import per_storey
 from dampyr.units import STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
@@ -103,7 +103,7 @@ def benchmark_criteria(
         "J6": _norm(response.base_shear[None]) / _norm(bare.base_shear[None]),
     }
     if yield_drifts is not None:
-        found |= _of_yielding(response, bare, members, _yield_drifts(yield_drifts, building.n_floors))
+        found |= _of_yielding(response, bare, members, per_storey("yield_drifts", yield_drifts, building.n_floors))
     if dampers:
         # the mass that follows the ground, all of it where the structure is a reduced one
         mass = float(building.influence @ building.M @ building.carried) + building.ground_terms()[1]
@@ -125,15 +125,6 @@ def _members(response: Response, bare: Response) -> list[int]:
         free.remove(found)
         members.append(found)
     return members
-
-
-def _yield_drifts(given: ArrayLike, storeys: int) -> Array:
-    drifts = positive("yield_drifts", given, "m")
-    if len(drifts) not in (1, storeys):
-        raise InputError(
-            f"{len(drifts)} yield_drifts do not match {storeys} storeys; give one for each, or one for all"
-        )
-    return drifts
 
 
 def _relative_to(size: Array, *responses: Response) -> tuple[list[float], list[float]]:

@@ -93,7 +93,7 @@ def yielding_shear_building(
     """
     elastic = shear_building(masses, stiffnesses, damping_ratio, dashpots, method, name)
     mass, spring = positive("masses", masses, "kg"), positive("stiffnesses", stiffnesses, "N/m")
-    drift = _per_storey("yield_drifts", yield_drifts, len(mass))
+    drift = per_storey("yield_drifts", yield_drifts, len(mass))
     if isinstance(hardening, bool) or not 0.0 <= hardening < 1.0:
         raise InputError(f"hardening = {hardening!r} is not allowed; it must be from 0 to below 1")
     if exponent is not None and not 1.0 <= exponent <= 50.0:
@@ -108,7 +108,7 @@ def yielding_shear_building(
             )
     turning = np.zeros(len(mass))
     if heights is not None:
-        turning = STANDARD_GRAVITY * np.cumsum(mass[::-1])[::-1] / _per_storey("heights", heights, len(mass))
+        turning = STANDARD_GRAVITY * np.cumsum(mass[::-1])[::-1] / per_storey("heights", heights, len(mass))
     if np.any(short := hardening * spring < turning):
         k = int(np.argmax(short))
         raise InputError(
@@ -138,7 +138,8 @@ def _element(force: float, drift: float, exponent: float | None, strength_loss: 
     return Damper("bouc_wen", {f"bouc_wen.{key}": Constant(value) for key, value in values.items()}, input="none")
 
 
-def _per_storey(name: str, values: ArrayLike, count: int) -> Array:
+def per_storey(name: str, values: ArrayLike, count: int) -> Array:
+    """Lengths (count,) in m, greater than 0, of what was given for each storey or one for all."""
     array = positive(name, values, "m")
     if len(array) not in (1, count):
         raise InputError(f"{len(array)} {name} do not match {count} storeys; give one for each, or one for all")

@@ -1,4 +1,4 @@
-"""Kernels that come with a wheel: numba's half of the work is kept, LLVM's is done on the user's machine."""
+"""Kernels that come with a wheel: numba's front end has run before, LLVM optimises on the user's machine."""
 
 import json
 import os
@@ -29,7 +29,7 @@ class Count(Listener):
     def on_end(self, event): pass
 register("numba:run_pass", Count())
 damper = Damper("dahl", {"dahl.kx": 100.0, "dahl.kw": 1.0, "dahl.rho": 100.0})
-with shipped_kernels.collected() as found, compiling.watched(notes.append):
+with shipped_kernels.collected_kernels() as found, compiling.watched(notes.append):
     t = np.arange(200) / 100
     answers = [damper.force(t, 0.01 * np.sin(6.0 * t), voltage=0.0, velocity=0.06 * np.cos(6.0 * t))]
     if with_building:

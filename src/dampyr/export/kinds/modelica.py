@@ -7,6 +7,7 @@ from textwrap import fill, wrap
 
 from dampyr.atomic_write import write_whole
 from dampyr.errors import InputError
+from dampyr.export.fmi_exchange import NOMINAL
 from dampyr.export.kinds.c import WIDTH, before_use, check_exportable, check_name
 from dampyr.export.modelica_text import KEYWORDS, UNITS, Equations, number
 from dampyr.input_kinds import INPUTS
@@ -88,7 +89,7 @@ def _equations(damper: Damper, allow_extrapolation: bool) -> str:
             laws.append(f"{_flat(key)} = {_law(law, acting, key)};")
     states = []
     for key, (low, high) in composition.states.items():
-        kind = 'unit="1", ' if high - low < float("inf") else 'unit="m", nominal=1e-4, '
+        kind = 'unit="1", ' if high - low < float("inf") else f'unit="m", nominal={NOMINAL["m"]!r}, '
         states.append(f'    Real {_flat(key)}({kind}start=0.0, fixed=true) "memory, 0 at rest";')
     slopes, forces = [], []
     for slot in composition.layout.slots:

@@ -130,19 +130,19 @@ def cache_class() -> Any:
             _used.add(Path(self._cache_file._index_path).name)
             if found is None:
                 compiling.note(begins=True)
-                found = shipped_kernels.shipped(self._entry(sig), target_context)
+                found = shipped_kernels.load_shipped(self._entry(sig), target_context)
                 if found is not None:
                     self.save_overload(sig, found)
             return found
 
         def save_overload(self, sig: Any, data: Any) -> None:
             super().save_overload(sig, data)
-            shipped_kernels.collect(self._entry(sig), data)
+            shipped_kernels.note_compiled(self._entry(sig), data)
             compiling.note(begins=False)
 
         def _entry(self, sig: Any) -> str:
             locator = self._impl.locator
-            return shipped_kernels.entry(f"{locator.get_source_stamp()}-{locator.get_disambiguator()}", sig)
+            return shipped_kernels.entry_name(f"{locator.get_source_stamp()}-{locator.get_disambiguator()}", sig)
 
     return Cache
 

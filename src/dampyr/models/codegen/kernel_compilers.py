@@ -1,8 +1,8 @@
 """Numba's compiler, as kernels and the functions within them are compiled.
 
-A kernel is made in two halves. Numba's front end writes its text in the compiler's own language, of the functions within it
-too, and knows nothing of the machine. LLVM then optimises this text and makes the machine's code of it. A text that was
-kept (`dampyr.models.codegen.shipped_kernels`) therefore gives the same code as one that is written now.
+Numba's front end infers the types of a kernel and of the functions within it and writes LLVM's bitcode, which does not depend
+on the processor. LLVM optimises this bitcode and makes machine code of it. So bitcode that comes with a wheel
+(`dampyr.models.codegen.shipped_kernels`) gives the same machine code as that of a kernel compiled from its source.
 """
 
 from __future__ import annotations
@@ -61,21 +61,22 @@ def kernel_compiler(vectorised: bool) -> Any:
     return KernelCompiler
 
 
-def kept_half(compiled: Any) -> tuple[Any, ...]:
-    """What numba's front end has made of a kernel that was compiled in this process, as `finished` takes it."""
+def unoptimised(compiled: Any) -> tuple[Any, ...]:
+    """What numba's front end has made of a kernel that was compiled in this process, as `optimised` takes it."""
     library = compiled.library
-    return library.vectorised, library.text, compiled._reduce()[1:]
+    return library.vectorised, library.bitcode, compiled._reduce()[1:]
 
 
-def finished(half: tuple[Any, ...], target: Any) -> Any:
-    """The compiled kernel of a `kept_half`."""
+def optimised(kernel: tuple[Any, ...], target: Any) -> Any:
+    """An `unoptimised` kernel, compiled for this processor."""
     from numba.core.compiler import compile_result
     from numba.core.compiler_lock import global_compiler_lock
 
-    vectorised, text, (description, environment, signature, objectmode, lifted, annotation, reload, environments) = half
+    vectorised, bitcode, of_signature = kernel
+    description, environment, signature, objectmode, lifted, annotation, reload, environments = of_signature
     with global_compiler_lock:
         library = _new_library(target, vectorised)
-        library.take(text)
+        library.read(bitcode)
         library.finalize()
         entry_point = target.get_executable(library, description, environment)
         for each in environments:
@@ -100,7 +101,7 @@ def finished(half: tuple[Any, ...], target: Any) -> Any:
 
 
 def _new_library(target: Any, vectorised: bool) -> Any:
-    """Of one kernel, what holds its text and then its machine code."""
+    """What holds a kernel's bitcode and then its machine code."""
     library = _library_class()(target.codegen(), "kernel")
     library.vectorised = vectorised
     library.enable_object_caching()
@@ -113,17 +114,15 @@ def _library_class() -> Any:
     from numba.core.codegen import JITCodeLibrary
 
     class KernelLibrary(JITCodeLibrary):
-        text: bytes | None = None  # LLVM's bitcode, before any machine is known
+        bitcode: bytes | None = None  # not optimised
         vectorised = True
 
-        def take(self, text: bytes) -> None:
-            self.text, self._final_module = text, parse_bitcode(text)
+        def read(self, bitcode: bytes) -> None:
+            self.bitcode, self._final_module = bitcode, parse_bitcode(bitcode)
 
         def _optimize_final_module(self) -> None:
-            if (
-                self.text is None
-            ):  # what is optimised is what was read from the kept text, here too: not a bit may differ
-                self.take(self._final_module.as_bitcode())
+            if self.bitcode is None:  # read again, as that of a wheel is: not a bit of the result may differ
+                self.read(self._final_module.as_bitcode())
             if self.vectorised:
                 super()._optimize_final_module()
                 return
